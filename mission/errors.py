@@ -1,0 +1,76 @@
+"""The failures of the planner, one class for each kind, carrying data and not prose.
+
+Only the command line turns them into text and an exit code: 2 bad input, 3 no plan exists, 4 link or vehicle failure.
+"""
+
+from dataclasses import dataclass
+
+
+class MissionError(Exception):
+    """Base of every failure that the planner raises on purpose."""
+
+    exit_code = 1
+
+
+@dataclass(frozen=True, order=True)
+class Fault:
+    """One thing that is wrong with a mission file.
+
+    Attributes:
+        line: One-based line in the file, 0 where the fault is the file as a whole.
+        column: One-based column in that line, 0 where unknown.
+        path: Dotted path of the value, such as ``regions.S1.triangle``; empty for the file as a whole.
+        message: What is wrong.
+        hint: What to write instead; may be empty.
+    """
+
+    line: int
+    column: int
+    path: str
+    message: str
+    hint: str = ""
+
+
+class SpecError(MissionError):
+    """A mission file, a formula or an argument that cannot be used; carries every fault found."""
+
+    exit_code = 2
+
+    def __init__(self, faults: tuple[Fault, ...], source: str = "") -> None:
+        self.faults = tuple(sorted(faults))
+        self.source = source
+        super().__init__("; ".join(f.message for f in self.faults))
+
+
+class FormulaSyntaxError(MissionError):
+    """A formula that cannot be parsed.
+
+    Attributes:
+        text: The formula as given.
+        column: One-based column of the first offending character.
+        hint: What was expected there.
+    """
+
+    exit_code = 2
+
+    def __init__(self, message: str, *, text: str, column: int, hint: str = "") -> None:
+        self.message, self.text, self.column, self.hint = message, text, column, hint
+        super().__init__(f"{message} (column {column})")
+
+
+class NoPlanError(MissionError):
+    """No run, no smoothing or no certificate exists for a well-formed mission; the message says why."""
+
+    exit_code = 3
+
+
+class LinkError(MissionError):
+    """The MAVLink connection could not be opened, or was lost."""
+
+    exit_code = 4
+
+
+class VehicleError(MissionError):
+    """The vehicle refused, or did not do what it acknowledged; carries its own words where it gave any."""
+
+    exit_code = 4

@@ -1,0 +1,1 @@
+"""Triangulations, labelled regions and geodesy, on whole arrays."""

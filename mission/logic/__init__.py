@@ -1,0 +1,1 @@
+"""Linear temporal logic: formulas, their meaning on words, and their automata."""

@@ -1,0 +1,1 @@
+"""Formulas of linear temporal logic, as immutable values."""

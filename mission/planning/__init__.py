@@ -1,0 +1,1 @@
+"""The transition system of a partition, its product with an automaton, and shortest accepting runs."""

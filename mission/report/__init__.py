@@ -1,0 +1,1 @@
+"""What was flown: the record, the figures and the report."""

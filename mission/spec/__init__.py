@@ -1,0 +1,1 @@
+"""The mission file: frozen values and a strict loader that reports every fault with its line."""

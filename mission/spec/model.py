@@ -1,0 +1,148 @@
+"""The values of a mission file, frozen. ENU, metres, seconds, radians unless a name says otherwise."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Literal
+
+Point = tuple[float, float]
+
+
+class RegionKind(StrEnum):
+    """What a region is for; restricted ones are never entered, whatever the formula says."""
+
+    SURVEY = "survey"
+    RESTRICTED = "restricted"
+    HOME = "home"
+
+
+class Semantics(StrEnum):
+    """Whether the word of a run begins with the label of the start triangle (standard) or after it (paper)."""
+
+    STANDARD = "standard"
+    PAPER = "paper"
+
+
+class Extension(StrEnum):
+    """How the planned path is extended before its Fourier series is taken."""
+
+    EVEN = "even"
+    ODD = "odd"
+
+
+@dataclass(frozen=True)
+class NodesDomain:
+    """The convex hull of the nodes, triangulated by Delaunay (the paper's way)."""
+
+    nodes_m: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class BoundaryDomain:
+    """A simple polygon, with further points of the mesh inside it where wanted."""
+
+    boundary_m: tuple[Point, ...]
+    points_m: tuple[Point, ...] = ()
+
+
+@dataclass(frozen=True)
+class TriangleShape:
+    """A region that is one triangle, named by its three node indices in any order."""
+
+    nodes: tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class PointShape:
+    """A region that is the one triangle with this point inside."""
+
+    point_m: Point
+
+
+@dataclass(frozen=True)
+class PolygonShape:
+    """A region that is a simple polygon, meshed by one or more triangles."""
+
+    corners_m: tuple[Point, ...]
+
+
+@dataclass(frozen=True)
+class Region:
+    """A named region; ``loiter_s`` is how long the vehicle stands still inside each time that it enters."""
+
+    name: str
+    kind: RegionKind
+    shape: TriangleShape | PointShape | PolygonShape
+    loiter_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the domain's (0, 0) lies, WGS 84."""
+
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True)
+class Start:
+    """Initial state of the steering system in the domain's frame."""
+
+    position_m: Point
+    velocity_m_s: Point = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Flight:
+    """How it is flown.
+
+    Attributes:
+        speed_m_s: Reference speed c of Eq. 19.
+        altitude_m: Height above the take-off point.
+        final_stay_s: Time under u_0 in the last triangle (of a run that ends in a stay).
+        laps: How often the suffix of a recurrent run is flown.
+        time_constant_s: tau of the tracking law, Eq. 12: K = [1/tau^2 I, 2/tau I].
+        disturbance_m_s2: Bound w on each axis of the acceleration that the tracking law does not know of; the
+            certificate inflates the path by the tube w tau^2 on each axis.
+    """
+
+    speed_m_s: float
+    altitude_m: float
+    final_stay_s: float
+    laps: int
+    time_constant_s: float
+    disturbance_m_s2: float
+
+
+@dataclass(frozen=True)
+class Smoothing:
+    """Fourier smoothing of the planned path (Sec. 4.3); ``auto`` takes as few frequencies as the proof needs."""
+
+    extension: Extension
+    frequencies: int | Literal["auto"]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the vehicle can do; the trajectory is slowed down where it would exceed them."""
+
+    speed_m_s: float
+    acceleration_m_s2: float
+    tilt_rad: float
+
+
+@dataclass(frozen=True)
+class MissionSpec:
+    """A whole, valid mission file."""
+
+    name: str
+    description: str
+    domain: NodesDomain | BoundaryDomain
+    regions: tuple[Region, ...]
+    formula: str
+    semantics: Semantics
+    run: int
+    start: Start
+    origin: Origin | None
+    flight: Flight
+    smoothing: Smoothing
+    limits: Limits

@@ -1,0 +1,1 @@
+"""From a run to a smooth trajectory with a certificate: facet control, exact flow, smoothing, proof."""

@@ -1,0 +1,1 @@
+"""Equations of motion, discretised exactly at a fixed step."""

@@ -1,0 +1,9 @@
+"""The failures of the vehicle program, one class for each kind."""
+
+
+class VehicleSimError(Exception):
+    """Base of every failure that the vehicle raises on purpose."""
+
+
+class ConfigurationError(VehicleSimError):
+    """An option or address that cannot be used; the message says what to write instead."""

@@ -1,0 +1,1 @@
+"""The sans-I/O MAVLink endpoint: one file per service."""
