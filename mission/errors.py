@@ -74,3 +74,17 @@ class VehicleError(MissionError):
     """The vehicle refused, or did not do what it acknowledged; carries its own words where it gave any."""
 
     exit_code = 4
+
+
+class RecordError(MissionError):
+    """A file that is no record of a flight, or one that is damaged before its end.
+
+    Attributes:
+        line: One-based line of the record; 0 for the record as a whole.
+    """
+
+    exit_code = 2
+
+    def __init__(self, message: str, *, line: int) -> None:
+        self.line = line
+        super().__init__(message)

@@ -1,0 +1,180 @@
+"""Reads a flight's record back, as arrays; also of a flight whose process was killed."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from mission.errors import RecordError
+from mission.geometry.arrays import FloatArray, frozen_floats
+from mission.report.record import RECORD_FILE, SCHEMA
+
+Line = Mapping[str, Any]
+LARGEST_RECORD_BYTES = 2**30
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """What the vehicle reported: times shape (N,), the rest (N, 3); domain ENU; NaN where it said nothing."""
+
+    t_s: FloatArray
+    position_m: FloatArray
+    velocity_m_s: FloatArray
+    attitude_rad: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Setpoints:
+    """What the vehicle was asked for: shapes (K,) and (K, 3); ``trajectory_s`` is NaN off the planned trajectory."""
+
+    t_s: FloatArray
+    position_m: FloatArray
+    velocity_m_s: FloatArray
+    acceleration_m_s2: FloatArray
+    trajectory_s: FloatArray
+
+
+@dataclass(frozen=True)
+class Visit:
+    """The vehicle came into a triangle (-1: outside the domain) with these labels."""
+
+    t_s: float
+    triangle: int
+    labels: frozenset[str]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line with a time and a text: an event's name or the vehicle's own words, with the other values."""
+
+    t_s: float
+    text: str
+    values: Line
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A flight as it was recorded.
+
+    Attributes:
+        mission: Name of the mission; empty where not even the header is whole.
+        vehicle: Identity of the vehicle, the last one recorded; empty where none was.
+        verdict: The last verdict recorded; None for a flight that did not come to its end.
+        cut: Whether the last line was cut, as by a kill in mid-write.
+    """
+
+    mission: str
+    vehicle: Line
+    track: Track
+    setpoints: Setpoints
+    visits: tuple[Visit, ...]
+    events: tuple[Entry, ...]
+    texts: tuple[Entry, ...]
+    verdict: Line | None
+    cut: bool
+
+
+def read_record(path: Path) -> Record:
+    """Read ``record.jsonl``, or the one in the folder ``path``.
+
+    Raises:
+        OSError: There is no such file.
+        RecordError: The file is no record, or of a schema that this version does not know, or damaged before its end.
+    """
+    file = path / RECORD_FILE if path.is_dir() else path
+    if file.stat().st_size > LARGEST_RECORD_BYTES:
+        raise RecordError(f"{file.name} is larger than {LARGEST_RECORD_BYTES} bytes", line=0)
+    return parse_record(file.read_bytes())
+
+
+def parse_record(data: bytes) -> Record:
+    """Read a record from its bytes.
+
+    Raises:
+        RecordError: As in ``read_record``.
+    """
+    *whole, rest = data.split(b"\n")
+    lines = [_parse_line(number, raw) for number, raw in enumerate(whole, start=1)]
+    if lines and (lines[0]["kind"] != "header" or lines[0].get("schema") != SCHEMA):
+        raise RecordError(f"this is not a flight record of schema {SCHEMA}", line=1)
+    kinds: dict[str, list[Line]] = {}
+    for line in lines:
+        kinds.setdefault(line["kind"], []).append(line)
+    try:
+        return _record(kinds, cut=bool(rest))
+    except (TypeError, ValueError, KeyError) as error:
+        raise RecordError(f"a value of the record has the wrong type: {error}", line=0) from error
+
+
+def _parse_line(number: int, raw: bytes) -> Line:
+    try:
+        line = json.loads(raw)
+    except (ValueError, RecursionError) as error:
+        raise RecordError(f"line {number} of the record is not JSON", line=number) from error
+    if not isinstance(line, dict) or not isinstance(line.get("kind"), str):
+        raise RecordError(f"line {number} of the record has no kind", line=number)
+    return line
+
+
+def _record(kinds: Mapping[str, Sequence[Line]], *, cut: bool) -> Record:
+    def of(kind: str) -> Sequence[Line]:
+        return kinds.get(kind, ())
+
+    telemetry, setpoints = of("telemetry"), of("setpoint")
+    return Record(
+        mission=str(of("header")[0].get("mission", "")) if of("header") else "",
+        vehicle=_values(of("vehicle")[-1]) if of("vehicle") else {},
+        track=Track(
+            t_s=_numbers(telemetry, "t_s"),
+            position_m=_vectors(telemetry, "position_m"),
+            velocity_m_s=_vectors(telemetry, "velocity_m_s"),
+            attitude_rad=_vectors(telemetry, "attitude_rad"),
+        ),
+        setpoints=Setpoints(
+            t_s=_numbers(setpoints, "t_s"),
+            position_m=_vectors(setpoints, "position_m"),
+            velocity_m_s=_vectors(setpoints, "velocity_m_s"),
+            acceleration_m_s2=_vectors(setpoints, "acceleration_m_s2"),
+            trajectory_s=_numbers(setpoints, "trajectory_s"),
+        ),
+        visits=tuple(
+            Visit(_number(line["t_s"]), int(line["triangle"]), frozenset(map(str, line["labels"])))
+            for line in of("visit")
+        ),
+        events=_entries(of("event"), "name"),
+        texts=_entries(of("text"), "text"),
+        verdict=_values(of("verdict")[-1]) if of("verdict") else None,
+        cut=cut,
+    )
+
+
+def _entries(lines: Iterable[Line], text: str) -> tuple[Entry, ...]:
+    return tuple(
+        Entry(
+            _number(line["t_s"]),
+            str(line[text]),
+            {name: value for name, value in line.items() if name not in ("kind", "t_s", text)},
+        )
+        for line in lines
+    )
+
+
+def _values(line: Line) -> Line:
+    return {name: value for name, value in line.items() if name != "kind"}
+
+
+def _number(value: Any) -> float:  # noqa: ANN401 - whatever JSON holds
+    return float("nan") if value is None else float(value)
+
+
+def _numbers(lines: Sequence[Line], name: str) -> FloatArray:
+    return frozen_floats([_number(line.get(name)) for line in lines])
+
+
+def _vectors(lines: Sequence[Line], name: str) -> FloatArray:
+    missing = (None, None, None)
+    rows = [[_number(part) for part in (line.get(name) or missing)] for line in lines]
+    return frozen_floats(np.array(rows, dtype=np.float64).reshape(len(rows), 3))

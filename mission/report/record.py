@@ -1,0 +1,155 @@
+"""What was flown, as JSON lines: one object a line, each written in one piece the moment it is known.
+
+A process that is killed leaves every whole line readable, and the reader skips a last line that was cut. The first
+line is the header. Every line has ``kind`` and ``t_s`` (vehicle time, seconds; null where there is none); vectors are
+in the domain's frame (ENU, origin of the domain, z above the take-off point), metres, seconds, radians:
+
+======================  ==============================================================================================
+kind                    values
+======================  ==============================================================================================
+header                  schema, mission
+vehicle                 identity as the vehicle gave it, any names
+telemetry               position_m, velocity_m_s, attitude_rad (roll, pitch, yaw: NED body angles, as MAVLink has them)
+setpoint                position_m, velocity_m_s, acceleration_m_s2, yaw_rad, trajectory_s (time on the planned
+                        trajectory; null for a setpoint that is not of the trajectory, as before and after it)
+visit                   triangle (-1 outside), labels: a new letter or triangle of the word that the vehicle spells
+event                   name, and any values
+text                    severity (MAVLink), text: a STATUSTEXT
+verdict                 achieved, reason, and any values
+======================  ==============================================================================================
+
+Numbers that are not finite are written as null and read as NaN. The bytes follow from the values alone.
+"""
+
+import json
+import math
+import os
+import re
+from collections.abc import Mapping
+from enum import Enum
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
+
+SCHEMA = 1
+RECORD_FILE = "record.jsonl"
+LONGEST_FOLDER_NAME = 80
+
+
+class Sink(Protocol):
+    """Where lines go: an unbuffered binary stream, or one in memory."""
+
+    def write(self, data: bytes, /) -> int:
+        """Take the first of these bytes at once; return how many."""
+
+    def close(self) -> None:
+        """Take no more."""
+
+
+class FlightRecord:
+    """Writes one flight's record.
+
+    Attributes:
+        folder: Where the flight's files go; None for a record that is kept in memory.
+    """
+
+    def __init__(self, sink: Sink, *, mission: str, folder: Path | None = None) -> None:
+        """Begin a record on ``sink`` (an ``io.BytesIO`` will do) with its header line."""
+        self.folder = folder
+        self._sink = sink
+        self.write("header", None, schema=SCHEMA, mission=mission)
+
+    @classmethod
+    def in_folder(cls, root: Path, mission: str, stamp: str | None = None) -> Self:
+        """Begin a record in a new folder ``root/<mission>-<stamp>``, numbered where there is no stamp or it is taken.
+
+        Raises:
+            OSError: The folder cannot be made.
+        """
+        folder = new_flight_folder(root, mission, stamp)
+        # Unbuffered: what write() returned from is out of this process, so killing it loses nothing.
+        return cls((folder / RECORD_FILE).open("xb", buffering=0), mission=mission, folder=folder)
+
+    def write(self, kind: str, t_s: float | None, **values: object) -> None:
+        """Write one line; ``values`` may hold numpy arrays and scalars, enums, sets, and numbers that are not finite.
+
+        Raises:
+            TypeError: A value that JSON cannot hold.
+            OSError: The disk is full, say.
+        """
+        rest = _line({"kind": kind, "t_s": t_s, **{name: values[name] for name in sorted(values)}})
+        while rest:  # an unbuffered file may take less than it was given
+            rest = rest[self._sink.write(rest) :]
+
+    def close(self) -> None:
+        """End the record; a record in memory is left open for whoever owns its stream."""
+        if self.folder is not None:
+            self._sink.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def new_flight_folder(root: Path, mission: str, stamp: str | None = None) -> Path:
+    """Make and return a folder that did not exist: ``<mission>-<stamp>``, or the lowest free ``<mission>-<n>``.
+
+    The mission's name comes from a file, so whatever is no letter, digit, dot, dash or underscore is replaced.
+
+    Raises:
+        OSError: ``root`` cannot be written to.
+    """
+    stem = _file_name(mission)
+    root.mkdir(parents=True, exist_ok=True)
+    number = 1
+    while True:
+        suffix = str(number) if stamp is None else _file_name(stamp) + (f"-{number}" if number > 1 else "")
+        folder = root / f"{stem}-{suffix}"
+        try:
+            folder.mkdir()  # atomic, so of two flights that begin at once each gets a folder of its own
+        except FileExistsError:
+            number += 1
+        else:
+            return folder
+
+
+def _file_name(text: str) -> str:
+    """A name for a folder that is safe in every file system."""
+    return re.sub(r"[^A-Za-z0-9._-]+", "-", text)[:LONGEST_FOLDER_NAME].strip(".-") or "mission"
+
+
+def _line(values: Mapping[str, object]) -> bytes:
+    try:
+        text = json.dumps(values, allow_nan=False, default=_plain, separators=(",", ":"))
+    except ValueError:  # something in it is not finite: rare, so only then is every value looked at
+        text = json.dumps(_finite(values), allow_nan=False, separators=(",", ":"))
+    return text.encode("ascii") + b"\n"
+
+
+def _plain(value: object) -> object:
+    """A value of this project as one that JSON knows."""
+    if isinstance(value, (frozenset, set)):
+        return sorted(value)
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    to_list = getattr(value, "tolist", None)  # numpy arrays and scalars
+    if to_list is None:
+        raise TypeError(f"a record cannot hold {type(value).__name__}")
+    return to_list()
+
+
+def _finite(value: object) -> object:
+    """The same with null for every number that is not finite."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    if isinstance(value, Mapping):
+        return {str(name): _finite(part) for name, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(part) for part in value]
+    return _finite(_plain(value))
