@@ -1,1 +1,300 @@
-"""Formulas of linear temporal logic, as immutable values."""
+"""Formulas of linear temporal logic, as immutable values.
+
+Nodes are hash-consed: building the same formula twice gives the same object, so that equality is identity and a formula
+is a directed acyclic graph that shares its common parts. Nothing here recurses, so depth is bounded by memory alone.
+
+Source of the operators: Pnueli, "The temporal logic of programs" (1977); ``W`` (weak until) and ``M`` (strong release)
+as in Manna and Pnueli, "The Temporal Logic of Reactive and Concurrent Systems" (1992).
+"""
+
+import re
+from collections.abc import Callable
+from enum import StrEnum
+from typing import Final, Self, final
+from weakref import WeakValueDictionary
+
+RESERVED: Final = frozenset({"F", "G", "X", "true", "false", "xor"})
+"""Words that are never a proposition unless they stand in double quotes."""
+
+_PLAIN_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
+_ANY_NAME: Final = re.compile(r'[^"\\\x00-\x1f\x7f]{1,200}')
+_SPLIT_NAME: Final = re.compile(r"[FGX]+(?:[A-Za-z][0-9]*)?")
+
+
+class Operator(StrEnum):
+    """What a node is; the value is how it is written."""
+
+    TRUE = "true"
+    FALSE = "false"
+    PROPOSITION = "proposition"
+    NOT = "!"
+    AND = "&"
+    OR = "|"
+    IMPLIES = "->"
+    IFF = "<->"
+    NEXT = "X"
+    EVENTUALLY = "F"
+    ALWAYS = "G"
+    UNTIL = "U"
+    RELEASE = "R"
+    WEAK_UNTIL = "W"
+    STRONG_RELEASE = "M"
+
+
+CONSTANTS: Final = frozenset({Operator.TRUE, Operator.FALSE})
+UNARY: Final = frozenset({Operator.NOT, Operator.NEXT, Operator.EVENTUALLY, Operator.ALWAYS})
+CHAINS: Final = frozenset({Operator.AND, Operator.OR})
+TEMPORAL: Final = frozenset(
+    {
+        Operator.NEXT,
+        Operator.EVENTUALLY,
+        Operator.ALWAYS,
+        Operator.UNTIL,
+        Operator.RELEASE,
+        Operator.WEAK_UNTIL,
+        Operator.STRONG_RELEASE,
+    }
+)
+
+# How tightly an operator binds; the same number on both sides of one that associates to the right.
+STRENGTH: Final = {
+    Operator.IMPLIES: 1,
+    Operator.IFF: 1,
+    Operator.OR: 3,
+    Operator.AND: 4,
+    Operator.UNTIL: 5,
+    Operator.RELEASE: 5,
+    Operator.WEAK_UNTIL: 5,
+    Operator.STRONG_RELEASE: 5,
+    Operator.NOT: 6,
+    Operator.NEXT: 6,
+    Operator.EVENTUALLY: 6,
+    Operator.ALWAYS: 6,
+}
+_ATOM_STRENGTH: Final = 7
+
+_NODES: WeakValueDictionary[tuple[Operator, "tuple[Formula, ...]", str], "Formula"] = WeakValueDictionary()
+
+
+@final
+class Formula:
+    """A node of a formula; the same arguments always give the same object.
+
+    Attributes:
+        operator: What the node is.
+        operands: Its operands in the order of writing; two or more for conjunctions and disjunctions.
+        name: The proposition's name; empty for every other operator.
+        depth: Number of nodes on the longest way down to a leaf, itself included.
+
+    Raises:
+        ValueError: The operands do not fit the operator, or the name is none that can be written.
+    """
+
+    __slots__ = ("__weakref__", "depth", "name", "operands", "operator")
+
+    operator: Operator
+    operands: "tuple[Formula, ...]"
+    name: str
+    depth: int
+
+    def __new__(cls, operator: Operator, operands: "tuple[Formula, ...]" = (), name: str = "") -> Self:
+        """Find the node of these arguments, or make it."""
+        key = (operator, operands, name)
+        known = _NODES.get(key)
+        if known is not None:
+            return known
+        _check(operator, operands, name)
+        node = super().__new__(cls)
+        object.__setattr__(node, "operator", operator)
+        object.__setattr__(node, "operands", operands)
+        object.__setattr__(node, "name", name)
+        object.__setattr__(node, "depth", 1 + max((operand.depth for operand in operands), default=0))
+        return _NODES.setdefault(key, node)
+
+    def __setattr__(self, attribute: str, value: object) -> None:
+        raise AttributeError(f"a formula is immutable: {attribute} cannot be set")
+
+    def __delattr__(self, attribute: str) -> None:
+        raise AttributeError(f"a formula is immutable: {attribute} cannot be deleted")
+
+    def __copy__(self) -> Self:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self
+
+    def __reduce__(self) -> tuple[type["Formula"], tuple[Operator, "tuple[Formula, ...]", str]]:
+        return Formula, (self.operator, self.operands, self.name)
+
+    def __str__(self) -> str:
+        return _written(self)
+
+    def __repr__(self) -> str:
+        return f"Formula({_written(self)!r})"
+
+
+def _check(operator: Operator, operands: tuple[Formula, ...], name: str) -> None:
+    count = len(operands)
+    if operator is Operator.PROPOSITION:
+        fits = count == 0
+        if not _ANY_NAME.fullmatch(name):
+            raise ValueError(f"{name!r} cannot be the name of a proposition")
+    elif name:
+        raise ValueError("only a proposition has a name")
+    elif operator in CONSTANTS:
+        fits = count == 0
+    elif operator in UNARY:
+        fits = count == 1
+    elif operator in CHAINS:
+        fits = count >= 2 and all(operand.operator is not operator for operand in operands)  # noqa: PLR2004 - a pair
+    else:
+        fits = count == 2  # noqa: PLR2004 - a pair
+    if not fits:
+        raise ValueError(f"{count} operands do not fit the operator {operator.value}")
+
+
+TRUE: Final = Formula(Operator.TRUE)
+FALSE: Final = Formula(Operator.FALSE)
+
+
+def proposition(name: str) -> Formula:
+    """The proposition ``name``: any characters but quotes, backslashes and control characters, 200 at most."""
+    return Formula(Operator.PROPOSITION, (), name)
+
+
+def negation(operand: Formula) -> Formula:
+    """``!operand``."""
+    return Formula(Operator.NOT, (operand,))
+
+
+def _chain(operator: Operator, operands: tuple[Formula, ...], neutral: Formula) -> Formula:
+    flat: list[Formula] = []
+    for operand in operands:
+        flat.extend(operand.operands if operand.operator is operator else (operand,))
+    if not flat:
+        return neutral
+    return flat[0] if len(flat) == 1 else Formula(operator, tuple(flat))
+
+
+def conjunction(*operands: Formula) -> Formula:
+    """All of ``operands``, in this order; nested conjunctions are flattened, and none at all is ``true``."""
+    return _chain(Operator.AND, operands, TRUE)
+
+
+def disjunction(*operands: Formula) -> Formula:
+    """Any of ``operands``, in this order; nested disjunctions are flattened, and none at all is ``false``."""
+    return _chain(Operator.OR, operands, FALSE)
+
+
+def implication(premise: Formula, conclusion: Formula) -> Formula:
+    """``premise -> conclusion``."""
+    return Formula(Operator.IMPLIES, (premise, conclusion))
+
+
+def equivalence(left: Formula, right: Formula) -> Formula:
+    """``left <-> right``."""
+    return Formula(Operator.IFF, (left, right))
+
+
+def following(operand: Formula) -> Formula:
+    """``X operand``: at the next position."""
+    return Formula(Operator.NEXT, (operand,))
+
+
+def eventually(operand: Formula) -> Formula:
+    """``F operand``: now or later."""
+    return Formula(Operator.EVENTUALLY, (operand,))
+
+
+def always(operand: Formula) -> Formula:
+    """``G operand``: now and ever after."""
+    return Formula(Operator.ALWAYS, (operand,))
+
+
+def until(left: Formula, right: Formula) -> Formula:
+    """``left U right``: ``right`` comes, and ``left`` holds until just before."""
+    return Formula(Operator.UNTIL, (left, right))
+
+
+def release(left: Formula, right: Formula) -> Formula:
+    """``left R right``: ``right`` holds up to and including the first ``left``, or for ever."""
+    return Formula(Operator.RELEASE, (left, right))
+
+
+def weak_until(left: Formula, right: Formula) -> Formula:
+    """``left W right``: as ``U``, or ``left`` holds for ever."""
+    return Formula(Operator.WEAK_UNTIL, (left, right))
+
+
+def strong_release(left: Formula, right: Formula) -> Formula:
+    """``left M right``: as ``R``, and ``left`` does come."""
+    return Formula(Operator.STRONG_RELEASE, (left, right))
+
+
+def postorder(formula: Formula) -> tuple[Formula, ...]:
+    """Every distinct node of ``formula``, operands before what is built from them, left before right."""
+    order: dict[Formula, None] = {}
+    pending: list[tuple[Formula, bool]] = [(formula, False)]
+    while pending:
+        node, expanded = pending.pop()
+        if node in order:
+            continue
+        if expanded:
+            order[node] = None
+            continue
+        pending.append((node, True))
+        pending.extend((operand, False) for operand in reversed(node.operands) if operand not in order)
+    return tuple(order)
+
+
+def propositions(formula: Formula) -> frozenset[str]:
+    """The names of the propositions that occur in ``formula``."""
+    return frozenset(proposition_order(formula))
+
+
+def proposition_order(formula: Formula) -> tuple[str, ...]:
+    """The names of the propositions in ``formula``, each once, in the order of their first occurrence."""
+    return tuple(node.name for node in postorder(formula) if node.operator is Operator.PROPOSITION)
+
+
+def rebuilt(formula: Formula, build: Callable[[Formula, tuple[Formula, ...]], Formula]) -> Formula:
+    """Replace each node, from the leaves up, by ``build(node, operands already replaced)``."""
+    done: dict[Formula, Formula] = {}
+    for node in postorder(formula):
+        done[node] = build(node, tuple(done[operand] for operand in node.operands))
+    return done[formula]
+
+
+def written_name(name: str) -> str:
+    """How a proposition is written: bare where that is read back as itself, in double quotes otherwise."""
+    bare = _PLAIN_NAME.fullmatch(name) and name not in RESERVED and not _SPLIT_NAME.fullmatch(name)
+    return name if bare else f'"{name}"'
+
+
+def _written(formula: Formula) -> str:
+    """The text of a formula, with no more parentheses than the syntax or a reader needs."""
+    texts: dict[Formula, str] = {}
+    for node in postorder(formula):
+        operator = node.operator
+        if operator is Operator.PROPOSITION:
+            texts[node] = written_name(node.name)
+        elif operator in CONSTANTS:
+            texts[node] = operator.value
+        elif operator in UNARY:
+            (operand,) = node.operands
+            inner = _enclosed(texts[operand], _strength(operand) < STRENGTH[operator])
+            texts[node] = operator.value + inner if operator is Operator.NOT else f"{operator.value} {inner}"
+        else:
+            # One level of operators without parentheses reads badly beyond `&` inside `|` inside `->`.
+            strength = STRENGTH[operator]
+            parts = (_enclosed(texts[operand], _strength(operand) <= strength) for operand in node.operands)
+            texts[node] = f" {operator.value} ".join(parts)
+    return texts[formula]
+
+
+def _strength(formula: Formula) -> int:
+    return STRENGTH.get(formula.operator, _ATOM_STRENGTH)
+
+
+def _enclosed(text: str, enclose: bool) -> str:  # noqa: FBT001 - whether, not which
+    return f"({text})" if enclose else text
