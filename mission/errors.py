@@ -58,6 +58,12 @@ class FormulaSyntaxError(MissionError):
         super().__init__(f"{message} (column {column})")
 
 
+class GeometryError(MissionError):
+    """A domain, a region or a place on Earth that the geometry cannot work with; the message says which and why."""
+
+    exit_code = 2
+
+
 class NoPlanError(MissionError):
     """No run, no smoothing or no certificate exists for a well-formed mission; the message says why."""
 

@@ -1,10 +1,13 @@
 """Labels of triangles: which regions each triangle belongs to."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
-from mission.geometry.arrays import IntArray, frozen_ints
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_ints
+from mission.geometry.simplices import Partition
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,3 +33,30 @@ class Labelling:
         """Indices of the triangles that carry the region ``name``, ascending."""
         with_name = [i for i, letter in enumerate(self.letters) if name in letter]
         return np.flatnonzero(np.isin(self.letter_of, with_name))
+
+
+def label_triangles(size: int, members: Mapping[str, BoolArray]) -> Labelling:
+    """Label ``size`` triangles from one membership mask, shape (size,), for each region name.
+
+    The letters are sorted by their names in the order of ``members``, the empty one first where it occurs, so equal
+    regions give equal labellings.
+    """
+    names = tuple(members)
+    if not names:
+        return Labelling((frozenset(),), np.zeros(size, dtype=np.int64))
+    table = np.stack([members[name] for name in names], axis=1)
+    distinct, letter_of = np.unique(table, axis=0, return_inverse=True)
+    letters = tuple(frozenset(name for name, member in zip(names, row, strict=True) if member) for row in distinct)
+    return Labelling(letters, letter_of.reshape(size))
+
+
+def triangles_inside(partition: Partition, polygon_m: FloatArray) -> BoolArray:
+    """Which triangles lie in a simple polygon, shape (M,).
+
+    Meant for a polygon whose edges are edges of the partition: each triangle is then wholly inside or wholly outside,
+    and its incentre, the point that is farthest from its edges, tells which.
+    """
+    polygon = shapely.Polygon(polygon_m)
+    shapely.prepare(polygon)
+    inside: BoolArray = shapely.contains_xy(polygon, partition.incentres_m[:, 0], partition.incentres_m[:, 1])
+    return inside

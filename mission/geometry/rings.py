@@ -1,0 +1,74 @@
+"""Rings: closed polygons as arrays of corners, shape (K, 2), the last corner joined to the first.
+
+Edge ``i`` of a ring runs from corner ``i`` to corner ``i + 1``.
+"""
+
+import numpy as np
+import shapely
+
+from mission.geometry.arrays import FloatArray, IntArray
+
+
+def ring_edges(ring_m: FloatArray) -> FloatArray:
+    """The edges of a ring, shape (K, 2, 2): edge, end, xy."""
+    ring = np.asarray(ring_m, dtype=np.float64)
+    return np.stack((ring, np.roll(ring, -1, axis=0)), axis=1)
+
+
+def ring_area_m2(ring_m: FloatArray) -> float:
+    """Signed area of a ring, positive where it is counter-clockwise."""
+    # About its first corner: far from the origin the shoelace sum would cancel.
+    x, y = (np.asarray(ring_m, dtype=np.float64) - ring_m[0]).T
+    return float(0.5 * (x * np.roll(y, -1) - y * np.roll(x, -1)).sum())
+
+
+def edge_crossings(edges_m: FloatArray, tolerance_m: float) -> tuple[IntArray, FloatArray]:
+    """Pairs of edges that cross: each has its ends on both sides of the other, all farther from it than the tolerance.
+
+    Edges that only touch, share an end or run along each other do not cross: a triangulation can have them both.
+
+    Args:
+        edges_m: Shape (E, 2, 2): edge, end, xy.
+        tolerance_m: Distance below which an end counts as lying on the other edge's line.
+
+    Returns:
+        The pairs, shape (C, 2), lower index first and sorted; and where they cross, shape (C, 2).
+    """
+    lines = shapely.linestrings(edges_m)
+    first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
+    pairs = np.stack((first, second), axis=1)[first < second]
+    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    a, b = edges_m[pairs[:, 0]], edges_m[pairs[:, 1]]
+    of_b, of_a = _line_distances(a, b), _line_distances(b, a)
+    apart = (np.abs(of_b) > tolerance_m).all(axis=1) & (np.abs(of_a) > tolerance_m).all(axis=1)
+    crosses = apart & (of_b[:, 0] * of_b[:, 1] < 0) & (of_a[:, 0] * of_a[:, 1] < 0)
+    share = (of_a[crosses, 0] / (of_a[crosses, 0] - of_a[crosses, 1]))[:, None]
+    points: FloatArray = (1.0 - share) * a[crosses, 0] + share * a[crosses, 1]
+    return pairs[crosses], points
+
+
+def _line_distances(lines: FloatArray, edges: FloatArray) -> FloatArray:
+    """Signed distances of both ends of each edge from the line beside it, shape (C, 2)."""
+    direction = lines[:, 1] - lines[:, 0]
+    offsets = edges - lines[:, :1]
+    crosses = direction[:, None, 0] * offsets[..., 1] - direction[:, None, 1] * offsets[..., 0]
+    distances: FloatArray = crosses / np.linalg.norm(direction, axis=1)[:, None]
+    return distances
+
+
+def ring_fault(ring_m: FloatArray, tolerance_m: float) -> str:
+    """What makes a ring no simple polygon, in words with its corners counted from 0; empty where it is one."""
+    corners = len(ring_m)
+    edges = ring_edges(ring_m)
+    short = np.flatnonzero(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) <= tolerance_m)
+    if len(short):
+        return f"corners {short[0]} and {(short[0] + 1) % corners} are the same point"
+    pairs, points = edge_crossings(edges, tolerance_m)
+    if len(pairs):
+        (i, j), (x, y) = pairs[0], points[0]
+        return f"its edges {i}-{(i + 1) % corners} and {j}-{(j + 1) % corners} cross at ({x:g}, {y:g})"
+    if abs(ring_area_m2(ring_m)) <= tolerance_m * float(np.ptp(ring_m, axis=0).max()):
+        return "its corners all lie on one line"
+    if not shapely.is_valid(shapely.Polygon(ring_m)):
+        return "it touches itself"
+    return ""

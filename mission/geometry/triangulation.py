@@ -1,0 +1,209 @@
+"""Delaunay triangulations: of nodes (the paper's way), and of a boundary with the polygons that lie in it.
+
+The order of the triangles and of the vertices in each is scipy's, which for the paper's nodes is the paper's.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import Delaunay, QhullError, cKDTree
+
+from mission.errors import GeometryError
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+from mission.geometry.simplices import ROUNDING, Partition
+
+SLIVER = 1e-4
+"""A triangle is degenerate where its smallest height is less than this part of its longest side."""
+
+
+def triangulate_nodes(nodes_m: FloatArray) -> Partition:
+    """Delaunay triangulation of the convex hull of nodes.
+
+    Nodes on a straight side of the hull are seldom exactly in line, and Delaunay then puts triangles of rounding
+    height between them and the side. Those are peeled off; whatever else scipy gives is kept, in its order.
+
+    Args:
+        nodes_m: Shape (V, 2), ENU, metres; V at least 3, not all in line.
+
+    Raises:
+        GeometryError: If no triangle comes out, or one has no area.
+    """
+    nodes = np.asarray(nodes_m, dtype=np.float64)
+    if nodes.ndim != 2 or nodes.shape[1] != 2 or not np.isfinite(nodes).all():  # noqa: PLR2004 - the plane
+        raise GeometryError("nodes must be finite points of the plane, shape (V, 2)")
+    if len(nodes) < 3:  # noqa: PLR2004 - a triangle
+        raise GeometryError(f"{len(nodes)} nodes do not make a triangle; three is the least")
+    try:
+        mesh = Delaunay(nodes)
+    except QhullError as error:
+        raise GeometryError("the nodes all lie on one line") from error
+    triangles = np.asarray(mesh.simplices, dtype=np.int64)
+    neighbours = np.asarray(mesh.neighbors, dtype=np.int64)
+    keep = _without_rounding(nodes, triangles, neighbours)
+    if not keep.any():
+        raise GeometryError("the nodes all lie on one line")
+    return _selected(nodes, triangles, neighbours, keep)
+
+
+def triangulate_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_m: Sequence[FloatArray]) -> Partition:
+    """Delaunay triangulation of a simple polygon, in which it and further polygons come out as edges.
+
+    The vertices are the corners of the boundary, the points, then the corners of the polygons, each place once, in
+    this order. Triangles outside the boundary are dropped.
+
+    Args:
+        boundary_m: Shape (K, 2), corners of a simple polygon, in either sense.
+        points_m: Shape (P, 2), further vertices in it.
+        polygons_m: Corners of each polygon, shape (K_i, 2).
+
+    Raises:
+        GeometryError: If an edge of the boundary or of a polygon is no edge of the triangulation, or no triangle
+            comes out.
+    """
+    mesh = mesh_of_boundary(boundary_m, points_m, polygons_m)
+    for ring in (boundary_m, *polygons_m):
+        missing = RingInMesh.of(mesh, ring).missing_edges
+        if missing:
+            ends = [tuple(float(x) for x in ring[k % len(ring)]) for k in (missing[0], missing[0] + 1)]
+            raise GeometryError(f"the edge from {ends[0]} to {ends[1]} does not come out as an edge of the mesh")
+    return inside_of(mesh, boundary_m)
+
+
+def mesh_of_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_m: Sequence[FloatArray]) -> Partition:
+    """Triangulation of all vertices of a boundary domain, as ``triangulate_boundary``, outside included."""
+    places = [np.asarray(p, dtype=np.float64).reshape(-1, 2) for p in (boundary_m, points_m, *polygons_m)]
+    return triangulate_nodes(distinct_points(np.concatenate(places)))
+
+
+def distinct_points(points_m: FloatArray) -> FloatArray:
+    """The points without those that repeat an earlier one (closer than ``ROUNDING`` of the extent), in order."""
+    closeness = ROUNDING * float(np.ptp(points_m, axis=0).max())
+    pairs = cKDTree(points_m).query_pairs(closeness, output_type="ndarray")
+    return np.delete(points_m, np.unique(pairs.max(axis=1)) if len(pairs) else [], axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class RingInMesh:
+    """A ring as a chain of vertices of a triangulation.
+
+    An edge of the ring that passes through vertices counts as the shorter edges between them.
+
+    Attributes:
+        links: Shape (L, 2), vertex indices of consecutive links.
+        edge_of: Shape (L,), the ring's edge that each link belongs to.
+        present: Shape (L,), whether the link is an edge of the triangulation.
+    """
+
+    links: IntArray
+    edge_of: IntArray
+    present: BoolArray
+
+    @classmethod
+    def of(cls, mesh: Partition, ring_m: FloatArray) -> "RingInMesh":
+        """Find a ring in a triangulation.
+
+        Raises:
+            GeometryError: If a corner of the ring is no vertex of it.
+        """
+        ring = np.asarray(ring_m, dtype=np.float64)
+        closeness = ROUNDING * mesh.extent_m
+        nearest = cKDTree(mesh.vertices_m).query(ring)
+        distances, corners = np.asarray(nearest[0]), np.asarray(nearest[1])
+        if (distances > closeness).any():
+            x, y = ring[int(np.argmax(distances))]
+            raise GeometryError(f"the corner ({x:g}, {y:g}) is no vertex of the mesh")
+        chains = [
+            _vertices_between(mesh.vertices_m, int(a), int(b), closeness)
+            for a, b in zip(corners, np.roll(corners, -1), strict=True)
+        ]
+        links = np.concatenate([np.stack((chain[:-1], chain[1:]), axis=1) for chain in chains])
+        edge_of = np.repeat(np.arange(len(chains)), [len(chain) - 1 for chain in chains])
+        present = np.isin(_edge_keys(links, len(mesh.vertices_m)), _facet_keys(mesh))
+        return cls(links, edge_of, present)
+
+    @property
+    def missing_edges(self) -> tuple[int, ...]:
+        """Indices of the ring's edges that do not come out, ascending."""
+        return tuple(int(edge) for edge in np.unique(self.edge_of[~self.present]))
+
+
+def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
+    """The triangles of a mesh within a boundary whose edges are edges of the mesh, in the mesh's order.
+
+    Raises:
+        GeometryError: If no triangle lies inside.
+    """
+    # The boundary cuts the mesh into pieces that are wholly inside or outside. The widest triangle of each piece
+    # tells which, so that slivers beside the boundary are never judged by rounding.
+    ring = RingInMesh.of(mesh, boundary_m)
+    walls = _edge_keys(ring.links, len(mesh.vertices_m))
+    open_facets = (mesh.neighbours >= 0) & ~np.isin(_facet_keys(mesh), walls)
+    rows, facets = np.nonzero(open_facets)
+    links = coo_array((np.ones(len(rows)), (rows, mesh.neighbours[rows, facets])), shape=(mesh.size, mesh.size))
+    pieces, piece_of = connected_components(links, directed=False)
+    widest = np.empty(pieces, dtype=np.int64)
+    ascending = np.argsort(mesh.inradii_m, kind="stable")
+    widest[piece_of[ascending]] = ascending
+    polygon = shapely.Polygon(boundary_m)
+    inside = shapely.contains_xy(polygon, mesh.incentres_m[widest, 0], mesh.incentres_m[widest, 1])
+    if not inside.any():
+        raise GeometryError("no triangle lies inside the boundary")
+    return _selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
+
+
+def slivers(partition: Partition) -> IntArray:
+    """Indices of the degenerate triangles: smallest height less than ``SLIVER`` of the longest side."""
+    return np.flatnonzero(partition.heights_m.min(axis=1) < SLIVER * partition.edge_lengths_m.max(axis=1))
+
+
+def _without_rounding(nodes: FloatArray, triangles: IntArray, neighbours: IntArray) -> BoolArray:
+    """Mask of the triangles that stay when those of rounding height are peeled off from the hull inwards."""
+    corners = nodes[triangles]
+    sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+    doubled = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    heights = doubled / np.linalg.norm(sides, axis=-1).max(axis=1)
+    flat = heights <= ROUNDING * float(np.ptp(nodes, axis=0).max())
+    keep = np.ones(len(triangles), dtype=np.bool_)
+    while True:
+        at_rim = ((neighbours < 0) | ~keep[neighbours]).any(axis=1)
+        peeled = keep & flat & at_rim
+        if not peeled.any():
+            return keep
+        keep &= ~peeled
+
+
+def _selected(vertices: FloatArray, triangles: IntArray, neighbours: IntArray, keep: BoolArray) -> Partition:
+    """The kept triangles as a partition of their own."""
+    # Index -1 (no neighbour) picks the last entry, which maps to -1.
+    renumbered = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
+    return Partition(vertices, triangles[keep], renumbered[neighbours[keep]])
+
+
+def _vertices_between(vertices: FloatArray, a: int, b: int, closeness: float) -> IntArray:
+    """Indices of the vertices on the segment from ``a`` to ``b`` in its order, both ends included."""
+    along = vertices[b] - vertices[a]
+    length = float(np.hypot(*along))
+    if length == 0.0:
+        return np.array([a, b], dtype=np.int64)
+    offsets = vertices - vertices[a]
+    shares = offsets @ along / length
+    aside = np.abs(offsets[:, 1] * along[0] - offsets[:, 0] * along[1]) / length
+    between = np.flatnonzero((aside <= closeness) & (shares > closeness) & (shares < length - closeness))
+    ordered = between[np.argsort(shares[between], kind="stable")]
+    return np.concatenate(([a], ordered, [b])).astype(np.int64)
+
+
+def _edge_keys(links: IntArray, vertices: int) -> IntArray:
+    """One integer for each undirected edge; shape (..., 2) in, (...) out."""
+    keys: IntArray = links.min(axis=-1) * vertices + links.max(axis=-1)
+    return keys
+
+
+def _facet_keys(mesh: Partition) -> IntArray:
+    """Keys of all facets, shape (M, 3)."""
+    ends = np.stack((np.roll(mesh.triangles, -1, axis=1), np.roll(mesh.triangles, -2, axis=1)), axis=-1)
+    return _edge_keys(ends, len(mesh.vertices_m))

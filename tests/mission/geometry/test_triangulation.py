@@ -1,0 +1,160 @@
+"""Triangulations: the paper's numbering, Euler's formula, areas, and boundaries with polygons in them."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import Delaunay
+
+from mission.errors import GeometryError
+from mission.geometry.arrays import FloatArray
+from mission.geometry.regions import triangles_inside
+from mission.geometry.simplices import Partition
+from mission.geometry.triangulation import (
+    RingInMesh,
+    distinct_points,
+    mesh_of_boundary,
+    slivers,
+    triangulate_boundary,
+    triangulate_nodes,
+)
+from tests.support.domains import PAPER_NODES, PAPER_TRIANGLES, random_nodes
+
+seeds = st.integers(0, 10_000)
+NO_POINTS = np.empty((0, 2))
+
+
+def symmetric(partition: Partition) -> bool:
+    """Whether each neighbour across a facet has that facet, and the triangle across it, too."""
+    for i, (triangle, row) in enumerate(zip(partition.triangles, partition.neighbours, strict=True)):
+        for j, other in enumerate(row):
+            shared = {int(triangle[j - 2]), int(triangle[j - 1])}
+            holders = [k for k, t in enumerate(partition.triangles) if shared <= {int(v) for v in t}]
+            if set(holders) != ({i} if other < 0 else {i, int(other)}):
+                return False
+    return True
+
+
+def square_grid(count: int, angle: float, shift: float) -> FloatArray:
+    xs, ys = np.meshgrid(np.arange(float(count)), np.arange(float(count)))
+    turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    grid: FloatArray = np.stack((xs.ravel(), ys.ravel()), axis=1) @ turn.T * 3.7 + shift
+    return grid
+
+
+def test_paper_domain_has_the_papers_numbering() -> None:
+    partition = triangulate_nodes(PAPER_NODES)
+    assert partition.triangles.tolist() == PAPER_TRIANGLES
+    assert partition.triangles[3].tolist() == [7, 4, 1]
+    assert partition.neighbours.tolist() == Delaunay(PAPER_NODES).neighbors.tolist()
+
+
+@given(seeds, st.integers(4, 40))
+@settings(max_examples=60, deadline=None)
+def test_euler_neighbours_and_areas_of_random_nodes(seed: int, count: int) -> None:
+    nodes = random_nodes(seed, count)
+    partition = triangulate_nodes(nodes)
+    hull = shapely.MultiPoint(nodes).convex_hull
+    rim = int((partition.neighbours < 0).sum())
+    edges = (3 * partition.size + rim) // 2
+    assert len(nodes) - edges + partition.size == 1
+    assert partition.areas_m2.sum() == pytest.approx(hull.area, rel=1e-12)
+    assert symmetric(partition)
+
+
+@given(st.integers(2, 8), st.floats(0.0, 3.2), st.floats(-1000.0, 1000.0))
+@settings(max_examples=60, deadline=None)
+def test_turned_grids_have_no_triangles_of_rounding_height(count: int, angle: float, shift: float) -> None:
+    nodes = square_grid(count, angle, shift)
+    partition = triangulate_nodes(nodes)
+    assert partition.size == 2 * (count - 1) ** 2
+    assert partition.areas_m2.sum() == pytest.approx((3.7 * (count - 1)) ** 2, rel=1e-9)
+    assert symmetric(partition)
+    assert not len(slivers(partition))
+
+
+def test_nodes_in_line_or_too_few_or_not_finite_are_refused() -> None:
+    with pytest.raises(GeometryError, match="one line"):
+        triangulate_nodes(np.array([(0.0, 0.0), (1.0, 1.0), (2.0, 2.0)]))
+    with pytest.raises(GeometryError, match="one line"):
+        triangulate_nodes(np.array([(0.0, 0.0), (0.1, 0.3), (0.2, 0.6), (0.7, 2.1)]))
+    with pytest.raises(GeometryError, match="2 nodes"):
+        triangulate_nodes(np.array([(0.0, 0.0), (1.0, 1.0)]))
+    with pytest.raises(GeometryError, match="finite"):
+        triangulate_nodes(np.array([(0.0, 0.0), (1.0, math.nan), (2.0, 2.0)]))
+
+
+def test_slivers_are_found() -> None:
+    partition = triangulate_nodes(np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (5.0, 4.9999)]))
+    assert [partition.triangles[i].tolist() for i in slivers(partition)] != []
+    assert not len(slivers(triangulate_nodes(PAPER_NODES)))
+
+
+L_SHAPE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 4.0), (0.0, 4.0)])
+
+
+@pytest.mark.parametrize("ring", [L_SHAPE, L_SHAPE[::-1]])
+def test_a_bent_boundary_drops_what_lies_outside(ring: FloatArray) -> None:
+    partition = triangulate_boundary(ring, NO_POINTS, [])
+    assert partition.areas_m2.sum() == pytest.approx(12.0)
+    assert symmetric(partition)
+    assert shapely.contains_xy(shapely.Polygon(L_SHAPE), *partition.incentres_m.T).all()
+
+
+def test_polygons_come_out_as_unions_of_triangles() -> None:
+    first = np.array([(0.5, 0.5), (1.5, 0.5), (1.5, 1.5), (0.5, 1.5)])
+    second = np.array([(1.5, 0.5), (2.5, 0.5), (2.5, 1.5), (1.5, 1.5)])
+    partition = triangulate_boundary(L_SHAPE, np.array([(3.0, 1.0)]), [first, second])
+    assert partition.vertices_m[:7].tolist() == [*L_SHAPE.tolist(), [3.0, 1.0]]
+    assert len(partition.vertices_m) == 6 + 1 + 4 + 2
+    for ring in (first, second):
+        inside = triangles_inside(partition, ring)
+        assert partition.areas_m2[inside].sum() == pytest.approx(1.0)
+
+
+def test_a_vertex_on_an_edge_splits_it() -> None:
+    boundary = np.array([(0.0, 0.0), (9.0, 3.0), (6.0, 12.0), (-3.0, 9.0)])
+    # A third of the way along a slanting side, so that it is not exactly on it.
+    polygon = np.array([(3.0, 1.0), (2.0, 5.0), (0.1 * 3 / 0.1 * 2, 2.0)])
+    partition = triangulate_boundary(boundary, NO_POINTS, [polygon])
+    assert partition.areas_m2.sum() == pytest.approx(90.0)
+    chain = RingInMesh.of(partition, boundary)
+    assert chain.edge_of.tolist().count(0) == 3
+    assert not chain.missing_edges
+
+
+def test_an_edge_that_does_not_come_out_is_named() -> None:
+    boundary = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)])
+    thin = np.array([(1.0, 5.0), (9.0, 5.0), (9.0, 9.0), (1.0, 9.0)])
+    points = np.array([(5.0, 5.1), (5.0, 4.9)])
+    with pytest.raises(GeometryError, match=r"from \(1.0, 5.0\) to \(9.0, 5.0\)"):
+        triangulate_boundary(boundary, points, [thin])
+    mesh = mesh_of_boundary(boundary, points, [thin])
+    assert RingInMesh.of(mesh, thin).missing_edges == (0,)
+    with pytest.raises(GeometryError, match="no vertex"):
+        RingInMesh.of(mesh, thin + 0.5)
+
+
+def test_points_that_repeat_are_one() -> None:
+    points = np.array([(0.0, 0.0), (10.0, 0.0), (0.0, 1e-9), (10.0, 10.0), (10.0, 0.0)])
+    assert distinct_points(points).tolist() == [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]]
+
+
+@given(seeds, st.integers(5, 12))
+@settings(max_examples=60, deadline=None)
+def test_star_shaped_boundaries_keep_their_area(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    angles = np.arange(count) * 2 * math.pi / count
+    radii = rng.uniform(0.6, 1.0, count)
+    ring = 50.0 * radii[:, None] * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    mesh = mesh_of_boundary(ring, np.zeros((1, 2)), [])
+    if RingInMesh.of(mesh, ring).missing_edges:
+        with pytest.raises(GeometryError, match="does not come out"):
+            triangulate_boundary(ring, np.zeros((1, 2)), [])
+    else:
+        partition = triangulate_boundary(ring, np.zeros((1, 2)), [])
+        assert partition.areas_m2.sum() == pytest.approx(shapely.Polygon(ring).area, rel=1e-9)
+        assert symmetric(partition)
