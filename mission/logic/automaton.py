@@ -1,5 +1,6 @@
 """Automata on infinite words, as values: Büchi with accepting states, generalised Büchi with marked transitions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -164,7 +165,7 @@ def _check_states(propositions: tuple[str, ...], size: int, initial: tuple[int, 
         raise ValueError(f"{initial} are no ordered initial states among {size} states")
 
 
-def _check_edges(propositions: tuple[str, ...], size: int, edges: "tuple[Edge, ...] | tuple[MarkedEdge, ...]") -> None:
+def _check_edges(propositions: tuple[str, ...], size: int, edges: Sequence[Edge | MarkedEdge]) -> None:
     for edge in edges:
         if not (0 <= edge.source < size and 0 <= edge.target < size):
             raise ValueError(f"an edge from {edge.source} to {edge.target} leaves the {size} states")
@@ -223,9 +224,14 @@ def compile_to_alphabet(automaton: BuchiAutomaton, letters: tuple[Letter, ...]) 
     rows, _ = _transitions(automaton.propositions, automaton.edges, letters)
     accepting = np.zeros(automaton.size, dtype=np.bool_)
     accepting[sorted(automaton.accepting)] = True
-    columns = [_frozen(column) for column in rows.T]
-    initial = np.array(automaton.initial, dtype=np.int64)
-    return CompiledAutomaton(automaton.size, *columns, initial=_frozen(initial), accepting=_frozen_flags(accepting))
+    return CompiledAutomaton(
+        states=automaton.size,
+        sources=_frozen(rows[:, 0]),
+        letters=_frozen(rows[:, 1]),
+        targets=_frozen(rows[:, 2]),
+        initial=_frozen(np.array(automaton.initial, dtype=np.int64)),
+        accepting=_frozen_flags(accepting),
+    )
 
 
 def compile_generalised(automaton: GeneralisedBuchi, letters: tuple[Letter, ...]) -> CompiledGeneralised:
@@ -234,15 +240,19 @@ def compile_generalised(automaton: GeneralisedBuchi, letters: tuple[Letter, ...]
     marked = np.zeros((len(automaton.edges), automaton.sets), dtype=np.bool_)
     for row, edge in enumerate(automaton.edges):
         marked[row, list(edge.marks)] = True
-    columns = [_frozen(column) for column in rows.T]
-    initial = np.array(automaton.initial, dtype=np.int64)
     return CompiledGeneralised(
-        automaton.size, automaton.sets, *columns, marks=_frozen_flags(marked[origins]), initial=_frozen(initial)
+        states=automaton.size,
+        sets=automaton.sets,
+        sources=_frozen(rows[:, 0]),
+        letters=_frozen(rows[:, 1]),
+        targets=_frozen(rows[:, 2]),
+        marks=_frozen_flags(marked[origins]),
+        initial=_frozen(np.array(automaton.initial, dtype=np.int64)),
     )
 
 
 def _transitions(
-    propositions: tuple[str, ...], edges: "tuple[Edge, ...] | tuple[MarkedEdge, ...]", letters: tuple[Letter, ...]
+    propositions: tuple[str, ...], edges: Sequence[Edge | MarkedEdge], letters: tuple[Letter, ...]
 ) -> tuple[IntArray, IntArray]:
     """(N, 3) source, letter and target of every transition in order, and (N,) the edge that each comes from."""
     words = [sum(1 << bit for bit, name in enumerate(propositions) if name in letter) for letter in letters]
