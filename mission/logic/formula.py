@@ -85,17 +85,21 @@ class Formula:
         operands: Its operands in the order of writing; two or more for conjunctions and disjunctions.
         name: The proposition's name; empty for every other operator.
         depth: Number of nodes on the longest way down to a leaf, itself included.
+        eventuality: Whether the syntax shows that it holds already if it holds at some later position (``F a``).
+        universality: Whether the syntax shows that it stays true once it is (``G a``).
 
     Raises:
         ValueError: The operands do not fit the operator, or the name is none that can be written.
     """
 
-    __slots__ = ("__weakref__", "depth", "name", "operands", "operator")
+    __slots__ = ("__weakref__", "depth", "eventuality", "name", "operands", "operator", "universality")
 
     operator: Operator
     operands: "tuple[Formula, ...]"
     name: str
     depth: int
+    eventuality: bool
+    universality: bool
 
     def __new__(cls, operator: Operator, operands: "tuple[Formula, ...]" = (), name: str = "") -> Self:
         """Find the node of these arguments, or make it."""
@@ -109,6 +113,8 @@ class Formula:
         object.__setattr__(node, "operands", operands)
         object.__setattr__(node, "name", name)
         object.__setattr__(node, "depth", 1 + max((operand.depth for operand in operands), default=0))
+        object.__setattr__(node, "eventuality", _is_eventuality(operator, operands))
+        object.__setattr__(node, "universality", _is_universality(operator, operands))
         return _NODES.setdefault(key, node)
 
     def __setattr__(self, attribute: str, value: object) -> None:
@@ -151,6 +157,42 @@ def _check(operator: Operator, operands: tuple[Formula, ...], name: str) -> None
         fits = count == 2  # noqa: PLR2004 - a pair
     if not fits:
         raise ValueError(f"{count} operands do not fit the operator {operator.value}")
+
+
+def _is_eventuality(  # noqa: PLR0911 - one return for each rule
+    operator: Operator, operands: tuple[Formula, ...]
+) -> bool:
+    if operator is Operator.PROPOSITION:
+        return False
+    if operator is Operator.NOT:
+        return operands[0].universality
+    if operator is Operator.IMPLIES:
+        return operands[0].universality and operands[1].eventuality
+    if operator is Operator.IFF:
+        return all(operand.eventuality and operand.universality for operand in operands)
+    if operator is Operator.EVENTUALLY:
+        return True
+    if operator is Operator.UNTIL:
+        return operands[1].eventuality
+    return all(operand.eventuality for operand in operands)
+
+
+def _is_universality(  # noqa: PLR0911 - one return for each rule
+    operator: Operator, operands: tuple[Formula, ...]
+) -> bool:
+    if operator is Operator.PROPOSITION:
+        return False
+    if operator is Operator.NOT:
+        return operands[0].eventuality
+    if operator is Operator.IMPLIES:
+        return operands[0].eventuality and operands[1].universality
+    if operator is Operator.IFF:
+        return all(operand.eventuality and operand.universality for operand in operands)
+    if operator is Operator.ALWAYS:
+        return True
+    if operator is Operator.RELEASE:
+        return operands[1].universality
+    return all(operand.universality for operand in operands)
 
 
 TRUE: Final = Formula(Operator.TRUE)
