@@ -7,3 +7,7 @@ class VehicleSimError(Exception):
 
 class ConfigurationError(VehicleSimError):
     """An option or address that cannot be used; the message says what to write instead."""
+
+
+class ParameterError(VehicleSimError):
+    """A parameter that does not exist, or a value that it cannot take; the message says which."""

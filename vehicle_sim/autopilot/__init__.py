@@ -1,0 +1,30 @@
+"""The autopilot: modes, arming, take-off and landing, failsafes; names and wire formats belong to the protocol."""
+
+from vehicle_sim.autopilot.arming import ArmingFault, ArmingReason
+from vehicle_sim.autopilot.machine import SpeedAxis
+from vehicle_sim.autopilot.modes import (
+    MODES,
+    Failsafe,
+    LandedState,
+    Mode,
+    ModeRule,
+    Outcome,
+    Severity,
+    StatusText,
+)
+from vehicle_sim.autopilot.requests import Autopilot
+
+__all__ = [
+    "MODES",
+    "ArmingFault",
+    "ArmingReason",
+    "Autopilot",
+    "Failsafe",
+    "LandedState",
+    "Mode",
+    "ModeRule",
+    "Outcome",
+    "Severity",
+    "SpeedAxis",
+    "StatusText",
+]

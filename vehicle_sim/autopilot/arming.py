@@ -1,0 +1,96 @@
+"""Arming checks: what keeps the vehicle from being armed, as reasons with the texts of each flavour."""
+
+from collections.abc import Mapping
+from enum import Enum, auto
+from typing import Final, NamedTuple
+
+from vehicle_sim.autopilot.modes import Mode, ModeRule
+from vehicle_sim.battery import BatteryLevel
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.signals import Estimate
+
+
+class ArmingReason(Enum):
+    """Why the vehicle may not be armed."""
+
+    CALIBRATING = auto()
+    NO_POSITION = auto()
+    NO_HEIGHT = auto()
+    NO_HOME = auto()
+    MODE = auto()
+    NO_SETPOINTS = auto()
+    BATTERY = auto()
+    GROUND_LOST = auto()
+
+
+class ArmingFault(NamedTuple):
+    """One check that failed: its reason, and the text that the ground station shows (without prefix)."""
+
+    reason: ArmingReason
+    text: str
+
+
+_TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
+    Flavour.ARDUPILOT: {
+        ArmingReason.CALIBRATING: "Gyros not calibrated",
+        ArmingReason.NO_POSITION: "Need Position Estimate",
+        ArmingReason.NO_HEIGHT: "Need Alt Estimate",
+        ArmingReason.NO_HOME: "Waiting for home",
+        ArmingReason.MODE: "{mode} mode not armable",
+        ArmingReason.NO_SETPOINTS: "No setpoints",
+        ArmingReason.BATTERY: "Battery 1 below minimum arming voltage",
+        ArmingReason.GROUND_LOST: "GCS failsafe on",
+    },
+    Flavour.PX4: {
+        ArmingReason.CALIBRATING: "Attitude estimate not stable",
+        ArmingReason.NO_POSITION: "Navigation failure! No valid position estimate",
+        ArmingReason.NO_HEIGHT: "Height estimate not stable",
+        ArmingReason.NO_HOME: "Home position not set",
+        ArmingReason.MODE: "Mode not suitable for takeoff: {mode}",
+        ArmingReason.NO_SETPOINTS: "No offboard signal",
+        ArmingReason.BATTERY: "Low battery",
+        ArmingReason.GROUND_LOST: "No connection to the ground control station",
+    },
+}
+
+REFUSALS: Final[Mapping[Flavour, str]] = {
+    Flavour.ARDUPILOT: "Arm: {text}",
+    Flavour.PX4: "Arming denied: Resolve system health failures first",
+}
+"""What is said when an arming request is refused."""
+
+REMINDERS: Final[Mapping[Flavour, str]] = {Flavour.ARDUPILOT: "PreArm: {text}", Flavour.PX4: "Preflight Fail: {text}"}
+"""What is said from time to time while a check fails."""
+
+REMINDER_PERIOD_S: Final = 30.0
+
+
+def arming_faults(
+    *,
+    flavour: Flavour,
+    mode: Mode,
+    rule: ModeRule,
+    estimate: Estimate,
+    home_known: bool,
+    setpoints_fresh: bool,
+    ground_lost: bool,
+    battery: BatteryLevel,
+) -> tuple[ArmingFault, ...]:
+    """Return every check that fails now, in the order in which an autopilot names them."""
+    status = estimate.status
+    # PX4 asks for setpoints before it arms in Offboard; ArduPilot is content with GUIDED alone.
+    wants_setpoints = flavour is Flavour.PX4 and mode is Mode.GUIDED
+    failed = {
+        ArmingReason.CALIBRATING: not status.attitude_ok,
+        ArmingReason.MODE: not rule.armable,
+        ArmingReason.NO_POSITION: rule.needs_position and not status.position_ok,
+        ArmingReason.NO_HEIGHT: not status.height_ok,
+        ArmingReason.NO_HOME: rule.needs_position and not home_known,
+        ArmingReason.NO_SETPOINTS: wants_setpoints and not setpoints_fresh,
+        ArmingReason.BATTERY: battery >= BatteryLevel.CRITICAL,
+        ArmingReason.GROUND_LOST: ground_lost,
+    }
+    texts = _TEXTS[flavour]
+    return tuple(
+        ArmingFault(reason, texts[reason].format(mode=rule.name)) for reason, has_failed in failed.items() if has_failed
+    )

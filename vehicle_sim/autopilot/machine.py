@@ -1,0 +1,346 @@
+"""What drives the autopilot from inside: time, estimate, failures, take-off and landing.
+
+What may follow what is written in the tables of `modes`. Without a pilot, manual modes see centred sticks.
+"""
+
+from collections import deque
+from enum import Enum, auto
+from math import inf
+from typing import Final
+
+from vehicle_sim.autopilot import texts
+from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS, ArmingFault, arming_faults
+from vehicle_sim.autopilot.failsafe import FailsafeMonitor
+from vehicle_sim.autopilot.landing import LandDetector
+from vehicle_sim.autopilot.modes import (
+    FAILSAFE_MODES,
+    FIRST_MODE,
+    MODES,
+    TRANSITIONS,
+    Event,
+    Failsafe,
+    LandedState,
+    Mode,
+    ModeRule,
+    Outcome,
+    Severity,
+    StatusText,
+)
+from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, LevelTask, ReturnTask, TakeoffTask, Task
+from vehicle_sim.battery import Battery, BatteryLevel
+from vehicle_sim.geodesy import geodetic_at, ned_offset_m
+from vehicle_sim.parameters import Action, Flavour, ParameterStore, flight_settings
+from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
+
+_MOST_TEXTS: Final = 64
+
+
+class SpeedAxis(Enum):
+    """Which speed a request is about."""
+
+    HORIZONTAL = auto()
+    UP = auto()
+    DOWN = auto()
+
+
+class Machine:
+    """Modes, arming, tasks and failsafes of one vehicle.
+
+    Public attributes to read: `mode`, `armed`, `flying`, `home`, `home_revision` (grows with every change of home),
+    `guidance`, and `texts`, a queue whose reader pops what it has taken (old ones drop out of a full queue).
+    """
+
+    def __init__(self, parameters: ParameterStore, battery: Battery, estimate: Estimate) -> None:
+        """Stand on the ground, disarmed, in the first mode of the flavour that `parameters` belong to."""
+        self.flavour = parameters.flavour
+        self.modes = MODES[self.flavour]
+        self.mode = FIRST_MODE[self.flavour]
+        self.armed = False
+        self.flying = False
+        self.terminated = False
+        self.home: Geodetic | None = None
+        self.home_revision = 0
+        self.texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
+        self._parameters = parameters
+        self._revision = parameters.revision
+        self.settings = flight_settings(parameters)
+        self._battery = battery
+        self._estimate = estimate
+        self._now_s = 0.0
+        self._home_locked = False
+        self._home_ned_m: Vector = (0.0, 0.0, 0.0)
+        self._origin_known = False
+        self._detector = LandDetector()
+        self._failsafes = FailsafeMonitor()
+        self._resumes = False
+        self._armed_at_s = 0.0
+        self._has_flown = False
+        self._landed_at_s = -inf
+        self._disarmed_at_s = -inf
+        self._reminded_at_s = -inf
+        self._ground_heard_s: float | None = None
+        self._stream_s = -inf
+        self._stream: Setpoint | None = None
+        self._takeoff_height_m: float | None = None
+        self._speeds: dict[SpeedAxis, float] = {}
+        self._yaw_rate_rad_s = inf
+        self._task: Task = LevelTask(estimate)
+        self.guidance = Guidance(None, self.settings.limits())
+
+    # What can be seen from outside.
+
+    @property
+    def rule(self) -> ModeRule:
+        """The table's row of the present mode."""
+        return self.modes[self.mode]
+
+    @property
+    def target(self) -> Setpoint | None:
+        """The setpoint that is flown now; None while the motors idle."""
+        return self.guidance.setpoint
+
+    @property
+    def failsafe(self) -> Failsafe:
+        """The worst failure that is present."""
+        return self._failsafes.present
+
+    @property
+    def in_failsafe(self) -> bool:
+        """Whether any failure is present."""
+        return self._failsafes.present is not Failsafe.NONE
+
+    @property
+    def landed_state(self) -> LandedState:
+        """Where the vehicle is between ground and air."""
+        if not self.flying:
+            return LandedState.ON_GROUND
+        if self._task.landing:
+            return LandedState.LANDING
+        return LandedState.TAKEOFF if self._task.taking_off else LandedState.IN_AIR
+
+    @property
+    def arming_faults(self) -> tuple[ArmingFault, ...]:
+        """The arming checks that fail now, in the present mode."""
+        return arming_faults(
+            flavour=self.flavour,
+            mode=self.mode,
+            rule=self.rule,
+            estimate=self._estimate,
+            home_known=self.home is not None,
+            setpoints_fresh=self._stream_fresh,
+            ground_lost=self._ground_lost,
+            battery=self._battery.level,
+        )
+
+    @property
+    def ready_to_arm(self) -> bool:
+        """Whether arming would be accepted."""
+        return not self.armed and not self.terminated and not self.arming_faults
+
+    @property
+    def _stream_fresh(self) -> bool:
+        return self._now_s - self._stream_s <= self.settings.setpoint_timeout_s
+
+    @property
+    def _ground_lost(self) -> bool:
+        heard = self._ground_heard_s
+        acts = self.settings.ground_loss is not Action.NOTHING
+        return acts and heard is not None and self._now_s - heard > self.settings.ground_timeout_s
+
+    @property
+    def _refusal(self) -> Outcome:
+        return Outcome.TEMPORARILY_REJECTED if self.flavour is Flavour.PX4 else Outcome.FAILED
+
+    def terminate(self) -> Outcome:
+        """End the flight here and now: motors off, for good."""
+        self.terminated = True
+        self._disarm(StatusText(Severity.EMERGENCY, "Flight termination"))
+        return Outcome.ACCEPTED
+
+    def observe(self, now_s: float, estimate: Estimate) -> None:
+        """Note the time and the estimate, so that requests act on the newest ones."""
+        self._now_s = now_s
+        self._estimate = estimate
+
+    def advance(self, thrust_m_s2: float) -> None:
+        """Do what is due: `thrust_m_s2` is the specific thrust that the controller asked for last."""
+        if self._parameters.revision != self._revision:
+            self._revision = self._parameters.revision
+            self.settings = flight_settings(self._parameters)
+        self._watch_origin()
+        if self.armed:
+            self._guard()
+        if self.armed:
+            self._fly()
+        elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (faults := self.arming_faults):
+            self._reminded_at_s = self._now_s
+            self._say(Severity.CRITICAL, REMINDERS[self.flavour].format(text=faults[0].text))
+        self._watch_ground(thrust_m_s2)
+        self._refresh()
+
+    # Inside.
+
+    def _say(self, severity: Severity, text: str) -> None:
+        self.texts.append(StatusText(severity, text))
+
+    def _here(self) -> Geodetic:
+        origin = self._estimate.origin or Geodetic(0.0, 0.0, 0.0)
+        return geodetic_at(origin, self._estimate.position_ned_m)
+
+    def _place_home(self, place: Geodetic) -> None:
+        self.home = place
+        self.home_revision += 1
+        if self._estimate.origin is not None:
+            self._home_ned_m = ned_offset_m(self._estimate.origin, place)
+
+    def _watch_origin(self) -> None:
+        if not self._origin_known and self._estimate.origin is not None:
+            self._origin_known = True
+            self.texts.extend(texts.ORIGIN_SET[self.flavour])
+        if self.home is None and self._estimate.status.position_ok:
+            self._place_home(self._here())
+
+    def _obstacle(self, mode: Mode) -> str:
+        """Return why `mode` cannot be entered with motors armed; empty if it can."""
+        if self.modes[mode].needs_position and not self._estimate.status.position_ok:
+            return "requires position"
+        if mode is Mode.AUTO:
+            return "no mission"
+        if mode is Mode.GUIDED and self.flavour is Flavour.PX4 and not self._stream_fresh:
+            return "no setpoints"
+        return ""
+
+    def _enter(self, mode: Mode) -> None:
+        self.mode = mode
+        self._speeds.clear()
+        self._yaw_rate_rad_s = inf
+        self._begin(mode)
+
+    def _begin(self, mode: Mode) -> None:
+        estimate, settings = self._estimate, self.settings
+        if mode is Mode.GUIDED:
+            self._task = self._guided()
+        elif mode is Mode.LAND:
+            self._task = LandTask(estimate, settings, home_down_m=self._home_ned_m[2])
+        elif mode is Mode.RETURN:
+            self._task = ReturnTask(estimate, settings, home_ned_m=self._home_ned_m)
+        elif mode is Mode.TAKEOFF:
+            height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
+            self._task = TakeoffTask(estimate, settings, down_m=self._home_ned_m[2] - height)
+        elif self.modes[mode].manual:
+            self._task = LevelTask(estimate)
+        else:
+            self._task = HoldTask(estimate, settings)
+        self._refresh()
+
+    def _guided(self) -> GuidedTask:
+        px4 = self.flavour is Flavour.PX4
+        task = GuidedTask(self._estimate, self.settings, lifts_off=px4, stops=not px4)
+        if px4 and self._stream is not None and self._stream_fresh:
+            task.take(self._stream, self._stream_s)
+        return task
+
+    def _disarm(self, text: StatusText) -> None:
+        if self.armed:
+            self.texts.append(text)
+        self.armed = False
+        self._disarmed_at_s = self._now_s
+        self._takeoff_height_m = None
+        self._resumes = False
+        self._refresh()
+
+    def _happen(self, event: Event) -> None:
+        if (mode := TRANSITIONS[self.flavour].get((self.mode, event))) is not None:
+            self._enter(mode)
+
+    def _fly(self) -> None:
+        task = self._task
+        spooled = self._now_s - self._armed_at_s >= self.settings.spool_up_s
+        if not self.flying and spooled and task.lifts(self._estimate):
+            self.flying = self._has_flown = True
+            self._detector.reset()
+            self.texts.extend(texts.TAKEN_OFF[self.flavour])
+        if self.flying:
+            task.advance(self._now_s, self._estimate)
+            if task.finished:
+                task.finished = False
+                self._happen(Event.TAKEN_OFF)
+
+    def _watch_ground(self, thrust_m_s2: float) -> None:
+        if self.flying and self._detector.landed(self._now_s, self._estimate, thrust_m_s2):
+            self.flying = False
+            self._landed_at_s = self._now_s
+            self.texts.extend(texts.LANDED[self.flavour])
+        if not self.armed or self.flying:
+            return
+        if self._has_flown:
+            at_once = self.flavour is Flavour.ARDUPILOT and self.rule.name in ("LAND", "RTL")
+            due = self._landed_at_s + (0.0 if at_once else self.settings.disarm_landed_s)
+        else:
+            due = self._armed_at_s + self.settings.disarm_unflown_s
+        if self._now_s >= due:
+            self._disarm(texts.DISARMED_BY_LANDING[self.flavour])
+
+    def _guard(self) -> None:
+        """Look for failures and act on the worst."""
+        settings, level = self.settings, self._battery.level
+        active: dict[Failsafe, Action] = {}
+        if level is BatteryLevel.LOW:
+            active[Failsafe.BATTERY_LOW] = settings.battery_low
+        elif level is BatteryLevel.CRITICAL:
+            active[Failsafe.BATTERY_CRITICAL] = settings.battery_critical
+        elif level is BatteryLevel.EMERGENCY:
+            active[Failsafe.BATTERY_EMERGENCY] = settings.battery_emergency
+        offboard = self.flavour is Flavour.PX4 and (self.mode is Mode.GUIDED or self._resumes)
+        if offboard and not self._stream_fresh:
+            active[Failsafe.SETPOINTS_LOST] = settings.setpoint_loss
+        elif self._resumes:
+            self._resumes = False
+            self._happen(Event.SETPOINTS_BACK)
+        if self._ground_lost:
+            active[Failsafe.GROUND_LOST] = settings.ground_loss
+        if self.flying and self.rule.needs_position and self._position_lost():
+            active[Failsafe.ESTIMATOR] = settings.estimator_loss
+        verdict = self._failsafes.assess(self._now_s, active, settings.failsafe_hold_s)
+        if verdict is None:
+            return
+        failsafe, action, is_new = verdict
+        if is_new and (text := texts.FAILED[self.flavour].get(failsafe)) is not None:
+            self.texts.append(text)
+        self._act(action)
+        self._resumes = failsafe is Failsafe.SETPOINTS_LOST or self._resumes
+
+    def _position_lost(self) -> bool:
+        status = self._estimate.status
+        return not status.position_ok or status.horizontal_accuracy_m > self.settings.estimator_accuracy_m
+
+    def _act(self, action: Action) -> None:
+        """Carry out a failsafe's action by the first of its modes that the estimator allows."""
+        if action is Action.TERMINATE:
+            self.terminate()
+        elif action is Action.DISARM:
+            self._disarm(texts.DISARMED[self.flavour])
+        for mode in FAILSAFE_MODES[self.flavour].get(action, ()):
+            if not self._obstacle(mode):
+                # A vehicle that already lands or returns because of something else is left at it.
+                if mode is not self.mode and self.mode is not Mode.LAND:
+                    self._enter(mode)
+                break
+
+    def _refresh(self) -> None:
+        """Make the guidance of the present task."""
+        task, speeds, limits = self._task, self._speeds, self.settings.limits()
+        if not (self.armed and self.flying):
+            self.guidance = Guidance(None, limits)
+            return
+        in_stream = isinstance(task, GuidedTask)
+        speed = task.speed_m_s or (self.settings.setpoint_speed_m_s if in_stream else limits.speed_m_s)
+        self.guidance = Guidance(
+            task.setpoint,
+            limits._replace(
+                speed_m_s=speeds.get(SpeedAxis.HORIZONTAL, speed),
+                climb_m_s=speeds.get(SpeedAxis.UP, task.climb_m_s or limits.climb_m_s),
+                descent_m_s=speeds.get(SpeedAxis.DOWN, task.descent_m_s or limits.descent_m_s),
+                yaw_rate_rad_s=min(limits.yaw_rate_rad_s, self._yaw_rate_rad_s),
+            ),
+        )

@@ -1,0 +1,169 @@
+"""Flight modes as a table: what each needs, whether it may be armed in, and where events lead.
+
+Names are independent of the flavour; the numbers that stand for them on the wire are the protocol's business.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum, IntEnum, auto
+from typing import Final, NamedTuple
+
+from vehicle_sim.parameters import Action, Flavour
+
+
+class Mode(Enum):
+    """What the autopilot is doing, as the pilot names it."""
+
+    MANUAL = auto()
+    STABILIZE = auto()
+    ACRO = auto()
+    ALT_HOLD = auto()
+    POSITION = auto()
+    POSHOLD = auto()
+    HOLD = auto()
+    BRAKE = auto()
+    GUIDED = auto()
+    AUTO = auto()
+    TAKEOFF = auto()
+    RETURN = auto()
+    LAND = auto()
+
+
+class Outcome(IntEnum):
+    """Answer to a request; the values are those of MAV_RESULT."""
+
+    ACCEPTED = 0
+    TEMPORARILY_REJECTED = 1
+    DENIED = 2
+    UNSUPPORTED = 3
+    FAILED = 4
+    IN_PROGRESS = 5
+
+
+class LandedState(IntEnum):
+    """Where the vehicle is between ground and air; the values are those of MAV_LANDED_STATE."""
+
+    UNDEFINED = 0
+    ON_GROUND = 1
+    IN_AIR = 2
+    TAKEOFF = 3
+    LANDING = 4
+
+
+class Severity(IntEnum):
+    """Urgency of a text; the values are those of MAV_SEVERITY."""
+
+    EMERGENCY = 0
+    ALERT = 1
+    CRITICAL = 2
+    ERROR = 3
+    WARNING = 4
+    NOTICE = 5
+    INFO = 6
+    DEBUG = 7
+
+
+class StatusText(NamedTuple):
+    """A sentence for the ground station."""
+
+    severity: Severity
+    text: str
+
+
+class Failsafe(Enum):
+    """What went wrong, worst last; NONE while nothing did."""
+
+    NONE = 0
+    BATTERY_LOW = 1
+    SETPOINTS_LOST = 2
+    GROUND_LOST = 3
+    ESTIMATOR = 4
+    BATTERY_CRITICAL = 5
+    BATTERY_EMERGENCY = 6
+
+
+class Event(Enum):
+    """What happens to a mode from inside."""
+
+    TAKEN_OFF = auto()
+    SETPOINTS_BACK = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class ModeRule:
+    """What a mode needs of the estimator, whether the vehicle may be armed in it, and its name in texts."""
+
+    name: str
+    needs_position: bool
+    armable: bool
+    manual: bool = False
+
+
+MODES: Final[Mapping[Flavour, Mapping[Mode, ModeRule]]] = {
+    Flavour.ARDUPILOT: {
+        Mode.STABILIZE: ModeRule("STABILIZE", needs_position=False, armable=True, manual=True),
+        Mode.ACRO: ModeRule("ACRO", needs_position=False, armable=True, manual=True),
+        Mode.ALT_HOLD: ModeRule("ALT_HOLD", needs_position=False, armable=True, manual=True),
+        Mode.POSITION: ModeRule("LOITER", needs_position=True, armable=True),
+        Mode.POSHOLD: ModeRule("POSHOLD", needs_position=True, armable=True),
+        Mode.BRAKE: ModeRule("BRAKE", needs_position=True, armable=False),
+        Mode.GUIDED: ModeRule("GUIDED", needs_position=True, armable=True),
+        Mode.AUTO: ModeRule("AUTO", needs_position=True, armable=False),
+        Mode.RETURN: ModeRule("RTL", needs_position=True, armable=False),
+        Mode.LAND: ModeRule("LAND", needs_position=False, armable=False),
+    },
+    Flavour.PX4: {
+        Mode.MANUAL: ModeRule("Manual", needs_position=False, armable=True, manual=True),
+        Mode.STABILIZE: ModeRule("Stabilized", needs_position=False, armable=True, manual=True),
+        Mode.ACRO: ModeRule("Acro", needs_position=False, armable=True, manual=True),
+        Mode.ALT_HOLD: ModeRule("Altitude", needs_position=False, armable=True, manual=True),
+        Mode.POSITION: ModeRule("Position", needs_position=True, armable=True),
+        Mode.HOLD: ModeRule("Hold", needs_position=True, armable=True),
+        Mode.GUIDED: ModeRule("Offboard", needs_position=True, armable=True),
+        Mode.AUTO: ModeRule("Mission", needs_position=True, armable=True),
+        Mode.TAKEOFF: ModeRule("Takeoff", needs_position=True, armable=True),
+        Mode.RETURN: ModeRule("Return", needs_position=True, armable=False),
+        Mode.LAND: ModeRule("Land", needs_position=False, armable=False),
+    },
+}
+"""The modes of each flavour."""
+
+FIRST_MODE: Final[Mapping[Flavour, Mode]] = {Flavour.ARDUPILOT: Mode.STABILIZE, Flavour.PX4: Mode.HOLD}
+"""The mode after boot."""
+
+HOLDING: Final[Mapping[Flavour, Mode]] = {Flavour.ARDUPILOT: Mode.POSITION, Flavour.PX4: Mode.HOLD}
+"""The mode that keeps the vehicle where it is."""
+
+TRANSITIONS: Final[Mapping[Flavour, Mapping[tuple[Mode, Event], Mode]]] = {
+    # ArduPilot takes off inside GUIDED and stays there.
+    Flavour.ARDUPILOT: {(Mode.GUIDED, Event.TAKEN_OFF): Mode.GUIDED},
+    Flavour.PX4: {
+        (Mode.TAKEOFF, Event.TAKEN_OFF): Mode.HOLD,
+        # A fallback from Offboard ends when the stream is back, unless the pilot has chosen otherwise meanwhile.
+        (Mode.POSITION, Event.SETPOINTS_BACK): Mode.GUIDED,
+        (Mode.ALT_HOLD, Event.SETPOINTS_BACK): Mode.GUIDED,
+        (Mode.MANUAL, Event.SETPOINTS_BACK): Mode.GUIDED,
+        (Mode.HOLD, Event.SETPOINTS_BACK): Mode.GUIDED,
+        (Mode.RETURN, Event.SETPOINTS_BACK): Mode.GUIDED,
+    },
+}
+"""Where each event leads from each mode; an event that is not listed changes nothing."""
+
+FAILSAFE_MODES: Final[Mapping[Flavour, Mapping[Action, tuple[Mode, ...]]]] = {
+    Flavour.ARDUPILOT: {
+        Action.ALTITUDE: (Mode.ALT_HOLD,),
+        Action.BRAKE: (Mode.BRAKE, Mode.LAND),
+        Action.HOLD: (Mode.POSITION, Mode.LAND),
+        Action.RETURN: (Mode.RETURN, Mode.LAND),
+        Action.LAND: (Mode.LAND,),
+    },
+    Flavour.PX4: {
+        Action.POSITION: (Mode.POSITION, Mode.ALT_HOLD),
+        Action.ALTITUDE: (Mode.ALT_HOLD,),
+        Action.MANUAL: (Mode.MANUAL,),
+        Action.HOLD: (Mode.HOLD, Mode.LAND),
+        Action.RETURN: (Mode.RETURN, Mode.LAND),
+        Action.LAND: (Mode.LAND,),
+    },
+}
+"""The modes that carry out a failsafe's action: the first that the estimator allows."""

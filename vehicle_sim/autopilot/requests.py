@@ -1,0 +1,185 @@
+"""The autopilot: one machine for both flavours, and the requests that it answers.
+
+Requests answer at once with an `Outcome`; what they set going is done by the machine as vehicle time goes on.
+"""
+
+from math import inf, pi
+
+from vehicle_sim.autopilot import texts
+from vehicle_sim.autopilot.arming import REFUSALS
+from vehicle_sim.autopilot.machine import Machine, SpeedAxis
+from vehicle_sim.autopilot.modes import HOLDING, Mode, Outcome, Severity
+from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, TakeoffTask
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.signals import Geodetic, PartialVector, Setpoint
+
+
+class Autopilot(Machine):
+    """Modes, arming, tasks and failsafes of one vehicle, as seen from its links."""
+
+    def arm(self, *, force: bool = False) -> Outcome:
+        """Arm; `force` skips the checks of position, battery and mode, never those of attitude."""
+        if self.armed:
+            return Outcome.ACCEPTED
+        faults = self.arming_faults
+        if self.terminated or not self._estimate.status.attitude_ok or (faults and not force):
+            text = faults[0].text if faults else "Flight terminated"
+            self._say(Severity.CRITICAL, REFUSALS[self.flavour].format(text=text))
+            return self._refusal
+        self.armed = True
+        self._armed_at_s = self._now_s
+        self._has_flown = False
+        if self._estimate.status.position_ok and not self._home_locked:
+            self._place_home(self._here())
+        self.texts.append(texts.ARMED[self.flavour])
+        self._begin(self.mode)
+        return Outcome.ACCEPTED
+
+    def disarm(self, *, force: bool = False) -> Outcome:
+        """Stop the motors; in the air only by `force`."""
+        if not self.armed:
+            return Outcome.ACCEPTED
+        if self.flying and not force:
+            self.texts.append(texts.DISARM_REFUSED[self.flavour])
+            return self._refusal
+        self._disarm(texts.DISARMED[self.flavour])
+        return Outcome.ACCEPTED
+
+    def set_mode(self, mode: Mode) -> Outcome:
+        """Change the mode, if the flavour has it and, once armed, the estimator and the table allow it.
+
+        PX4 answers a change to Offboard without a stream with ACCEPTED and does not make it (observed).
+        """
+        if mode not in self.modes:
+            return Outcome.DENIED
+        if mode is self.mode:
+            self._failsafes.overridden()
+            self._resumes = False
+            return Outcome.ACCEPTED
+        if self.armed and (reason := self._obstacle(mode)):
+            self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
+            streamless = self.flavour is Flavour.PX4 and mode is Mode.GUIDED and self._estimate.status.position_ok
+            return Outcome.ACCEPTED if streamless else self._refusal
+        self._failsafes.overridden()
+        self._resumes = False
+        self._enter(mode)
+        return Outcome.ACCEPTED
+
+    def takeoff(self, height_m: float | None = None) -> Outcome:
+        """Climb on the spot to `height_m` above home (None: the parameter's height, where the flavour has one).
+
+        ArduPilot wants GUIDED and motors armed, on the ground; PX4 changes the mode by itself.
+        """
+        height = self.settings.takeoff_height_m if height_m is None else height_m
+        if self.flavour is Flavour.PX4:
+            if not self._estimate.status.position_ok or self.home is None or not height < inf:
+                return Outcome.TEMPORARILY_REJECTED
+            self._takeoff_height_m = height
+            self._failsafes.overridden()
+            self._resumes = False
+            self._enter(Mode.TAKEOFF)
+            return Outcome.ACCEPTED
+        target_down = self._home_ned_m[2] - height
+        if isinstance(self._task, TakeoffTask) and self.armed and self._task.down_m == target_down:
+            return Outcome.ACCEPTED
+        ready = self.armed and not self.flying and self.mode is Mode.GUIDED and self._estimate.status.position_ok
+        if not ready or not 0.0 < height < inf:
+            return Outcome.FAILED
+        self._task = TakeoffTask(self._estimate, self.settings, down_m=target_down)
+        return Outcome.ACCEPTED
+
+    def land(self) -> Outcome:
+        """Land where the vehicle is."""
+        return self.set_mode(Mode.LAND)
+
+    def return_to_launch(self) -> Outcome:
+        """Fly home and land."""
+        return self.set_mode(Mode.RETURN)
+
+    def hold(self) -> Outcome:
+        """Stay here."""
+        return self.set_mode(HOLDING[self.flavour])
+
+    def reposition(
+        self,
+        place_ned_m: PartialVector,
+        *,
+        yaw_rad: float | None = None,
+        speed_m_s: float | None = None,
+        change_mode: bool = False,
+    ) -> Outcome:
+        """Fly to a place relative to the estimator's origin (axes left free: stay), and remain there.
+
+        ArduPilot does it in GUIDED, which `change_mode` enters; PX4 in Hold.
+        """
+        if not self._estimate.status.position_ok:
+            return Outcome.DENIED
+        mode = Mode.HOLD if self.flavour is Flavour.PX4 else Mode.GUIDED
+        if self.flavour is Flavour.ARDUPILOT and self.mode is not mode and not change_mode:
+            return Outcome.DENIED
+        if self.set_mode(mode) is not Outcome.ACCEPTED:
+            return self._refusal
+        task = HoldTask(self._estimate, self.settings, place=place_ned_m, yaw_rad=yaw_rad)
+        if isinstance(self._task, GuidedTask):
+            self._task.go_to(task.setpoint)
+        else:
+            self._task = task
+        if speed_m_s is not None:
+            self.change_speed(speed_m_s)
+        self._refresh()
+        return Outcome.ACCEPTED
+
+    def change_speed(self, speed_m_s: float, axis: SpeedAxis = SpeedAxis.HORIZONTAL) -> Outcome:
+        """Fly no faster than `speed_m_s` along `axis` until the mode changes."""
+        if not 0.0 < speed_m_s < inf:
+            return self._refusal
+        self._speeds[axis] = speed_m_s
+        self._refresh()
+        return Outcome.ACCEPTED
+
+    def turn(self, yaw_rad: float, *, rate_rad_s: float | None = None, relative: bool = False) -> Outcome:
+        """Look into a direction, by `relative` counted from the present one; only in modes that fly by themselves."""
+        if self.flavour is Flavour.PX4:
+            return Outcome.UNSUPPORTED
+        if self.mode not in (Mode.GUIDED, Mode.AUTO):
+            return Outcome.FAILED
+        yaw = yaw_rad + self._estimate.yaw_rad if relative else yaw_rad
+        self._task.turn((yaw + pi) % (2.0 * pi) - pi)
+        self._yaw_rate_rad_s = rate_rad_s or inf
+        self._refresh()
+        return Outcome.ACCEPTED
+
+    def set_home(self, place: Geodetic | None = None) -> Outcome:
+        """Make `place` home (None: here), and keep it at the next arming."""
+        if self._estimate.origin is None or (place is None and not self._estimate.status.position_ok):
+            return self._refusal
+        self._place_home(self._here() if place is None else place)
+        self._home_locked = True
+        return Outcome.ACCEPTED
+
+    def setpoint(self, setpoint: Setpoint) -> bool:
+        """Take a setpoint from outside; tell whether it is flown.
+
+        In other modes than GUIDED ArduPilot ignores it; PX4 notes that the stream is alive.
+        """
+        self._stream_s = self._now_s
+        self._stream = setpoint
+        if self.mode is not Mode.GUIDED or not self.armed:
+            return False
+        if not isinstance(self._task, GuidedTask):
+            self._task = self._guided()
+        if isinstance(self._task, GuidedTask):
+            self._task.take(setpoint, self._now_s)
+        self._refresh()
+        return True
+
+    def halt(self) -> None:
+        """Stop where the vehicle is: ArduPilot's answer to a setpoint that it cannot fly."""
+        if self.mode is Mode.GUIDED and self.armed and isinstance(self._task, GuidedTask):
+            self._task.halt(self._estimate)
+            self._refresh()
+
+    def heartbeat_from_ground(self, system_id: int, now_s: float) -> None:
+        """Note that a ground station lives; ArduPilot counts only the one that its parameter names."""
+        if self.settings.ground_system_id in (None, system_id):
+            self._ground_heard_s = now_s

@@ -1,0 +1,73 @@
+"""The battery: charge drained by the power flown, and a voltage that sags under current."""
+
+from enum import IntEnum
+from math import sqrt
+from typing import Final
+
+from vehicle_sim.parameters import BatteryThresholds
+from vehicle_sim.signals import GRAVITY_M_S2
+
+_CELLS: Final = 3
+_FULL_CELL_V: Final = 4.2
+_FLAT_CELL_V: Final = 3.4
+_INTERNAL_OHM: Final = 0.02
+_ELECTRONICS_W: Final = 6.0
+_HOVER_W: Final = 140.0
+
+
+class BatteryLevel(IntEnum):
+    """How urgent the state of the battery is."""
+
+    OK = 0
+    LOW = 1
+    CRITICAL = 2
+    EMERGENCY = 3
+
+
+class Battery:
+    """Three lithium cells in series, with an open-circuit voltage that falls linearly with the charge drawn.
+
+    Power rises with the 3/2 power of thrust (momentum theory of a hovering rotor).
+    """
+
+    def __init__(self) -> None:
+        """Start full and at rest."""
+        self.remaining = 1.0
+        self.consumed_mah = 0.0
+        self.current_a = 0.0
+        self.voltage_v = _CELLS * _FULL_CELL_V
+        self.level = BatteryLevel.OK
+        self._below_low_s = 0.0
+        self._below_critical_s = 0.0
+
+    @property
+    def full_v(self) -> float:
+        """Open-circuit voltage of the full battery."""
+        return _CELLS * _FULL_CELL_V
+
+    def drain(self, thrust_m_s2: float, duration_s: float, thresholds: BatteryThresholds) -> None:
+        """Draw what `thrust_m_s2` of specific thrust costs for `duration_s`, and judge the level anew.
+
+        The level never improves in flight: a sagging voltage that recovers is still a tired battery.
+        """
+        load = max(thrust_m_s2, 0.0) / GRAVITY_M_S2
+        power_w = _ELECTRONICS_W + _HOVER_W * load * sqrt(load)
+        self.current_a = power_w / max(self.voltage_v, 1.0)
+        self.consumed_mah += self.current_a * duration_s / 3.6
+        self.remaining = max(1.0 - self.consumed_mah / thresholds.capacity_mah, 0.0)
+        cell_v = _FLAT_CELL_V + (_FULL_CELL_V - _FLAT_CELL_V) * self.remaining
+        self.voltage_v = max(_CELLS * cell_v - self.current_a * _INTERNAL_OHM, 0.0)
+        self.level = max(self.level, self._judge(duration_s, thresholds))
+
+    def _judge(self, duration_s: float, thresholds: BatteryThresholds) -> BatteryLevel:
+        self._below_low_s = self._below_low_s + duration_s if self.voltage_v < thresholds.low_v else 0.0
+        self._below_critical_s = self._below_critical_s + duration_s if self.voltage_v < thresholds.critical_v else 0.0
+        if self.remaining < thresholds.emergency_share:
+            return BatteryLevel.EMERGENCY
+        sagged = thresholds.critical_v > 0.0 and self._below_critical_s > thresholds.voltage_time_s
+        if sagged or self.remaining < thresholds.critical_share:
+            return BatteryLevel.CRITICAL
+        sagged = thresholds.low_v > 0.0 and self._below_low_s > thresholds.voltage_time_s
+        if sagged or self.remaining < thresholds.low_share:
+            return BatteryLevel.LOW
+        return BatteryLevel.OK

@@ -1,0 +1,223 @@
+"""Position and velocity by a Kalman filter (filterpy), with the measured acceleration as its input.
+
+State (13): position (3), velocity (3), error of the acceleration (3), slow GPS error (3), barometer error (1); all NED,
+relative to the origin, which is where the GPS said the vehicle was when the filter started. Between two updates the
+mean is propagated at every step, in closed form and just as the filter will do it at the next update: only the
+covariance waits.
+
+The slow GPS error is a state because it cannot be averaged away: without it the filter would claim centimetres that it
+does not have. The barometer's error is a random walk, relative to what it showed at the start.
+"""
+
+from dataclasses import dataclass
+from math import exp, sqrt
+from typing import Final
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+from numpy.typing import NDArray
+
+from vehicle_sim.geodesy import ned_offset_m
+from vehicle_sim.signals import BaroReading, Geodetic, GpsReading, Vector
+
+_STATES: Final = 13
+_P, _V, _B, _G, _M = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12), 12
+_ROWS: Final = 7
+_POSITION, _HEIGHT, _VELOCITY, _BARO = (0, 1), (2,), (3, 4, 5), (6,)
+_GROUPS: Final = (_POSITION, _HEIGHT, _VELOCITY, _BARO)
+# 99.9999 % points of chi-square with 2, 1, 3 and 1 degrees of freedom: a real error practically never meets them.
+_GATES: Final = (27.6, 23.9, 30.7, 23.9)
+LONGEST_EPOCH_STEPS: Final = 10
+_RESET_VARIANCE_M2: Final = 1e4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NavigationTuning:
+    """What the filter believes of its sensors: standard deviations, correlation time, walks per root second."""
+
+    acceleration_m_s2: float = 0.055
+    acceleration_walk: float = 0.004
+    acceleration_start_m_s2: float = 0.07
+    velocity_start_m_s: float = 0.05
+    gps_noise_m: float = 0.2
+    gps_vertical_noise_m: float = 0.35
+    gps_wander_m: float = 0.2
+    gps_vertical_wander_m: float = 0.3
+    gps_wander_time_s: float = 60.0
+    gps_velocity_noise_m_s: float = 0.08
+    baro_noise_m: float = 0.15
+    baro_walk: float = 0.03
+    reset_gps_s: float = 8.0
+    levelling_s: float = 5.0
+
+
+class NavigationFilter:
+    """The running filter of one vehicle.
+
+    `position_taken_s` is when a GPS position last passed its gate, `ratios` are the latest innovation test ratios
+    (horizontal position, height, velocity, barometer), 1 at the gate.
+    """
+
+    def __init__(
+        self, tuning: NavigationTuning, *, step_s: float, time_s: float, origin: Geodetic, baro_zero_m: float
+    ) -> None:
+        """Start at `origin`, a GPS fix, where the barometer shows `baro_zero_m`."""
+        self.origin: Final = origin
+        self.started_s: Final = time_s
+        self.position_taken_s = time_s
+        self.ratios = [0.0] * len(_GROUPS)
+        self.epoch_steps = 0
+        self._tuning = tuning
+        self._step_s = step_s
+        self._baro_zero_m = baro_zero_m
+        self._models: dict[int, tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]] = {}
+        # Mean after the last update, as plain numbers, and what acceleration has added since.
+        self._mean = [0.0] * _STATES
+        self._pushed = [0.0] * 6
+        self._filter = KalmanFilter(dim_x=_STATES, dim_z=_ROWS, dim_u=6)
+        self._filter.x = np.zeros((_STATES, 1))
+        self._filter.P = self._first_covariance()
+
+    def _first_covariance(self) -> NDArray[np.float64]:
+        tuning = self._tuning
+        # The origin makes the first fix zero: what the fix was wrong by is now the error of the position, negated.
+        wander = np.array([tuning.gps_wander_m, tuning.gps_wander_m, tuning.gps_vertical_wander_m]) ** 2
+        noise = np.array([tuning.gps_noise_m, tuning.gps_noise_m, tuning.gps_vertical_noise_m]) ** 2
+        covariance = np.zeros((_STATES, _STATES))
+        covariance[_P, _P] = np.diag(wander + noise)
+        covariance[_P, _G] = covariance[_G, _P] = -np.diag(wander)
+        covariance[_G, _G] = np.diag(wander)
+        covariance[_V, _V] = np.eye(3) * tuning.velocity_start_m_s**2
+        covariance[_B, _B] = np.eye(3) * tuning.acceleration_start_m_s2**2
+        # The barometer's zero was taken here, so its error begins as that of the height.
+        covariance[_M, _M] = wander[2] + noise[2] + tuning.baro_noise_m**2
+        covariance[2, _M] = covariance[_M, 2] = wander[2] + noise[2]
+        covariance[_G.start + 2, _M] = covariance[_M, _G.start + 2] = -wander[2]
+        return covariance
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Covariance (13, 13) of the state after the last update."""
+        return np.array(self._filter.P)
+
+    def push(self, acceleration_ned_m_s2: Vector) -> None:
+        """Propagate the mean over one step of constant measured acceleration."""
+        dt, pushed = self._step_s, self._pushed
+        half = 0.5 * dt * dt
+        for axis, a in enumerate(acceleration_ned_m_s2):
+            pushed[axis] += pushed[axis + 3] * dt + a * half
+            pushed[axis + 3] += a * dt
+        self.epoch_steps += 1
+
+    def mean(self) -> tuple[Vector, Vector, Vector]:
+        """Return position, velocity and error of the acceleration as they are now."""
+        mean, t = self._mean, self.epoch_steps * self._step_s
+        half = 0.5 * t * t
+        dp_n, dp_e, dp_d, dv_n, dv_e, dv_d = self._pushed
+        b_n, b_e, b_d = mean[6], mean[7], mean[8]
+        return (
+            (
+                mean[0] + t * mean[3] + dp_n - half * b_n,
+                mean[1] + t * mean[4] + dp_e - half * b_e,
+                mean[2] + t * mean[5] + dp_d - half * b_d,
+            ),
+            (mean[3] + dv_n - t * b_n, mean[4] + dv_e - t * b_e, mean[5] + dv_d - t * b_d),
+            (b_n, b_e, b_d),
+        )
+
+    def _model(self, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return F (13, 13), B (13, 6) and Q (13, 13) of an epoch of so many steps."""
+        if (known := self._models.get(steps)) is not None:
+            return known
+        tuning, t, eye = self._tuning, steps * self._step_s, np.eye(3)
+        f = np.eye(_STATES)
+        f[_P, _V], f[_P, _B], f[_V, _B] = t * eye, -0.5 * t * t * eye, -t * eye
+        decay = exp(-t / tuning.gps_wander_time_s)
+        f[_G, _G] = decay * eye
+        b = np.zeros((_STATES, 6))
+        b[:6, :6] = np.eye(6)
+        # White acceleration noise and a random walk of its error, both integrated over the epoch.
+        white, walk = tuning.acceleration_m_s2**2 * self._step_s, tuning.acceleration_walk**2
+        q = np.zeros((_STATES, _STATES))
+        q[_P, _P] = (white * t**3 / 3.0 + walk * t**5 / 20.0) * eye
+        q[_P, _V] = q[_V, _P] = (white * t**2 / 2.0 + walk * t**4 / 8.0) * eye
+        q[_V, _V] = (white * t + walk * t**3 / 3.0) * eye
+        q[_P, _B] = q[_B, _P] = -walk * t**3 / 6.0 * eye
+        q[_V, _B] = q[_B, _V] = -walk * t**2 / 2.0 * eye
+        q[_B, _B] = walk * t * eye
+        wander = np.array([tuning.gps_wander_m, tuning.gps_wander_m, tuning.gps_vertical_wander_m]) ** 2
+        q[_G, _G] = np.diag(wander) * (1.0 - decay * decay)
+        q[_M, _M] = tuning.baro_walk**2 * t
+        self._models[steps] = (f, b, q)
+        return self._models[steps]
+
+    def update(self, time_s: float, gps: GpsReading | None, baro: BaroReading | None) -> tuple[float, float]:
+        """Close the epoch: bring the covariance up to date and take the measurements that there are.
+
+        Returns:
+            The error of the acceleration (north, east, m/s^2) that has been taken out of the state, to be bled into
+            the tilt by the caller: the prediction is the same whether the one or the other holds it.
+        """
+        kalman = self._filter
+        f, b, q = self._model(self.epoch_steps)
+        kalman.predict(u=np.array(self._pushed).reshape(6, 1), B=b, F=f, Q=q)
+        if gps is not None or baro is not None:
+            self._correct(time_s, gps, baro)
+        share = min(self.epoch_steps * self._step_s / self._tuning.levelling_s, 1.0)
+        north, east = share * float(kalman.x[6, 0]), share * float(kalman.x[7, 0])
+        kalman.x[6, 0] -= north
+        kalman.x[7, 0] -= east
+        self._mean = kalman.x[:, 0].tolist()
+        self._pushed = [0.0] * 6
+        self.epoch_steps = 0
+        return north, east
+
+    def _correct(self, time_s: float, gps: GpsReading | None, baro: BaroReading | None) -> None:
+        """Take the measurements that pass their gates; a row without one is all zero and tells nothing."""
+        kalman, tuning = self._filter, self._tuning
+        z, h, r = np.zeros((_ROWS, 1)), np.zeros((_ROWS, _STATES)), np.eye(_ROWS)
+        present = [False] * len(_GROUPS)
+        if gps is not None and gps.fix_type >= 3:  # noqa: PLR2004 - GPS_FIX_TYPE_3D_FIX
+            z[:3, 0] = ned_offset_m(self.origin, gps.position)
+            z[3:6, 0] = gps.velocity_ned_m_s
+            h[:3, _P] = h[:3, _G] = np.eye(3)
+            h[3:6, _V] = np.eye(3)
+            r[0, 0] = r[1, 1] = tuning.gps_noise_m**2
+            r[2, 2] = tuning.gps_vertical_noise_m**2
+            r[3, 3] = r[4, 4] = r[5, 5] = tuning.gps_velocity_noise_m_s**2
+            present[0] = present[1] = present[2] = True
+        if baro is not None:
+            z[6, 0] = self._baro_zero_m - baro.altitude_m
+            h[6, 2], h[6, _M] = 1.0, -1.0
+            r[6, 6] = tuning.baro_noise_m**2
+            present[3] = True
+        innovation = z - h @ kalman.x
+        spread = h @ kalman.P @ h.T + r
+        for index, rows in enumerate(_GROUPS):
+            if not present[index]:
+                continue
+            part = np.ix_(rows, rows)
+            y = innovation[list(rows)]
+            nis = float((y.T @ np.linalg.solve(spread[part], y))[0, 0])
+            self.ratios[index] = sqrt(nis / _GATES[index])
+            if nis > _GATES[index]:
+                self._refuse(time_s, rows, z, h, r)
+            elif index == 0:
+                self.position_taken_s = time_s
+        kalman.update(z, R=r, H=h)
+
+    def _refuse(
+        self,
+        time_s: float,
+        rows: tuple[int, ...],
+        z: NDArray[np.float64],
+        h: NDArray[np.float64],
+        r: NDArray[np.float64],
+    ) -> None:
+        """Strike out the rows of an outlier; believe a position that insists for long enough."""
+        for row in rows:
+            z[row], h[row], r[row, row] = 0.0, 0.0, 1.0
+        if rows == _POSITION and time_s - self.position_taken_s > self._tuning.reset_gps_s:
+            kalman = self._filter
+            for axis in rows:
+                kalman.P[axis, axis] += _RESET_VARIANCE_M2

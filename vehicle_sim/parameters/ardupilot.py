@@ -1,0 +1,46 @@
+"""ArduCopter's parameters, by its names, units and defaults; only those that the vehicle really obeys."""
+
+from typing import Final
+
+from vehicle_sim.parameters.store import Parameter, ParameterKind
+
+_I8, _I16, _I32, _REAL = ParameterKind.INT8, ParameterKind.INT16, ParameterKind.INT32, ParameterKind.REAL32
+
+ARDUPILOT: Final = (
+    Parameter("MAV_SYSID", _I16, 1, 1, 255, "system id of this vehicle"),
+    Parameter("MAV_GCS_SYSID", _I16, 255, 1, 255, "system id of the ground station whose heartbeats count"),
+    Parameter("FS_GCS_ENABLE", _I8, 0, 0, 7, "on loss of the ground station: 0 nothing, 1 return, 5 land, 7 brake"),
+    Parameter("FS_GCS_TIMEOUT", _REAL, 5, 2, 120, "silence of the ground station that counts as its loss, s"),
+    Parameter("FS_EKF_ACTION", _I8, 1, 0, 3, "on failure of the estimator: 0 nothing, 1 land, 2 hold height, 3 land"),
+    Parameter("FS_EKF_THRESH", _REAL, 0.8, 0, 1, "test ratio of the estimator that counts as its failure"),
+    Parameter("GUID_TIMEOUT", _REAL, 3, 0.1, 5, "silence of velocity or acceleration setpoints before a stop, s"),
+    Parameter("DISARM_DELAY", _I8, 10, 0, 127, "landed and idle for so long: disarm, s; 0 never"),
+    Parameter("ARMING_DELAY_SEC", _REAL, 2, 0, 5, "from arming until the motors may lift, s"),
+    Parameter("ANGLE_MAX", _I16, 3000, 1000, 8000, "largest tilt, centidegrees"),
+    Parameter("ATC_SLEW_YAW", _REAL, 6000, 500, 18000, "largest yaw rate that a mode asks for, centidegrees/s"),
+    Parameter("WPNAV_SPEED", _REAL, 1000, 10, 2000, "horizontal speed between waypoints, cm/s"),
+    Parameter("WPNAV_SPEED_UP", _REAL, 250, 10, 1000, "climb speed, cm/s"),
+    Parameter("WPNAV_SPEED_DN", _REAL, 150, 10, 500, "descent speed, cm/s"),
+    Parameter("WPNAV_ACCEL", _REAL, 250, 50, 500, "horizontal acceleration, cm/s^2"),
+    Parameter("WPNAV_ACCEL_Z", _REAL, 100, 50, 500, "vertical acceleration, cm/s^2"),
+    Parameter("WPNAV_RADIUS", _REAL, 200, 5, 1000, "distance that counts as having reached a waypoint, cm"),
+    Parameter("LAND_SPEED", _I16, 50, 30, 200, "speed of the last part of a landing, cm/s"),
+    Parameter("LAND_SPEED_HIGH", _I16, 0, 0, 500, "speed of the first part of a landing, cm/s; 0 is WPNAV_SPEED_DN"),
+    Parameter("LAND_ALT_LOW", _I16, 1000, 100, 10000, "height above home where the last part begins, cm"),
+    Parameter("RTL_ALT", _I32, 1500, 30, 300000, "height above home of the way back, cm"),
+    Parameter("RTL_SPEED", _I16, 0, 0, 2000, "speed of the way back, cm/s; 0 is WPNAV_SPEED"),
+    Parameter("RTL_LOIT_TIME", _I32, 5000, 0, 60000, "wait over home before the descent, ms"),
+    Parameter("RTL_CONE_SLOPE", _REAL, 3, 0, 10, "near home: climb no higher than slope x distance; 0 no cone"),
+    Parameter("RTL_CLIMB_MIN", _I16, 0, 0, 3000, "least climb at the start of a return, cm"),
+    Parameter("BATT_CAPACITY", _I32, 5000, 100, 100000, "capacity of a full battery, mAh"),
+    Parameter("BATT_LOW_VOLT", _REAL, 10.5, 0, 60, "voltage that counts as low, V; 0 never"),
+    Parameter("BATT_CRT_VOLT", _REAL, 0, 0, 60, "voltage that counts as critical, V; 0 never"),
+    Parameter("BATT_LOW_MAH", _REAL, 0, 0, 100000, "charge left that counts as low, mAh; 0 never"),
+    Parameter("BATT_CRT_MAH", _REAL, 0, 0, 100000, "charge left that counts as critical, mAh; 0 never"),
+    Parameter("BATT_LOW_TIMER", _I8, 10, 0, 120, "how long the voltage must be low, s"),
+    Parameter("BATT_FS_LOW_ACT", _I8, 0, 0, 5, "on a low battery: 0 warn, 1 land, 2 return, 5 terminate"),
+    Parameter("BATT_FS_CRT_ACT", _I8, 0, 0, 5, "on a critical battery: 0 warn, 1 land, 2 return, 5 terminate"),
+    Parameter("SIM_WIND_SPD", _REAL, 0, 0, 30, "speed of the steady wind, m/s"),
+    Parameter("SIM_WIND_DIR", _REAL, 180, 0, 360, "direction that the wind comes from, degrees"),
+    Parameter("SIM_WIND_TURB", _REAL, 0, 0, 10, "standard deviation of the gusts, m/s"),
+)

@@ -1,0 +1,242 @@
+"""One set of flight settings in SI units, whichever autopilot's parameters they are read from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum, auto
+from math import inf, radians
+from typing import Final
+
+from vehicle_sim.parameters.store import Flavour, ParameterStore
+from vehicle_sim.signals import Limits
+
+
+class Action(Enum):
+    """What a failsafe does."""
+
+    NOTHING = auto()
+    POSITION = auto()
+    ALTITUDE = auto()
+    MANUAL = auto()
+    HOLD = auto()
+    BRAKE = auto()
+    RETURN = auto()
+    LAND = auto()
+    TERMINATE = auto()
+    DISARM = auto()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BatteryThresholds:
+    """Where a battery becomes low, critical, an emergency: by voltage and by the share of charge left; 0 is never."""
+
+    capacity_mah: float
+    low_v: float
+    critical_v: float
+    voltage_time_s: float
+    low_share: float
+    critical_share: float
+    emergency_share: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightSettings:
+    """What the autopilot and the controller go by; metres, seconds, radians. Infinity means never."""
+
+    ground_system_id: int | None
+    setpoint_timeout_s: float
+    setpoint_loss: Action
+    ground_timeout_s: float
+    ground_loss: Action
+    estimator_loss: Action
+    estimator_accuracy_m: float
+    failsafe_hold_s: float
+    battery_low: Action
+    battery_critical: Action
+    battery_emergency: Action
+    battery_thresholds: BatteryThresholds
+    spool_up_s: float
+    disarm_landed_s: float
+    disarm_unflown_s: float
+    tilt_rad: float
+    yaw_rate_rad_s: float
+    cruise_m_s: float
+    setpoint_speed_m_s: float
+    climb_m_s: float
+    descent_m_s: float
+    acceleration_m_s2: float
+    vertical_acceleration_m_s2: float
+    takeoff_m_s: float
+    takeoff_height_m: float
+    landing_m_s: float
+    landing_fast_m_s: float
+    landing_slow_below_m: float
+    return_height_m: float
+    return_speed_m_s: float
+    return_wait_s: float
+    return_descent_height_m: float
+    return_cone_slope: float
+    return_climb_min_m: float
+    return_min_distance_m: float
+
+    def limits(self) -> Limits:
+        """Return the limits of automatic flight before any mode or command narrows them."""
+        return Limits(
+            speed_m_s=self.cruise_m_s,
+            climb_m_s=self.climb_m_s,
+            descent_m_s=self.descent_m_s,
+            acceleration_m_s2=self.acceleration_m_s2,
+            vertical_acceleration_m_s2=self.vertical_acceleration_m_s2,
+            tilt_rad=self.tilt_rad,
+            yaw_rate_rad_s=self.yaw_rate_rad_s,
+        )
+
+
+_GROUND_LOSS: Final[Mapping[int, Action]] = {
+    1: Action.RETURN,
+    2: Action.RETURN,
+    3: Action.RETURN,
+    4: Action.LAND,
+    5: Action.LAND,
+    6: Action.RETURN,
+    7: Action.BRAKE,
+}
+_ESTIMATOR_LOSS: Final[Mapping[int, Action]] = {1: Action.LAND, 2: Action.ALTITUDE, 3: Action.LAND}
+_BATTERY: Final[Mapping[int, Action]] = {
+    1: Action.LAND,
+    2: Action.RETURN,
+    3: Action.RETURN,
+    4: Action.LAND,
+    5: Action.TERMINATE,
+}
+_OFFBOARD_LOSS: Final[Mapping[int, Action]] = {
+    0: Action.POSITION,
+    1: Action.ALTITUDE,
+    2: Action.MANUAL,
+    3: Action.RETURN,
+    4: Action.LAND,
+    5: Action.HOLD,
+    6: Action.TERMINATE,
+    7: Action.DISARM,
+}
+_DATA_LINK_LOSS: Final[Mapping[int, Action]] = {
+    1: Action.HOLD,
+    2: Action.RETURN,
+    3: Action.LAND,
+    5: Action.TERMINATE,
+    6: Action.DISARM,
+}
+_LOW_BATTERY: Final[Mapping[int, tuple[Action, Action]]] = {
+    2: (Action.LAND, Action.LAND),
+    3: (Action.RETURN, Action.LAND),
+}
+
+
+def _never_unless_positive(value: float) -> float:
+    return value if value > 0.0 else inf
+
+
+def _from_ardupilot(store: ParameterStore) -> FlightSettings:
+    cruise_m_s = store["WPNAV_SPEED"] / 100.0
+    climb_m_s, descent_m_s = store["WPNAV_SPEED_UP"] / 100.0, store["WPNAV_SPEED_DN"] / 100.0
+    capacity_mah = store["BATT_CAPACITY"]
+    critical = _BATTERY.get(int(store["BATT_FS_CRT_ACT"]), Action.NOTHING)
+    return FlightSettings(
+        ground_system_id=int(store["MAV_GCS_SYSID"]),
+        setpoint_timeout_s=store["GUID_TIMEOUT"],
+        setpoint_loss=Action.NOTHING,
+        ground_timeout_s=store["FS_GCS_TIMEOUT"],
+        ground_loss=_GROUND_LOSS.get(int(store["FS_GCS_ENABLE"]), Action.NOTHING),
+        estimator_loss=_ESTIMATOR_LOSS.get(int(store["FS_EKF_ACTION"]), Action.NOTHING),
+        estimator_accuracy_m=inf,
+        failsafe_hold_s=0.0,
+        battery_low=_BATTERY.get(int(store["BATT_FS_LOW_ACT"]), Action.NOTHING),
+        battery_critical=critical,
+        battery_emergency=critical,
+        battery_thresholds=BatteryThresholds(
+            capacity_mah=capacity_mah,
+            low_v=store["BATT_LOW_VOLT"],
+            critical_v=store["BATT_CRT_VOLT"],
+            voltage_time_s=store["BATT_LOW_TIMER"],
+            low_share=store["BATT_LOW_MAH"] / capacity_mah,
+            critical_share=store["BATT_CRT_MAH"] / capacity_mah,
+            emergency_share=0.0,
+        ),
+        spool_up_s=store["ARMING_DELAY_SEC"],
+        disarm_landed_s=_never_unless_positive(store["DISARM_DELAY"]),
+        disarm_unflown_s=_never_unless_positive(store["DISARM_DELAY"]),
+        tilt_rad=radians(store["ANGLE_MAX"] / 100.0),
+        yaw_rate_rad_s=radians(store["ATC_SLEW_YAW"] / 100.0),
+        cruise_m_s=cruise_m_s,
+        setpoint_speed_m_s=cruise_m_s,
+        climb_m_s=climb_m_s,
+        descent_m_s=descent_m_s,
+        acceleration_m_s2=store["WPNAV_ACCEL"] / 100.0,
+        vertical_acceleration_m_s2=store["WPNAV_ACCEL_Z"] / 100.0,
+        takeoff_m_s=climb_m_s,
+        takeoff_height_m=0.0,
+        landing_m_s=store["LAND_SPEED"] / 100.0,
+        landing_fast_m_s=store["LAND_SPEED_HIGH"] / 100.0 or descent_m_s,
+        landing_slow_below_m=store["LAND_ALT_LOW"] / 100.0,
+        return_height_m=store["RTL_ALT"] / 100.0,
+        return_speed_m_s=store["RTL_SPEED"] / 100.0 or cruise_m_s,
+        return_wait_s=store["RTL_LOIT_TIME"] / 1000.0,
+        return_descent_height_m=inf,
+        return_cone_slope=_never_unless_positive(store["RTL_CONE_SLOPE"]),
+        return_climb_min_m=store["RTL_CLIMB_MIN"] / 100.0,
+        return_min_distance_m=0.0,
+    )
+
+
+def _from_px4(store: ParameterStore) -> FlightSettings:
+    critical, emergency = _LOW_BATTERY.get(int(store["COM_LOW_BAT_ACT"]), (Action.NOTHING, Action.NOTHING))
+    accuracy_m, wait_s = store["COM_POS_FS_EPH"], store["RTL_LAND_DELAY"]
+    return FlightSettings(
+        ground_system_id=None,
+        setpoint_timeout_s=store["COM_OF_LOSS_T"],
+        setpoint_loss=_OFFBOARD_LOSS[int(store["COM_OBL_RC_ACT"])],
+        ground_timeout_s=store["COM_DL_LOSS_T"],
+        ground_loss=_DATA_LINK_LOSS.get(int(store["NAV_DLL_ACT"]), Action.NOTHING),
+        estimator_loss=Action.LAND,
+        estimator_accuracy_m=accuracy_m if accuracy_m >= 0.0 else inf,
+        failsafe_hold_s=store["COM_FAIL_ACT_T"],
+        battery_low=Action.NOTHING,
+        battery_critical=critical,
+        battery_emergency=emergency,
+        battery_thresholds=BatteryThresholds(
+            capacity_mah=store["BAT1_CAPACITY"],
+            low_v=0.0,
+            critical_v=0.0,
+            voltage_time_s=0.0,
+            low_share=store["BAT_LOW_THR"],
+            critical_share=store["BAT_CRIT_THR"],
+            emergency_share=store["BAT_EMERGEN_THR"],
+        ),
+        spool_up_s=store["COM_SPOOLUP_TIME"],
+        disarm_landed_s=_never_unless_positive(store["COM_DISARM_LAND"]),
+        disarm_unflown_s=_never_unless_positive(store["COM_DISARM_PRFLT"]),
+        tilt_rad=radians(store["MPC_TILTMAX_AIR"]),
+        yaw_rate_rad_s=radians(store["MPC_YAWRAUTO_MAX"]),
+        cruise_m_s=store["MPC_XY_CRUISE"],
+        setpoint_speed_m_s=store["MPC_XY_VEL_MAX"],
+        climb_m_s=store["MPC_Z_V_AUTO_UP"],
+        descent_m_s=store["MPC_Z_V_AUTO_DN"],
+        acceleration_m_s2=store["MPC_ACC_HOR_MAX"],
+        vertical_acceleration_m_s2=store["MPC_ACC_UP_MAX"],
+        takeoff_m_s=store["MPC_TKO_SPEED"],
+        takeoff_height_m=store["MIS_TAKEOFF_ALT"],
+        landing_m_s=store["MPC_LAND_SPEED"],
+        landing_fast_m_s=store["MPC_Z_V_AUTO_DN"],
+        landing_slow_below_m=store["MPC_LAND_ALT1"],
+        return_height_m=store["RTL_RETURN_ALT"],
+        return_speed_m_s=store["MPC_XY_CRUISE"],
+        return_wait_s=wait_s if wait_s >= 0.0 else inf,
+        return_descent_height_m=store["RTL_DESCEND_ALT"],
+        return_cone_slope=inf,
+        return_climb_min_m=0.0,
+        return_min_distance_m=store["RTL_MIN_DIST"],
+    )
+
+
+def flight_settings(store: ParameterStore) -> FlightSettings:
+    """Return the settings that the parameters of `store` amount to now."""
+    return _from_px4(store) if store.flavour is Flavour.PX4 else _from_ardupilot(store)

@@ -1,0 +1,202 @@
+"""One vehicle: airframe, wind, sensors, estimator, controller and autopilot, composed at a fixed step."""
+
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Final, NamedTuple
+
+from vehicle_sim.autopilot import Autopilot
+from vehicle_sim.battery import Battery
+from vehicle_sim.clock import StepClock
+from vehicle_sim.controller import Controller, TrackingGains
+from vehicle_sim.dynamics.hover import MOST_THRUST_M_S2, Hover
+from vehicle_sim.dynamics.wind import Wind, blowing_from
+from vehicle_sim.errors import ConfigurationError
+from vehicle_sim.estimator import Estimator, EstimatorTuning
+from vehicle_sim.geodesy import geodetic_at
+from vehicle_sim.noise import Normals
+from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters
+from vehicle_sim.sensors import SensorErrors, Sensors
+from vehicle_sim.signals import (
+    BaroReading,
+    CompassReading,
+    Estimate,
+    Geodetic,
+    GpsReading,
+    ImuReading,
+    Motion,
+)
+
+_WIND: Final = 5
+_AUTOPILOT_HZ: Final = 20.0
+_LONGEST_STEP_S: Final = 0.02
+_STRONGEST_WIND_M_S: Final = 30.0
+_STRONGEST_GUST_M_S: Final = 10.0
+
+
+class Readings(NamedTuple):
+    """The latest reading of each sensor; None before its first."""
+
+    imu: ImuReading
+    gps: GpsReading | None
+    baro: BaroReading | None
+    compass: CompassReading | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleConfig:
+    """What makes one vehicle different from another.
+
+    Raises:
+        ConfigurationError: A value that no vehicle can have.
+    """
+
+    seed: int = 1
+    flavour: Flavour = Flavour.ARDUPILOT
+    home_lat_deg: float = 47.397742
+    home_lon_deg: float = 8.545594
+    home_alt_m: float = 488.0
+    home_yaw_rad: float = 0.0
+    step_s: float = 0.01
+    wind_m_s: float = 0.0
+    wind_from_deg: float = 180.0
+    gust_m_s: float = 0.0
+    gains: TrackingGains = field(default_factory=TrackingGains)
+    sensor_errors: SensorErrors = field(default_factory=SensorErrors)
+    estimator: EstimatorTuning = field(default_factory=EstimatorTuning)
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be simulated."""
+        if self.seed < 0:
+            raise ConfigurationError(f"a seed is a whole number from 0 up, not {self.seed}")
+        # The poles themselves have no east.
+        if not (abs(self.home_lat_deg) < 90.0 and abs(self.home_lon_deg) <= 180.0 and isfinite(self.home_alt_m)):  # noqa: PLR2004 - degrees
+            raise ConfigurationError(
+                f"home is LAT,LON,ALT with -90 < LAT < 90 and -180 <= LON <= 180, "
+                f"not {self.home_lat_deg},{self.home_lon_deg},{self.home_alt_m}"
+            )
+        if not 0.0 < self.step_s <= _LONGEST_STEP_S:
+            raise ConfigurationError(f"the step lies in (0, {_LONGEST_STEP_S}] s, not {self.step_s}")
+        if not (0.0 <= self.wind_m_s <= _STRONGEST_WIND_M_S and 0.0 <= self.gust_m_s <= _STRONGEST_GUST_M_S):
+            raise ConfigurationError(
+                f"wind is 0 to {_STRONGEST_WIND_M_S:g} m/s with gusts of 0 to {_STRONGEST_GUST_M_S:g} m/s, "
+                f"not {self.wind_m_s:g} and {self.gust_m_s:g}"
+            )
+        if not isfinite(self.wind_from_deg):
+            raise ConfigurationError("the wind comes from a direction in degrees")
+
+    @property
+    def home(self) -> Geodetic:
+        """The place where the vehicle stands at boot."""
+        return Geodetic(self.home_lat_deg, self.home_lon_deg, self.home_alt_m)
+
+
+class Vehicle:
+    """A vehicle that stands at its home at vehicle time 0 and goes on by one fixed step at each call of `step`.
+
+    Two vehicles with equal configurations that receive the same requests at the same steps behave identically, bit
+    for bit.
+    """
+
+    def __init__(self, config: VehicleConfig, parameters: ParameterStore | None = None) -> None:
+        """Switch on; `parameters` default to the flavour's.
+
+        Raises:
+            ConfigurationError: The parameters belong to another flavour.
+        """
+        self.config = config
+        self.parameters = default_parameters(config.flavour) if parameters is None else parameters
+        if self.parameters.flavour is not config.flavour:
+            raise ConfigurationError(f"parameters of {self.parameters.flavour} for a vehicle of {config.flavour}")
+        step_s = config.step_s
+        self._clock = StepClock(step_s)
+        self._airframe = Hover(step_s=step_s, yaw_rad=config.home_yaw_rad)
+        if config.wind_m_s > 0.0 or config.gust_m_s > 0.0:
+            self.parameters.set("SIM_WIND_SPD", config.wind_m_s)
+            self.parameters.set("SIM_WIND_DIR", config.wind_from_deg % 360.0)
+            self.parameters.set("SIM_WIND_TURB", config.gust_m_s)
+        self._wind = Wind(Normals(config.seed, _WIND), gust_m_s=self.parameters["SIM_WIND_TURB"], step_s=step_s)
+        self._sensors = Sensors(config.sensor_errors, seed=config.seed, home=config.home, step_s=step_s)
+        self._estimator = Estimator(config.estimator, step_s=step_s)
+        self._controller = Controller(config.gains, step_s=step_s)
+        self.battery = Battery()
+        self.autopilot = Autopilot(self.parameters, self.battery, self._estimator.estimate)
+        self._autopilot_steps = max(1, round(1.0 / (_AUTOPILOT_HZ * step_s)))
+        self._revision = -1
+        self._take_wind_parameters()
+        self.wind_ned_m_s = self._wind.steady_ned_m_s
+
+    @property
+    def steps(self) -> int:
+        """Steps since boot."""
+        return self._clock.steps
+
+    @property
+    def time_s(self) -> float:
+        """Vehicle time since boot, in seconds."""
+        return self._clock.now_s()
+
+    @property
+    def time_boot_ms(self) -> int:
+        """Vehicle time since boot, in whole milliseconds."""
+        return round(self._clock.now_s() * 1000.0)
+
+    @property
+    def truth(self) -> Motion:
+        """The true motion, relative to `config.home`."""
+        return self._airframe.motion
+
+    @property
+    def true_place(self) -> Geodetic:
+        """Where the vehicle really is."""
+        return geodetic_at(self.config.home, self._airframe.motion.position_ned_m)
+
+    @property
+    def estimate(self) -> Estimate:
+        """What the vehicle believes of itself."""
+        return self._estimator.estimate
+
+    @property
+    def readings(self) -> Readings:
+        """The latest reading of each sensor."""
+        sensors = self._sensors
+        return Readings(sensors.imu, sensors.gps, sensors.baro, sensors.compass)
+
+    @property
+    def thrust(self) -> float:
+        """Thrust of all rotors as a share of the greatest, 0 to 1."""
+        return self._airframe.thrust_m_s2 / MOST_THRUST_M_S2
+
+    def step(self) -> None:
+        """Advance by exactly one step."""
+        time_s = self._clock.advance()
+        steps = self._clock.steps
+        self.wind_ned_m_s = self._wind.step()
+        motion = self._airframe.step(self._controller.command, self.wind_ned_m_s)
+        sensors = self._sensors
+        sensors.sample(steps, time_s, motion)
+        gps, baro, compass = sensors.gps, sensors.baro, sensors.compass
+        estimate = self._estimator.step(
+            time_s,
+            sensors.imu,
+            gps if gps is not None and gps.time_s == time_s else None,
+            baro if baro is not None and baro.time_s == time_s else None,
+            compass if compass is not None and compass.time_s == time_s else None,
+        )
+        self.autopilot.observe(time_s, estimate)
+        if steps % self._autopilot_steps == 0:
+            self.battery.drain(
+                self._airframe.thrust_m_s2,
+                self._autopilot_steps * self.config.step_s,
+                self.autopilot.settings.battery_thresholds,
+            )
+            self._take_wind_parameters()
+            self.autopilot.advance(self._controller.command.thrust_m_s2)
+        self._controller.step(estimate, self.autopilot.guidance)
+
+    def _take_wind_parameters(self) -> None:
+        """Let the wind blow as the parameters say, once they have been changed."""
+        if self.parameters.revision == self._revision:
+            return
+        self._revision = self.parameters.revision
+        self._wind.steady_ned_m_s = blowing_from(self.parameters["SIM_WIND_SPD"], self.parameters["SIM_WIND_DIR"])
+        self._wind.set_gusts(self.parameters["SIM_WIND_TURB"])
