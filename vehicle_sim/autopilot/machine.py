@@ -84,6 +84,7 @@ class Machine:
         self._takeoff_height_m: float | None = None
         self._speeds: dict[SpeedAxis, float] = {}
         self._yaw_rate_rad_s = inf
+        self._paused: Setpoint | None = None
         self._task: Task = LevelTask(estimate)
         self.guidance = Guidance(None, self.settings.limits())
 
@@ -214,6 +215,7 @@ class Machine:
         self.mode = mode
         self._speeds.clear()
         self._yaw_rate_rad_s = inf
+        self._paused = None
         self._begin(mode)
 
     def _begin(self, mode: Mode) -> None:

@@ -100,6 +100,29 @@ class Autopilot(Machine):
         """Stay here."""
         return self.set_mode(HOLDING[self.flavour])
 
+    def pause(self) -> Outcome:
+        """Interrupt what is flown and stay here: ArduPilot within GUIDED, PX4 by changing to Hold."""
+        if self.flavour is Flavour.PX4:
+            return self.hold()
+        if not (self.armed and isinstance(self._task, GuidedTask)):
+            return Outcome.FAILED
+        self._paused = self._paused or self._task.setpoint
+        self._task.halt(self._estimate)
+        self._refresh()
+        return Outcome.ACCEPTED
+
+    def resume(self) -> Outcome:
+        """Go on with what was paused; PX4 knows that of missions only."""
+        if self.flavour is Flavour.PX4:
+            return self.set_mode(Mode.AUTO)
+        if not (self.armed and isinstance(self._task, GuidedTask)):
+            return Outcome.FAILED
+        if self._paused is not None:
+            self._task.take(self._paused, self._now_s)
+            self._paused = None
+        self._refresh()
+        return Outcome.ACCEPTED
+
     def reposition(
         self,
         place_ned_m: PartialVector,
