@@ -179,6 +179,11 @@ class Diagrams:
                 pending.extend((self.high[node], self.low[node]))
         return tuple(found)
 
+    def indicator(self, diagram: Diagram, leaf: Diagram) -> Diagram:
+        """Where ``diagram`` has the value of ``leaf``, as a Boolean function."""
+        wanted = self.value[leaf]
+        return self.transform(diagram, lambda value: bool(value == wanted), {})
+
     def evaluate(self, diagram: Diagram, holds: int) -> Hashable:
         """The value where exactly the variables of the bits ``holds`` hold."""
         node = diagram

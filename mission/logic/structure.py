@@ -1,0 +1,242 @@
+"""The translator's working form of automata: one decision diagram for each state.
+
+The diagram of a state maps a letter to the moves that the state has for it: a tuple of pairs (target state, marks),
+where bit i of the marks says that the transition belongs to acceptance set i. A run is accepting if it meets every set
+infinitely often.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from mission.logic.automaton import BuchiAutomaton, Edge, GeneralisedBuchi, MarkedEdge
+from mission.logic.components import backward_reachable, strong_components
+from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.guards import Guard
+
+Move = tuple[int, int]
+Moves = tuple[Move, ...]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A generalised Büchi automaton with marked transitions and one initial state.
+
+    Attributes:
+        diagrams: The pool that ``moves`` live in; variable i is proposition i.
+        propositions: Names of the propositions.
+        initial: The initial state.
+        moves: One diagram a state, with ``Moves`` in ascending order on its leaves.
+        sets: Number of acceptance sets.
+    """
+
+    diagrams: Diagrams
+    propositions: tuple[str, ...]
+    initial: int
+    moves: tuple[Diagram, ...]
+    sets: int
+
+    @property
+    def size(self) -> int:
+        """Number of states."""
+        return len(self.moves)
+
+    @property
+    def all_marks(self) -> int:
+        """The marks of a transition that belongs to every set."""
+        return (1 << self.sets) - 1
+
+    def transitions(self) -> list[tuple[Move, ...]]:
+        """The distinct moves of each state, over all letters, in a fixed order."""
+        value = self.diagrams.value
+        known: dict[Diagram, tuple[Move, ...]] = {}
+        for diagram in self.moves:
+            if diagram not in known:
+                leaves = self.diagrams.leaves(diagram)
+                known[diagram] = tuple(dict.fromkeys(move for leaf in leaves for move in value[leaf]))
+        return [known[diagram] for diagram in self.moves]
+
+    def successors(self) -> list[tuple[int, ...]]:
+        """The distinct targets of each state."""
+        return [tuple(dict.fromkeys(target for target, _ in moves)) for moves in self.transitions()]
+
+    def rewritten(self, change: Callable[[Moves], Moves], sets: int | None = None) -> "Structure":
+        """The structure with ``change`` made to the moves for each letter; it need not keep them in order."""
+        known: dict[Diagram, Diagram] = {}
+
+        def changed(moves: Moves) -> Moves:
+            return tuple(sorted(set(change(moves))))
+
+        moves = tuple(self.diagrams.transform(diagram, changed, known) for diagram in self.moves)
+        return Structure(self.diagrams, self.propositions, self.initial, moves, self.sets if sets is None else sets)
+
+    def restricted(self, keep: list[int]) -> "Structure":
+        """Only the states ``keep``, numbered in that order; the initial state is among them."""
+        number = {state: index for index, state in enumerate(keep)}
+        smaller = Structure(
+            self.diagrams,
+            self.propositions,
+            number[self.initial],
+            tuple(self.moves[state] for state in keep),
+            self.sets,
+        )
+        return smaller.rewritten(
+            lambda moves: tuple((number[target], marks) for target, marks in moves if target in number)
+        )
+
+    def deterministic(self) -> bool:
+        """Whether no state has two moves for the same letter."""
+        value = self.diagrams.value
+        return all(len(value[leaf]) <= 1 for diagram in set(self.moves) for leaf in self.diagrams.leaves(diagram))
+
+
+@dataclass(frozen=True)
+class Components:
+    """The strongly connected components of a structure, each before those that lead to it.
+
+    Attributes:
+        members: The states of each.
+        of_state: The component of each state; -1 where unreachable.
+        accepting: Whether a run can stay in the component and meet every acceptance set.
+        cyclic: Whether a run can stay in the component at all.
+    """
+
+    members: tuple[tuple[int, ...], ...]
+    of_state: tuple[int, ...]
+    accepting: tuple[bool, ...]
+    cyclic: tuple[bool, ...]
+
+
+def components(structure: Structure) -> Components:
+    """Find the components that the initial state reaches."""
+    transitions = structure.transitions()
+    successors = structure.successors()
+    found = strong_components(successors, (structure.initial,))
+    of_state = [-1] * structure.size
+    for index, states in enumerate(found):
+        for state in states:
+            of_state[state] = index
+    met = [-1] * len(found)
+    for state, moves in enumerate(transitions):
+        component = of_state[state]
+        for target, marks in moves:
+            if component >= 0 and of_state[target] == component:
+                met[component] = max(met[component], 0) | marks
+    return Components(
+        members=tuple(tuple(sorted(states)) for states in found),
+        of_state=tuple(of_state),
+        accepting=tuple(marks == structure.all_marks for marks in met),
+        cyclic=tuple(marks >= 0 for marks in met),
+    )
+
+
+def pruned(structure: Structure) -> Structure:
+    """Without states that are unreachable or accept nothing; the initial state stays.
+
+    Marks that no accepting run can meet infinitely often are taken away too.
+    """
+    parts = components(structure)
+    successors = structure.successors()
+    heads = [states[0] for states, accepting in zip(parts.members, parts.accepting, strict=True) if accepting]
+    alive = backward_reachable(successors, heads) | {structure.initial}
+    keep = [state for state in range(structure.size) if state in alive and parts.of_state[state] >= 0]
+    useful = [index if parts.accepting[index] else -1 - state for state, index in enumerate(parts.of_state)]
+    cleaned = tuple(
+        structure.diagrams.transform(diagram, partial(_unmarked, useful[state], useful), {})
+        for state, diagram in enumerate(structure.moves)
+    )
+    changed = Structure(structure.diagrams, structure.propositions, structure.initial, cleaned, structure.sets)
+    return without_redundant_sets(changed.restricted(keep))
+
+
+def _unmarked(home: int, useful: list[int], moves: Moves) -> Moves:
+    return tuple(sorted({(target, marks if home >= 0 and useful[target] == home else 0) for target, marks in moves}))
+
+
+def without_redundant_sets(structure: Structure) -> Structure:
+    """Without acceptance sets that contain another one inside every accepting component.
+
+    Marks outside accepting components must have been taken away before.
+    """
+    parts = components(structure)
+    seen: set[int] = set()
+    for state, moves in enumerate(structure.transitions()):
+        home = parts.of_state[state]
+        if home >= 0 and parts.accepting[home]:
+            seen.update(marks for target, marks in moves if parts.of_state[target] == home)
+    kept: list[int] = []
+    for index in range(structure.sets):
+        others = kept + list(range(index + 1, structure.sets))
+        contains = any(all(marks >> index & 1 for marks in seen if marks >> other & 1) for other in others)
+        everywhere = all(marks >> index & 1 for marks in seen)
+        if not contains and not (everywhere and seen):
+            kept.append(index)
+    if not kept and structure.sets and parts.accepting != parts.cyclic:
+        kept = [0]  # what tells components where runs are accepting from those where none is
+    if len(kept) == structure.sets:
+        return structure
+
+    def shrunk(moves: Moves) -> Moves:
+        return tuple(
+            (target, sum((marks >> index & 1) << bit for bit, index in enumerate(kept))) for target, marks in moves
+        )
+
+    return structure.rewritten(shrunk, len(kept))
+
+
+def state_based(structure: Structure) -> BuchiAutomaton:
+    """The automaton of a structure with at most one set, where a state's transitions are all in it or all not.
+
+    States are numbered in the order in which a breadth-first search meets them.
+    """
+    order = _breadth_first(structure)
+    parts = components(structure)
+    number = {state: index for index, state in enumerate(order)}
+    edges: list[Edge] = []
+    accepting: set[int] = set()
+    for state in order:
+        guards = _guards(structure, state)
+        if parts.accepting[parts.of_state[state]] and (not structure.sets or any(marks for _, marks in guards)):
+            accepting.add(number[state])
+        edges.extend(Edge(number[state], guard, number[target]) for (target, _), guard in guards.items())
+    edges.sort(key=lambda edge: (edge.source, edge.target))
+    return BuchiAutomaton(structure.propositions, len(order), (0,), frozenset(accepting), tuple(edges))
+
+
+def transition_based(structure: Structure) -> GeneralisedBuchi:
+    """A structure as a value; states are numbered in the order in which a breadth-first search meets them."""
+    order = _breadth_first(structure)
+    number = {state: index for index, state in enumerate(order)}
+    edges = [
+        MarkedEdge(number[state], guard, number[target], _listed(marks))
+        for state in order
+        for (target, marks), guard in _guards(structure, state).items()
+    ]
+    edges.sort(key=lambda edge: (edge.source, edge.target, edge.marks))
+    return GeneralisedBuchi(structure.propositions, len(order), (0,), structure.sets, tuple(edges))
+
+
+def _listed(marks: int) -> tuple[int, ...]:
+    return tuple(index for index in range(marks.bit_length()) if marks >> index & 1)
+
+
+def _breadth_first(structure: Structure) -> list[int]:
+    successors = structure.successors()
+    order = {structure.initial: None}
+    for state in (queue := [structure.initial]):
+        for target in successors[state]:
+            if target not in order:
+                order[target] = None
+                queue.append(target)
+    return list(order)
+
+
+def _guards(structure: Structure, state: int) -> dict[Move, Guard]:
+    """The moves of a state, each with the letters that it is made for."""
+    diagrams = structure.diagrams
+    letters: dict[Move, Diagram] = {}
+    for leaf in diagrams.leaves(structure.moves[state]):
+        here = diagrams.indicator(structure.moves[state], leaf)
+        for move in diagrams.value[leaf]:
+            letters[move] = diagrams.either(letters.get(move, diagrams.false), here)
+    return {move: Guard(structure.propositions, diagrams.cover(where)) for move, where in letters.items()}

@@ -1,0 +1,160 @@
+"""From a formula to a generalised Büchi automaton, on the fly.
+
+States are sets of formulas that must all hold from here on. What a formula asks of a letter and of the rest of the word
+is a diagram whose leaves are sets of clauses (obligations for the next position, promises put off once more); clauses
+that ask for more than another one are dropped at once. This is the tableau of Couvreur, "On-the-fly verification of
+linear temporal logic" (1999), on the clauses of Gastin and Oddoux, "Fast LTL to Büchi automata translation" (2001).
+Each eventuality is one acceptance set: the transitions that do not put it off.
+"""
+
+from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.formula import Formula, Operator, postorder
+from mission.logic.rewriting import Rewriter
+from mission.logic.structure import Moves, Structure
+
+Clause = tuple[int, int]
+Clauses = tuple[Clause, ...]
+
+_PROMISES = frozenset({Operator.EVENTUALLY, Operator.UNTIL, Operator.STRONG_RELEASE})
+
+
+class TooLargeError(Exception):
+    """An automaton grew beyond the size that it was allowed."""
+
+
+class Tableau:
+    """Builds the automata of formulas in negation normal form, over one pool of diagrams."""
+
+    def __init__(self, diagrams: Diagrams, propositions: tuple[str, ...], rewriter: Rewriter) -> None:
+        self._diagrams = diagrams
+        self._propositions = propositions
+        self._bit = {name: index for index, name in enumerate(propositions)}
+        self._rewriter = rewriter
+        self._number: dict[Formula, int] = {}
+        self._formulas: list[Formula] = []
+        self._promise: dict[Formula, int] = {}
+        self._expansions: dict[Formula, Diagram] = {}
+        self._both: dict[tuple[Diagram, Diagram], Diagram] = {}
+        self._either: dict[tuple[Diagram, Diagram], Diagram] = {}
+        self._satisfied = diagrams.leaf(((0, 0),))
+        self._refused = diagrams.leaf(())
+
+    def structure(self, formula: Formula, limit: int) -> Structure:
+        """The automaton of ``formula``.
+
+        Raises:
+            TooLargeError: It has more than ``limit`` states.
+        """
+        start = self._obligations(formula)
+        numbers = {start: 0}
+        queue = [start]
+        rows: list[Diagram] = []
+        for state in queue:
+            row = self._row(state)
+            rows.append(row)
+            for leaf in self._diagrams.leaves(row):
+                for target, _ in self._diagrams.value[leaf]:
+                    if target not in numbers:
+                        numbers[target] = len(queue)
+                        queue.append(target)
+            if len(queue) > limit:
+                raise TooLargeError
+        promises = len(self._promise)
+        everything = (1 << promises) - 1
+        known: dict[Diagram, Diagram] = {}
+
+        def moves(clauses: Clauses) -> Moves:
+            return tuple(sorted((numbers[target], everything & ~late) for target, late in clauses))
+
+        diagrams = tuple(self._diagrams.transform(row, moves, known) for row in rows)
+        return Structure(self._diagrams, self._propositions, 0, diagrams, promises)
+
+    def _row(self, state: int) -> Diagram:
+        row = self._satisfied
+        index = 0
+        while state >> index:
+            if state >> index & 1:
+                row = self._conjoined(row, self._expanded(self._formulas[index]))
+            index += 1
+        return row
+
+    def _obligations(self, formula: Formula) -> int:
+        """A formula as a set of formulas that hold together."""
+        parts = formula.operands if formula.operator is Operator.AND else (formula,)
+        bits = 0
+        for part in parts:
+            if part.operator is Operator.TRUE:
+                continue
+            if part not in self._number:
+                self._number[part] = len(self._formulas)
+                self._formulas.append(part)
+            bits |= 1 << self._number[part]
+        return bits
+
+    def _expanded(self, formula: Formula) -> Diagram:
+        """What ``formula`` asks of a letter and of what follows it."""
+        for node in postorder(formula):
+            if node not in self._expansions:
+                self._expansions[node] = self._expand(node)
+        return self._expansions[formula]
+
+    def _expand(self, node: Formula) -> Diagram:  # noqa: PLR0911 - one return for each operator
+        diagrams = self._diagrams
+        parts = [self._expansions[operand] for operand in node.operands]
+        match node.operator:
+            case Operator.TRUE:
+                return self._satisfied
+            case Operator.FALSE:
+                return self._refused
+            case Operator.PROPOSITION:
+                return diagrams.test(self._bit[node.name], self._refused, self._satisfied)
+            case Operator.NOT:
+                return diagrams.test(self._bit[node.operands[0].name], self._satisfied, self._refused)
+            case Operator.AND:
+                row = parts[0]
+                for part in parts[1:]:
+                    row = self._conjoined(row, part)
+                return row
+            case Operator.OR:
+                row = parts[0]
+                for part in parts[1:]:
+                    row = self._disjoined(row, part)
+                return row
+            case Operator.NEXT:
+                return diagrams.leaf(((self._obligations(node.operands[0]), 0),))
+        return self._expand_temporal(node, parts)
+
+    def _expand_temporal(self, node: Formula, parts: list[Diagram]) -> Diagram:
+        late = 0
+        if node.operator in _PROMISES:
+            late = 1 << self._promise.setdefault(node, len(self._promise))
+        again = self._diagrams.leaf(((self._obligations(node), late),))
+        match node.operator:
+            case Operator.EVENTUALLY:
+                return self._disjoined(parts[0], again)
+            case Operator.ALWAYS:
+                return self._conjoined(parts[0], again)
+            case Operator.UNTIL | Operator.WEAK_UNTIL:
+                return self._disjoined(parts[1], self._conjoined(parts[0], again))
+        return self._conjoined(parts[1], self._disjoined(parts[0], again))
+
+    def _conjoined(self, left: Diagram, right: Diagram) -> Diagram:
+        return self._diagrams.combine(left, right, self._product, self._both)
+
+    def _disjoined(self, left: Diagram, right: Diagram) -> Diagram:
+        return self._diagrams.combine(left, right, self._union, self._either)
+
+    def _product(self, left: Clauses, right: Clauses) -> Clauses:
+        return self._minimal({(a | c, b | d) for a, b in left for c, d in right})
+
+    def _union(self, left: Clauses, right: Clauses) -> Clauses:
+        return self._minimal({*left, *right})
+
+    def _minimal(self, clauses: set[Clause]) -> Clauses:
+        """Only the clauses that no other one makes superfluous, in ascending order."""
+        ordered = sorted(clauses)
+        return tuple(
+            clause
+            for clause in ordered
+            if not any(not (other[0] & ~clause[0] or other[1] & ~clause[1]) for other in ordered if other != clause)
+        )
