@@ -1,0 +1,308 @@
+"""The program `vehicle-sim`: options, sockets and signals around one vehicle; the only place that prints.
+
+What takes time to import is imported once the options are known to be good.
+"""
+
+import argparse
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from math import atan2, degrees, hypot, isfinite
+from typing import Final, NoReturn
+
+from vehicle_sim.addresses import LISTENING, Address, parse_address
+from vehicle_sim.errors import ConfigurationError
+
+_GROUND_STATION: Final = "udpout:127.0.0.1:14550"
+_DEFAULT_LISTEN: Final = {"ardupilot": "tcpin:127.0.0.1:5760", "px4": "udpin:127.0.0.1:14580"}
+_DEFAULT_CONNECT: Final = {"ardupilot": (), "px4": ("udpout:127.0.0.1:14540",)}
+_USAGE_ERROR: Final = 2
+_FASTEST: Final = 1000.0
+_DIGITS: Final = frozenset("0123456789.")
+
+_DESCRIPTION: Final = """\
+A multicopter in software behind a MAVLink autopilot. It answers like ArduCopter, or like PX4 with --flavour px4."""
+
+_EPILOG: Final = """\
+links:
+  udpin:HOST:PORT   wait for datagrams; each peer that speaks MAVLink is answered
+  tcpin:HOST:PORT   TCP server; each connection is a link
+  udpout:HOST:PORT  speak to this address from the start
+  tcp:HOST:PORT     connect to this TCP server
+  Port 0 takes a free one (see --announce). Without --listen and --connect there are the links that users of the two
+  autopilots' own simulators know: ardupilot listens on tcpin:127.0.0.1:5760; px4 listens on udpin:127.0.0.1:14580
+  and speaks to udpout:127.0.0.1:14540. A ground station on this machine's UDP port 14550 finds the vehicle in any
+  case, unless --no-ground-station is given.
+
+wind:
+  --wind 3,1        blows 3 m/s to the north and 1 m/s to the east
+  --wind 4@270      blows 4 m/s from 270 degrees (from the west)
+
+examples:
+  vehicle-sim
+  vehicle-sim --flavour px4 --speed 5 --wind 4@270 --gusts 1
+  vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station
+"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the program; return its exit code: 0 ended as asked, 2 an option or address that cannot be used."""
+    parser = _parser()
+    options = parser.parse_args(_with_negative_values(sys.argv[1:] if arguments is None else arguments))
+    try:
+        _run(options)
+    except ConfigurationError as error:
+        print(f"vehicle-sim: {error}", file=sys.stderr)  # noqa: T201 - the program's own voice
+        return _USAGE_ERROR
+    return 0
+
+
+def _with_negative_values(arguments: Sequence[str]) -> list[str]:
+    """Join an option and the coordinates after it: argparse takes `-33.9,151.2,20` for an option otherwise."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] in ("--home", "--wind") and argument[:1] == "-" and argument[1:2] in _DIGITS:
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
+def _run(options: argparse.Namespace) -> None:
+    # numpy, filterpy and pymavlink would make `--help` wait.
+    from vehicle_sim.clock import WallClock  # noqa: PLC0415
+    from vehicle_sim.parameters import Flavour  # noqa: PLC0415
+    from vehicle_sim.ports import Port, open_port  # noqa: PLC0415
+    from vehicle_sim.protocol.endpoint import Endpoint  # noqa: PLC0415
+    from vehicle_sim.protocol.flavour import Rates  # noqa: PLC0415
+    from vehicle_sim.server import Server  # noqa: PLC0415
+    from vehicle_sim.vehicle import Vehicle, VehicleConfig  # noqa: PLC0415
+
+    flavour = Flavour(options.flavour)
+    speed_m_s, from_deg = options.wind
+    place = {} if options.home is None else dict(zip(_HOME_FIELDS, options.home, strict=True))
+    config = VehicleConfig(
+        seed=options.seed, flavour=flavour, wind_m_s=speed_m_s, wind_from_deg=from_deg, gust_m_s=options.gusts, **place
+    )
+    endpoint = Endpoint(Vehicle(config), flavour, options.sysid)
+    ports: list[Port] = []
+    try:
+        for address, rates_name, is_asked in _links(options):
+            try:
+                ports.append(open_port(address, endpoint, Rates[rates_name], _notify))
+            except ConfigurationError as error:
+                if is_asked:
+                    raise
+                _notify(f"{error}; going on without it")
+        bound = [port.address for port in ports]
+        stopping = _stop_flag(with_parent=options.exit_with_parent)
+        _tell(options, bound)
+        Server(endpoint, ports, clock=WallClock(), notify=_notify).run(options.speed, stopping)
+    finally:
+        for port in ports:
+            port.close()
+
+
+_HOME_FIELDS: Final = ("home_lat_deg", "home_lon_deg", "home_alt_m")
+
+
+def _links(options: argparse.Namespace) -> list[tuple[Address, str, bool]]:
+    """Return each address to open, what is streamed there, and whether the user asked for it."""
+    asked = [*options.listen, *options.connect]
+    links = [(address, "ONBOARD", True) for address in asked]
+    if not asked:
+        flavour = options.flavour
+        defaults = (_DEFAULT_LISTEN[flavour], *_DEFAULT_CONNECT[flavour])
+        links = [(parse_address(text), "ONBOARD", False) for text in defaults]
+    if options.ground_station is not None:
+        links.append((options.ground_station, "GROUND_STATION", True))
+    elif not options.no_ground_station:
+        links.append((parse_address(_GROUND_STATION), "GROUND_STATION", False))
+    unique = {address: (address, rates, is_asked) for address, rates, is_asked in reversed(links)}
+    return list(reversed(unique.values()))
+
+
+def _tell(options: argparse.Namespace, bound: list[Address]) -> None:
+    if options.announce:
+        listening = " ".join(str(address) for address in bound if address.scheme in LISTENING)
+        print(f"READY {listening}", flush=True)  # noqa: T201 - what the parent process reads
+    if not options.quiet:
+        links = ", ".join(str(address) for address in bound)
+        _notify(f"{options.flavour}, system {options.sysid}, {options.speed:g} times real time, on {links}")
+
+
+def _notify(sentence: str) -> None:
+    print(f"vehicle-sim: {sentence}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
+
+
+def _stop_flag(*, with_parent: bool) -> Callable[[], bool]:
+    """Return a function that tells whether to stop: after SIGINT or SIGTERM, or once standard input is closed."""
+    stop = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda _number, _frame: stop.set())
+    if with_parent:
+        # A thread that only ever waits: standard input cannot be polled together with sockets on every system.
+        threading.Thread(target=_wait_for_end_of_input, args=(stop,), daemon=True).start()
+    return stop.is_set
+
+
+def _wait_for_end_of_input(stop: threading.Event) -> None:
+    try:
+        while os.read(sys.stdin.fileno(), 4096):
+            pass
+    finally:
+        stop.set()
+
+
+class _OneLineParser(argparse.ArgumentParser):
+    """Says what is wrong in one line, without the usage in front of it."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(_USAGE_ERROR, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+class _Version(argparse.Action):
+    """Prints the installed version; looked up only when it is asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_arguments: object) -> None:
+        from importlib.metadata import version  # noqa: PLC0415 - reads the disk
+
+        print(f"vehicle-sim {version('ltl-mission')}")  # noqa: T201 - what was asked for
+        parser.exit()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _OneLineParser(
+        prog="vehicle-sim",
+        description=_DESCRIPTION,
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    vehicle = parser.add_argument_group("vehicle")
+    vehicle.add_argument(
+        "--flavour", choices=("ardupilot", "px4"), default="ardupilot", help="autopilot to answer like (ardupilot)"
+    )
+    vehicle.add_argument("--seed", type=_seed, default=1, metavar="N", help="seed of all noise and gusts (1)")
+    vehicle.add_argument(
+        "--wind", type=_wind, default=(0.0, 0.0), metavar="WIND", help="NORTH,EAST or SPEED@FROM_DEGREES in m/s (calm)"
+    )
+    vehicle.add_argument(
+        "--gusts", type=_not_negative, default=0.0, metavar="M_S", help="standard deviation of gusts, m/s (0)"
+    )
+    vehicle.add_argument(
+        "--home", type=_home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"
+    )
+    vehicle.add_argument("--sysid", type=_system_id, default=1, metavar="N", help="MAVLink system id, 1 to 255 (1)")
+    vehicle.add_argument("--speed", type=_speed, default=1.0, metavar="N", help="multiples of real time (1)")
+    links = parser.add_argument_group("links")
+    links.add_argument(
+        "--listen",
+        type=_listen_address,
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="udpin: or tcpin:, repeatable",
+    )
+    links.add_argument(
+        "--connect",
+        type=_connect_address,
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="udpout: or tcp:, repeatable",
+    )
+    station = links.add_mutually_exclusive_group()
+    station.add_argument(
+        "--ground-station", type=_address, metavar="ADDRESS", help=f"where the ground station is ({_GROUND_STATION})"
+    )
+    station.add_argument("--no-ground-station", action="store_true", help="do not look for a ground station")
+    process = parser.add_argument_group("process")
+    process.add_argument(
+        "--announce", action="store_true", help="print one line READY ADDRESS... with the ports really bound"
+    )
+    process.add_argument("--exit-with-parent", action="store_true", help="end when standard input is closed")
+    process.add_argument("--quiet", action="store_true", help="say nothing but warnings")
+    process.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
+    return parser
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _not_negative(text: str) -> float:
+    value = _number(text)
+    if value < 0.0:
+        raise argparse.ArgumentTypeError(f"{text} is negative")
+    return value
+
+
+def _speed(text: str) -> float:
+    value = _number(text)
+    if not 0.0 < value <= _FASTEST:
+        raise argparse.ArgumentTypeError(f"the speed lies in (0, {_FASTEST:g}], {text} does not")
+    return value
+
+
+def _whole(text: str, low: int, high: int) -> int:
+    if not (text.isascii() and text.isdigit() and low <= int(text) <= high):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {low} to {high}")
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    return _whole(text, 0, 2**32 - 1)
+
+
+def _system_id(text: str) -> int:
+    return _whole(text, 1, 255)
+
+
+def _wind(text: str) -> tuple[float, float]:
+    """Return speed in m/s and the direction in degrees that the wind blows from."""
+    speed_text, at, from_text = text.partition("@")
+    if at:
+        return _not_negative(speed_text), _number(from_text) % 360.0
+    north_text, comma, east_text = text.partition(",")
+    if not comma:
+        raise argparse.ArgumentTypeError(f"write NORTH,EAST or SPEED@FROM_DEGREES, not {text!r}")
+    north, east = _number(north_text), _number(east_text)
+    return hypot(north, east), degrees(atan2(-east, -north)) % 360.0
+
+
+def _home(text: str) -> tuple[float, float, float]:
+    parts = text.split(",")
+    if len(parts) != len(_HOME_FIELDS):
+        raise argparse.ArgumentTypeError(f"write LAT,LON,ALT, not {text!r}")
+    lat_deg, lon_deg, alt_m = (_number(part) for part in parts)
+    return lat_deg, lon_deg, alt_m
+
+
+def _address(text: str) -> Address:
+    try:
+        return parse_address(text)
+    except ConfigurationError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def _listen_address(text: str) -> Address:
+    address = _address(text)
+    if address.scheme not in LISTENING:
+        raise argparse.ArgumentTypeError(f"{address} does not listen; write it with --connect, or udpin: or tcpin:")
+    return address
+
+
+def _connect_address(text: str) -> Address:
+    address = _address(text)
+    if address.scheme in LISTENING:
+        raise argparse.ArgumentTypeError(f"{address} listens; write it with --listen, or udpout: or tcp:")
+    return address

@@ -1,0 +1,55 @@
+"""The MAVLink dialect that the vehicle speaks: the one place that names a pymavlink module.
+
+`ardupilotmega` contains all of `common`, so it serves both flavours. pymavlink ships no type information; `Message` is
+an alias that says what is meant.
+"""
+
+from typing import TypeAlias
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+__all__ = [
+    "AUTOPILOT_COMPONENT",
+    "LAST_V1_ID",
+    "MAGIC_V1",
+    "MAGIC_V2",
+    "V1_PAYLOAD_LENGTHS",
+    "Message",
+    "mavlink",
+]
+
+Message: TypeAlias = mavlink.MAVLink_message
+
+AUTOPILOT_COMPONENT = mavlink.MAV_COMP_ID_AUTOPILOT1
+MAGIC_V1 = 0xFE
+MAGIC_V2 = 0xFD
+LAST_V1_ID = 255
+
+# Payload lengths without the extension fields that MAVLink 2 added, of the messages that the vehicle sends: MAVLink 1
+# frames end there (message definitions `common.xml` and `ardupilotmega.xml`, fields before `<extensions/>`).
+V1_PAYLOAD_LENGTHS = {
+    mavlink.MAVLINK_MSG_ID_SYS_STATUS: 31,
+    mavlink.MAVLINK_MSG_ID_GPS_RAW_INT: 30,
+    mavlink.MAVLINK_MSG_ID_SCALED_IMU: 22,
+    mavlink.MAVLINK_MSG_ID_RAW_IMU: 26,
+    mavlink.MAVLINK_MSG_ID_SCALED_PRESSURE: 14,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: 32,
+    mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: 21,
+    mavlink.MAVLINK_MSG_ID_MISSION_ITEM: 37,
+    mavlink.MAVLINK_MSG_ID_MISSION_REQUEST: 4,
+    mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: 2,
+    mavlink.MAVLINK_MSG_ID_MISSION_COUNT: 4,
+    mavlink.MAVLINK_MSG_ID_MISSION_ACK: 3,
+    mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: 12,
+    mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT: 4,
+    mavlink.MAVLINK_MSG_ID_MISSION_ITEM_INT: 37,
+    mavlink.MAVLINK_MSG_ID_COMMAND_ACK: 3,
+    mavlink.MAVLINK_MSG_ID_TIMESYNC: 16,
+    mavlink.MAVLINK_MSG_ID_HIGHRES_IMU: 62,
+    mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: 36,
+    mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION: 60,
+    mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT: 22,
+    mavlink.MAVLINK_MSG_ID_HOME_POSITION: 52,
+    mavlink.MAVLINK_MSG_ID_FENCE_STATUS: 8,
+    mavlink.MAVLINK_MSG_ID_STATUSTEXT: 51,
+}

@@ -1,0 +1,198 @@
+"""The vehicle's MAVLink side without I/O: bytes of each link in, datagrams of each link out, time by steps.
+
+endpoint.add_link("gcs")
+endpoint.receive("gcs", data)     # handled at once; answers wait to be fetched
+endpoint.advance()                # one step of the vehicle, and the telemetry that is due then
+for datagram in endpoint.outgoing("gcs"): ...
+"""
+
+from typing import TYPE_CHECKING
+
+from vehicle_sim.protocol.commands import CommandService
+from vehicle_sim.protocol.files import FileService
+from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
+from vehicle_sim.protocol.host import Sender
+from vehicle_sim.protocol.link import Link
+from vehicle_sim.protocol.parameters import ParameterService
+from vehicle_sim.protocol.plans import PlanService
+from vehicle_sim.protocol.presence import PresenceService
+from vehicle_sim.protocol.rates import RateService
+from vehicle_sim.protocol.routing import Router
+from vehicle_sim.protocol.setpoints import SetpointService
+from vehicle_sim.protocol.statustext import TextChunker
+from vehicle_sim.protocol.telemetry import BUILDERS, Builder
+from vehicle_sim.protocol.timesync import TimeService
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from vehicle_sim.autopilot import Severity
+    from vehicle_sim.parameters import Flavour
+    from vehicle_sim.protocol.dialect import Message
+    from vehicle_sim.vehicle import Vehicle
+
+
+class Endpoint:
+    """One vehicle on any number of links.
+
+    Attributes:
+        vehicle: What flies; `advance` steps it, nothing else does.
+        table: What tells its flavour from others.
+        system_id: Its MAVLink system id; the autopilot is component 1 of it.
+        now_us: Vehicle time since boot, in microseconds.
+    """
+
+    def __init__(self, vehicle: "Vehicle", flavour: "Flavour", system_id: int = 1) -> None:
+        """Speak for `vehicle`; the flavour is the one that the vehicle was made with.
+
+        Raises:
+            ValueError: The flavour is another one than the vehicle's, or the system id is not in 1 to 255.
+        """
+        if flavour is not vehicle.autopilot.flavour:
+            raise ValueError(f"the vehicle answers like {vehicle.autopilot.flavour}, not like {flavour}")
+        if not 0 < system_id <= 255:  # noqa: PLR2004 - a byte; 0 means all systems
+            raise ValueError(f"a system id lies in 1 to 255, {system_id} does not")
+        self.vehicle = vehicle
+        self.table: FlavourTable = TABLES[flavour]
+        self.system_id = system_id
+        self._step_us = round(vehicle.config.step_s * 1e6)
+        self.now_us = vehicle.steps * self._step_us
+        self._links: dict[str, Link] = {}
+        self._purposes: dict[Link, Rates] = {}
+        self._router = Router(system_id)
+        self._chunker = TextChunker()
+        self._built: dict[int, Message | None] = {}
+        commands = CommandService(self)
+        time = TimeService(self)
+        self._rates = RateService(self)
+        self._parameters = ParameterService(self)
+        self._plans = PlanService(self)
+        self._presence = PresenceService(self)
+        commands.handlers.update(self._rates.commands)
+        commands.handlers.update(self._plans.commands)
+        self._handlers: dict[int, Callable[[Sender, Message], None]] = {
+            **self._presence.messages,
+            **commands.messages,
+            **self._rates.messages,
+            **SetpointService(self).messages,
+            **self._parameters.messages,
+            **self._plans.messages,
+            **time.messages,
+            **FileService(self).messages,
+        }
+        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry}
+        self._builders = {
+            message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
+        }
+
+    # Links.
+
+    def add_link(self, name: str, rates: Rates = Rates.ONBOARD, *, byte_stream: bool = False) -> None:
+        """Open a link.
+
+        Args:
+            name: Unique among the open links.
+            rates: What is streamed on it unasked.
+            byte_stream: Whether a frame may be split between two receptions (TCP, serial).
+
+        Raises:
+            ValueError: There is a link of this name.
+        """
+        if name in self._links:
+            raise ValueError(f"there is a link {name!r} already")
+        link = Link(name, system_id=self.system_id, byte_stream=byte_stream)
+        self._links[name] = link
+        self._purposes[link] = rates
+        self._rates.start_defaults(link)
+
+    def remove_link(self, name: str) -> None:
+        """Close a link and forget its peer.
+
+        Raises:
+            KeyError: There is no such link.
+        """
+        link = self._links.pop(name)
+        del self._purposes[link]
+        self._router.forget(link)
+        self._parameters.forget(link)
+        self._plans.forget(link)
+
+    def receive(self, link: str, data: bytes) -> int:
+        """Handle what came by a link and return how many valid messages it held.
+
+        What is not a valid MAVLink message to the vehicle changes nothing.
+
+        Raises:
+            KeyError: There is no such link.
+        """
+        came_by = self._links[link]
+        messages = came_by.decode(data)
+        for message in messages:
+            decision = self._router.decide(message, came_by, tuple(self._links.values()))
+            for other in decision.forward_to:
+                other.forward(bytes(message.get_msgbuf()))
+            handler = self._handlers.get(message.id) if decision.is_ours else None
+            if handler is not None:
+                self._built.clear()
+                handler(Sender(came_by, message.get_srcSystem(), message.get_srcComponent()), message)
+        return len(messages)
+
+    def outgoing(self, link: str) -> list[bytes]:
+        """Return the datagrams that wait to be sent by a link, oldest first, and forget them.
+
+        Raises:
+            KeyError: There is no such link.
+        """
+        return self._links[link].drain()
+
+    def advance(self) -> None:
+        """Step the vehicle once and queue what is due then."""
+        vehicle = self.vehicle
+        vehicle.step()
+        now_us = self.now_us = vehicle.steps * self._step_us
+        self._built.clear()
+        texts = vehicle.autopilot.texts
+        while texts:
+            self.say(*texts.popleft())
+        self._presence.advance()
+        for link in self._links.values():
+            if link.streams.next_due_us <= now_us:
+                for message_id in link.streams.due(now_us):
+                    message = self.telemetry(message_id)
+                    if message is not None:
+                        link.send(message)
+        if self._parameters.is_listing:
+            self._parameters.advance()
+        if self._plans.next_due_us <= now_us:
+            self._plans.advance()
+
+    # What the services use.
+
+    def broadcast(self, message: "Message") -> None:
+        """Send a message of the vehicle on every link."""
+        for link in self._links.values():
+            link.send(message)
+
+    def say(self, severity: "Severity", text: str) -> None:
+        """Send a text to every link, in chunks where it is long."""
+        for message in self._chunker.messages(severity, text):
+            self.broadcast(message)
+
+    def telemetry(self, message_id: int) -> "Message | None":
+        """Return a telemetry message as of now; None where the vehicle has nothing to say in it yet.
+
+        Raises:
+            KeyError: This autopilot has no such message.
+        """
+        built = self._built
+        if message_id not in built:
+            built[message_id] = self._builders[message_id](self)
+        return built[message_id]
+
+    def has_telemetry(self, message_id: int) -> bool:
+        """Whether this autopilot has a telemetry message."""
+        return message_id in self._builders
+
+    def rates_of(self, link: Link) -> Rates:
+        """Return what a link is for."""
+        return self._purposes[link]

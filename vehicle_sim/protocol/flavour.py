@@ -1,0 +1,273 @@
+"""What tells ArduCopter and PX4 apart on the wire: one table for each.
+
+Observed on the wire of ArduCopter 4.7.0-dev and PX4 v1.16.1 in their own simulators, and read in their sources:
+ArduPilot `GCS_Common.cpp`, `GCS_MAVLink_Copter.cpp`, `mode.h`; PX4 `mavlink_main.cpp`, `px4_custom_mode.h`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import Final
+
+from vehicle_sim.autopilot import Mode, Outcome
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.dialect import mavlink
+
+_CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+_STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
+_GUIDED = mavlink.MAV_MODE_FLAG_GUIDED_ENABLED
+_AUTO = mavlink.MAV_MODE_FLAG_AUTO_ENABLED
+_STICKS = mavlink.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+
+
+class Rates(Enum):
+    """What a link is for, hence what is streamed on it unasked."""
+
+    SILENT = auto()
+    GROUND_STATION = auto()
+    ONBOARD = auto()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlavourTable:
+    """Identity, numbers and habits of one autopilot.
+
+    Attributes:
+        autopilot: MAV_AUTOPILOT of the heartbeat.
+        capabilities: MAV_PROTOCOL_CAPABILITY bits of AUTOPILOT_VERSION.
+        software_version: major << 24 | minor << 16 | patch << 8 | release type.
+        custom_modes: The number that stands for each mode.
+        base_modes: Flags of the heartbeat's base_mode in each mode, without the armed bit.
+        default_rates_hz: What is streamed unasked, by the link's purpose: message id to messages per second.
+        stream_groups: Messages of each MAV_DATA_STREAM; empty where REQUEST_DATA_STREAM names a message id instead.
+        absent_messages: Messages of the vehicle that this autopilot does not have.
+        no_stream: Result of SET_MESSAGE_INTERVAL for a message that it does not have.
+        no_message: Result of REQUEST_MESSAGE for such a message.
+        no_mode: Result of a request for a mode that it does not have.
+        bytewise_parameters: Whether integer parameters travel as their bytes instead of as a float of equal value.
+        names_parameters_on_set: Whether an echo carries the parameter's index, or 65535.
+        plan_retry_us: After this long it asks again for a plan item.
+        plan_timeout_us: After this long without an item it gives an upload up.
+        plan_request_id: The message with which it asks for items.
+        home_is_item_0: Whether item 0 of a mission is the home position.
+        answers_ping: Whether PING is answered.
+        takeoff_is_amsl: Whether NAV_TAKEOFF's height is above mean sea level instead of above home.
+    """
+
+    flavour: Flavour
+    autopilot: int
+    capabilities: int
+    software_version: int
+    custom_modes: Mapping[Mode, int]
+    base_modes: Mapping[Mode, int]
+    default_rates_hz: Mapping[Rates, Mapping[int, float]]
+    stream_groups: Mapping[int, tuple[int, ...]]
+    absent_messages: frozenset[int]
+    no_stream: Outcome
+    no_message: Outcome
+    no_mode: Outcome
+    bytewise_parameters: bool
+    names_parameters_on_set: bool
+    plan_retry_us: int
+    plan_timeout_us: int
+    plan_request_id: int
+    home_is_item_0: bool
+    answers_ping: bool
+    takeoff_is_amsl: bool
+    modes: Mapping[int, Mode] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Invert the table of modes."""
+        object.__setattr__(self, "modes", {number: mode for mode, number in self.custom_modes.items()})
+
+
+def _px4_mode(main: int, sub: int = 0) -> int:
+    return main << 16 | sub << 24
+
+
+def _capabilities(*names: str) -> int:
+    bits = 0
+    for name in names:
+        bits |= getattr(mavlink, f"MAV_PROTOCOL_CAPABILITY_{name}")
+    return bits
+
+
+def _rates(**hertz: float) -> Mapping[int, float]:
+    return {getattr(mavlink, f"MAVLINK_MSG_ID_{name}"): rate for name, rate in hertz.items()}
+
+
+def _messages(*names: str) -> tuple[int, ...]:
+    return tuple(getattr(mavlink, f"MAVLINK_MSG_ID_{name}") for name in names)
+
+
+_ARDUPILOT: Final = FlavourTable(
+    flavour=Flavour.ARDUPILOT,
+    autopilot=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
+    capabilities=_capabilities(
+        "MISSION_FLOAT",
+        "PARAM_FLOAT",
+        "MISSION_INT",
+        "COMMAND_INT",
+        "FTP",
+        "SET_ATTITUDE_TARGET",
+        "SET_POSITION_TARGET_LOCAL_NED",
+        "SET_POSITION_TARGET_GLOBAL_INT",
+        "TERRAIN",
+        "COMPASS_CALIBRATION",
+        "MAVLINK2",
+        "MISSION_FENCE",
+        "MISSION_RALLY",
+        "FLIGHT_TERMINATION",
+    ),
+    software_version=0x04070000,
+    custom_modes={
+        Mode.STABILIZE: 0,
+        Mode.ACRO: 1,
+        Mode.ALT_HOLD: 2,
+        Mode.AUTO: 3,
+        Mode.GUIDED: 4,
+        Mode.POSITION: 5,
+        Mode.RETURN: 6,
+        Mode.LAND: 9,
+        Mode.POSHOLD: 16,
+        Mode.BRAKE: 17,
+    },
+    base_modes={
+        mode: _CUSTOM
+        | _STABILIZED
+        | _STICKS
+        | (0 if mode in (Mode.STABILIZE, Mode.ACRO, Mode.ALT_HOLD, Mode.LAND) else _GUIDED)
+        for mode in Mode
+    },
+    default_rates_hz={rates: {} for rates in Rates},
+    stream_groups={
+        mavlink.MAV_DATA_STREAM_RAW_SENSORS: _messages("RAW_IMU", "SCALED_PRESSURE"),
+        mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: _messages(
+            "SYS_STATUS",
+            "POWER_STATUS",
+            "MISSION_CURRENT",
+            "GPS_RAW_INT",
+            "POSITION_TARGET_GLOBAL_INT",
+        ),
+        mavlink.MAV_DATA_STREAM_RC_CHANNELS: _messages("SERVO_OUTPUT_RAW", "RC_CHANNELS"),
+        mavlink.MAV_DATA_STREAM_POSITION: _messages("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
+        mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE"),
+        mavlink.MAV_DATA_STREAM_EXTRA2: _messages("VFR_HUD"),
+        mavlink.MAV_DATA_STREAM_EXTRA3: _messages("SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"),
+    },
+    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "HIGHRES_IMU")),
+    no_stream=Outcome.DENIED,
+    no_message=Outcome.FAILED,
+    no_mode=Outcome.FAILED,
+    bytewise_parameters=False,
+    names_parameters_on_set=False,
+    plan_retry_us=1_000_000,
+    plan_timeout_us=8_000_000,
+    plan_request_id=mavlink.MAVLINK_MSG_ID_MISSION_REQUEST,
+    home_is_item_0=True,
+    answers_ping=False,
+    takeoff_is_amsl=False,
+)
+
+_BY_HAND = _CUSTOM | _STABILIZED | _STICKS
+_BY_ITSELF = _CUSTOM | _STABILIZED | _GUIDED | _AUTO
+
+_PX4: Final = FlavourTable(
+    flavour=Flavour.PX4,
+    autopilot=mavlink.MAV_AUTOPILOT_PX4,
+    capabilities=_capabilities(
+        "MISSION_FLOAT",
+        "PARAM_FLOAT",
+        "MISSION_INT",
+        "COMMAND_INT",
+        "PARAM_ENCODE_BYTEWISE",
+        "FTP",
+        "SET_ATTITUDE_TARGET",
+        "SET_POSITION_TARGET_LOCAL_NED",
+        "FLIGHT_TERMINATION",
+        "MAVLINK2",
+        "MISSION_FENCE",
+        "MISSION_RALLY",
+    ),
+    software_version=0x011001FF,
+    custom_modes={
+        Mode.MANUAL: _px4_mode(1),
+        Mode.ALT_HOLD: _px4_mode(2),
+        Mode.POSITION: _px4_mode(3),
+        Mode.TAKEOFF: _px4_mode(4, 2),
+        Mode.HOLD: _px4_mode(4, 3),
+        Mode.AUTO: _px4_mode(4, 4),
+        Mode.RETURN: _px4_mode(4, 5),
+        Mode.LAND: _px4_mode(4, 6),
+        Mode.ACRO: _px4_mode(5),
+        Mode.GUIDED: _px4_mode(6),
+        Mode.STABILIZE: _px4_mode(7),
+    },
+    base_modes={
+        mode: _BY_HAND if mode in (Mode.MANUAL, Mode.STABILIZE, Mode.ACRO, Mode.ALT_HOLD, Mode.POSITION) else _BY_ITSELF
+        for mode in Mode
+    },
+    default_rates_hz={
+        Rates.SILENT: {},
+        Rates.GROUND_STATION: _rates(
+            ATTITUDE=15,
+            VFR_HUD=4,
+            GLOBAL_POSITION_INT=5,
+            GPS_RAW_INT=5,
+            LOCAL_POSITION_NED=1,
+            SYS_STATUS=1,
+            EXTENDED_SYS_STATE=1,
+            BATTERY_STATUS=0.5,
+            HOME_POSITION=0.5,
+            ESTIMATOR_STATUS=0.5,
+            POSITION_TARGET_LOCAL_NED=1.5,
+            RC_CHANNELS=5,
+            SERVO_OUTPUT_RAW=1,
+            ALTITUDE=1,
+            GPS_GLOBAL_ORIGIN=1,
+            SYSTEM_TIME=1,
+            PING=0.1,
+            VIBRATION=0.1,
+        ),
+        Rates.ONBOARD: _rates(
+            TIMESYNC=10,
+            ATTITUDE=100,
+            ATTITUDE_QUATERNION=50,
+            HIGHRES_IMU=50,
+            GLOBAL_POSITION_INT=50,
+            LOCAL_POSITION_NED=30,
+            ODOMETRY=30,
+            POSITION_TARGET_LOCAL_NED=10,
+            VFR_HUD=10,
+            GPS_RAW_INT=10,
+            ALTITUDE=10,
+            RC_CHANNELS=20,
+            SERVO_OUTPUT_RAW=10,
+            SYS_STATUS=5,
+            EXTENDED_SYS_STATE=5,
+            ESTIMATOR_STATUS=1,
+            SYSTEM_TIME=1,
+            GPS_GLOBAL_ORIGIN=1,
+            HOME_POSITION=1,
+            PING=1,
+            BATTERY_STATUS=0.5,
+            VIBRATION=0.5,
+        ),
+    },
+    stream_groups={},
+    absent_messages=frozenset(_messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS")),
+    no_stream=Outcome.FAILED,
+    no_message=Outcome.DENIED,
+    no_mode=Outcome.TEMPORARILY_REJECTED,
+    bytewise_parameters=True,
+    names_parameters_on_set=True,
+    plan_retry_us=250_000,
+    plan_timeout_us=5_000_000,
+    plan_request_id=mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
+    home_is_item_0=False,
+    answers_ping=True,
+    takeoff_is_amsl=True,
+)
+
+TABLES: Final[Mapping[Flavour, FlavourTable]] = {Flavour.ARDUPILOT: _ARDUPILOT, Flavour.PX4: _PX4}
+"""The table of each flavour."""

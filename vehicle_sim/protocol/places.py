@@ -1,0 +1,32 @@
+"""Places of the global frames of MAVLink: what their height counts from."""
+
+from math import isfinite
+from typing import Final
+
+from vehicle_sim.protocol.dialect import mavlink
+from vehicle_sim.signals import Geodetic
+
+AMSL_FRAMES: Final = frozenset((mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_FRAME_GLOBAL_INT))
+HOME_FRAMES: Final = frozenset((mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT, mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT))
+TERRAIN_FRAMES: Final = frozenset((mavlink.MAV_FRAME_GLOBAL_TERRAIN_ALT, mavlink.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT))
+GLOBAL_FRAMES: Final = AMSL_FRAMES | HOME_FRAMES | TERRAIN_FRAMES
+
+_POLE_DEG: Final = 90.0
+_ANTIMERIDIAN_DEG: Final = 180.0
+
+
+def is_place(lat_deg: float, lon_deg: float) -> bool:
+    """Whether latitude and longitude name a place on earth."""
+    return abs(lat_deg) <= _POLE_DEG and abs(lon_deg) <= _ANTIMERIDIAN_DEG
+
+
+def global_place(lat_deg: float, lon_deg: float, height_m: float, frame: int, home: Geodetic | None) -> Geodetic | None:
+    """Return a place given in a global frame; None where it is none, or its height counts from an unknown home.
+
+    The ground is flat and at home's altitude, so heights above terrain are heights above home.
+    """
+    if frame not in GLOBAL_FRAMES or not is_place(lat_deg, lon_deg) or not isfinite(height_m):
+        return None
+    if frame in AMSL_FRAMES:
+        return Geodetic(lat_deg, lon_deg, height_m)
+    return None if home is None else Geodetic(lat_deg, lon_deg, home.alt_m + height_m)

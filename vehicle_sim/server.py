@@ -1,0 +1,114 @@
+"""The vehicle in real time: sockets polled between small batches of steps, paced on absolute deadlines.
+
+Step k is due at start + k * step / speed. Where the machine cannot keep that up, the start is moved: vehicle time
+slows instead of jumping, and whoever runs the program is told so once.
+"""
+
+import select
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from vehicle_sim.clock import Clock
+from vehicle_sim.ports import Notify, Port
+from vehicle_sim.protocol.endpoint import Endpoint
+
+_BATCH_S: Final = 0.02
+"""Vehicle time between two looks at the sockets, at most: a client's reaction is never later than that."""
+
+_LONGEST_WAIT_S: Final = 0.1
+_MOST_LAG_S: Final = 0.1
+_JUDGED_AFTER_S: Final = 2.0
+_TOLERATED_SLOWDOWN: Final = 0.05
+
+
+class Pacer:
+    """Says how many steps are due, and slows vehicle time where they cannot be made.
+
+    Attributes:
+        slowed_to: The speed that the machine really reaches, None while it keeps up.
+    """
+
+    def __init__(self, *, step_s: float, speed: float, now_s: float) -> None:
+        """Start now.
+
+        Raises:
+            ValueError: The speed is not positive.
+        """
+        if not speed > 0.0:
+            raise ValueError("the speed is a positive multiple of real time")
+        self._interval_s = step_s / speed
+        self._speed = speed
+        self._begun_s = now_s
+        self._start_s = now_s
+        self._made = 0
+        self.slowed_to: float | None = None
+
+    def due(self, now_s: float) -> int:
+        """Return how many steps are due now."""
+        lag_s = now_s - self._start_s - self._made * self._interval_s
+        if lag_s > _MOST_LAG_S:
+            self._start_s += lag_s - _MOST_LAG_S
+            lag_s = _MOST_LAG_S
+            self._judge(now_s)
+        return max(int(lag_s / self._interval_s), 0)
+
+    def _judge(self, now_s: float) -> None:
+        elapsed_s = now_s - self._begun_s
+        lost = (self._start_s - self._begun_s) / elapsed_s
+        if elapsed_s >= _JUDGED_AFTER_S and lost > _TOLERATED_SLOWDOWN:
+            self.slowed_to = self._speed * (1.0 - lost)
+
+    def made(self, steps: int) -> None:
+        """Note that so many steps were made."""
+        self._made += steps
+
+    def wait_s(self, now_s: float) -> float:
+        """Return how long nothing is due."""
+        due_s = self._start_s + (self._made + 1) * self._interval_s
+        return min(max(due_s - now_s, 0.0), _LONGEST_WAIT_S)
+
+
+class Server:
+    """Runs an endpoint over its ports until told to stop."""
+
+    def __init__(self, endpoint: Endpoint, ports: Sequence[Port], *, clock: Clock, notify: Notify) -> None:
+        """Serve `endpoint`; `notify` takes sentences for whoever runs the program."""
+        self._endpoint, self._ports = endpoint, tuple(ports)
+        self._clock, self._notify = clock, notify
+
+    def run(self, speed: float, stopping: Callable[[], bool]) -> None:
+        """Let vehicle time pass at `speed` times real time until `stopping` returns true; close all ports then."""
+        step_s = self._endpoint.vehicle.config.step_s
+        batch = max(round(_BATCH_S / step_s), 1)
+        pacer = Pacer(step_s=step_s, speed=speed, now_s=self._clock.now_s())
+        told = False
+        try:
+            while not stopping():
+                steps = min(pacer.due(self._clock.now_s()), batch)
+                for _ in range(steps):
+                    self._endpoint.advance()
+                pacer.made(steps)
+                self._flush()
+                if pacer.slowed_to is not None and not told:
+                    told = True
+                    self._notify(
+                        f"this machine cannot keep up {speed:g} times real time: "
+                        f"vehicle time runs at about {pacer.slowed_to:.3g} times"
+                    )
+                self._poll(pacer.wait_s(self._clock.now_s()))
+        finally:
+            for port in self._ports:
+                port.close()
+
+    def _flush(self) -> None:
+        for port in self._ports:
+            port.flush()
+
+    def _poll(self, wait_s: float) -> None:
+        """Wait for the next step or the next message, whichever is first, and answer what has come."""
+        owners = {source: port for port in self._ports for source in port.sockets()}
+        ready, _, _ = select.select(list(owners), [], [], wait_s)
+        for source in ready:
+            owners[source].read(source)
+        if ready:
+            self._flush()
