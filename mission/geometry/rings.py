@@ -6,7 +6,11 @@ Edge ``i`` of a ring runs from corner ``i`` to corner ``i + 1``.
 import numpy as np
 import shapely
 
-from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+
+MOST_CROSSINGS = 1_000
+_AT_ONCE = 256
+"""Edges searched at once: all pairs of a hedgehog of thousands of edges would not fit into memory."""
 
 
 def ring_edges(ring_m: FloatArray) -> FloatArray:
@@ -28,23 +32,37 @@ def edge_crossings(edges_m: FloatArray, tolerance_m: float) -> tuple[IntArray, F
     Edges that only touch, share an end or run along each other do not cross: a triangulation can have them both.
 
     Args:
-        edges_m: Shape (E, 2, 2): edge, end, xy.
+        edges_m: Shape (E, 2, 2): edge, end, xy; none of length 0.
         tolerance_m: Distance below which an end counts as lying on the other edge's line.
 
     Returns:
-        The pairs, shape (C, 2), lower index first and sorted; and where they cross, shape (C, 2).
+        The pairs, shape (C, 2), lower index first and sorted; and where they cross, shape (C, 2). Where there are more
+        than ``MOST_CROSSINGS``, the search ends early.
     """
     lines = shapely.linestrings(edges_m)
-    first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
-    pairs = np.stack((first, second), axis=1)[first < second]
-    pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
-    a, b = edges_m[pairs[:, 0]], edges_m[pairs[:, 1]]
+    tree = shapely.STRtree(lines)
+    found, places, count = [np.empty((0, 2), dtype=np.int64)], [np.empty((0, 2))], 0
+    for begin in range(0, len(lines), _AT_ONCE):
+        first, second = tree.query(lines[begin : begin + _AT_ONCE], predicate="intersects")
+        pairs = np.stack((first + begin, second), axis=1)[first + begin < second]
+        crosses, points = _proper_crossings(edges_m[pairs[:, 0]], edges_m[pairs[:, 1]], tolerance_m)
+        order = np.lexsort((pairs[crosses, 1], pairs[crosses, 0]))
+        found.append(pairs[crosses][order])
+        places.append(points[order])
+        count += len(order)
+        if count > MOST_CROSSINGS:
+            break
+    return np.concatenate(found), np.concatenate(places)
+
+
+def _proper_crossings(a: FloatArray, b: FloatArray, tolerance_m: float) -> tuple[BoolArray, FloatArray]:
+    """Which edges cross the edge beside them, shape (C,), and where those that do cross."""
     of_b, of_a = _line_distances(a, b), _line_distances(b, a)
     apart = (np.abs(of_b) > tolerance_m).all(axis=1) & (np.abs(of_a) > tolerance_m).all(axis=1)
-    crosses = apart & (of_b[:, 0] * of_b[:, 1] < 0) & (of_a[:, 0] * of_a[:, 1] < 0)
+    crosses: BoolArray = apart & (of_b[:, 0] * of_b[:, 1] < 0) & (of_a[:, 0] * of_a[:, 1] < 0)
     share = (of_a[crosses, 0] / (of_a[crosses, 0] - of_a[crosses, 1]))[:, None]
     points: FloatArray = (1.0 - share) * a[crosses, 0] + share * a[crosses, 1]
-    return pairs[crosses], points
+    return crosses, points
 
 
 def _line_distances(lines: FloatArray, edges: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import ROUNDING, Partition
 
 SLIVER = 1e-4
@@ -65,11 +66,11 @@ def triangulate_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_
             comes out.
     """
     mesh = mesh_of_boundary(boundary_m, points_m, polygons_m)
-    for ring in (boundary_m, *polygons_m):
-        missing = RingInMesh.of(mesh, ring).missing_edges
-        if missing:
-            ends = [tuple(float(x) for x in ring[k % len(ring)]) for k in (missing[0], missing[0] + 1)]
-            raise GeometryError(f"the edge from {ends[0]} to {ends[1]} does not come out as an edge of the mesh")
+    edges = np.concatenate([ring_edges(ring) for ring in (boundary_m, *polygons_m)])
+    missing = EdgesInMesh.of(mesh, edges).missing
+    if len(missing):
+        (ax, ay), (bx, by) = edges[missing[0]]
+        raise GeometryError(f"the edge from ({ax:g}, {ay:g}) to ({bx:g}, {by:g}) is no edge of the mesh")
     return inside_of(mesh, boundary_m)
 
 
@@ -87,14 +88,14 @@ def distinct_points(points_m: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class RingInMesh:
-    """A ring as a chain of vertices of a triangulation.
+class EdgesInMesh:
+    """Edges of polygons as links between vertices of a triangulation.
 
-    An edge of the ring that passes through vertices counts as the shorter edges between them.
+    An edge that passes through vertices counts as the shorter links between them.
 
     Attributes:
-        links: Shape (L, 2), vertex indices of consecutive links.
-        edge_of: Shape (L,), the ring's edge that each link belongs to.
+        links: Shape (L, 2), vertex indices.
+        edge_of: Shape (L,), the edge that each link belongs to.
         present: Shape (L,), whether the link is an edge of the triangulation.
     """
 
@@ -103,32 +104,29 @@ class RingInMesh:
     present: BoolArray
 
     @classmethod
-    def of(cls, mesh: Partition, ring_m: FloatArray) -> "RingInMesh":
-        """Find a ring in a triangulation.
+    def of(cls, mesh: Partition, edges_m: FloatArray) -> "EdgesInMesh":
+        """Find edges, shape (E, 2, 2), in a triangulation.
 
         Raises:
-            GeometryError: If a corner of the ring is no vertex of it.
+            GeometryError: If an end of an edge is no vertex of it.
         """
-        ring = np.asarray(ring_m, dtype=np.float64)
         closeness = ROUNDING * mesh.extent_m
-        nearest = cKDTree(mesh.vertices_m).query(ring)
-        distances, corners = np.asarray(nearest[0]), np.asarray(nearest[1])
-        if (distances > closeness).any():
-            x, y = ring[int(np.argmax(distances))]
-            raise GeometryError(f"the corner ({x:g}, {y:g}) is no vertex of the mesh")
-        chains = [
-            _vertices_between(mesh.vertices_m, int(a), int(b), closeness)
-            for a, b in zip(corners, np.roll(corners, -1), strict=True)
-        ]
-        links = np.concatenate([np.stack((chain[:-1], chain[1:]), axis=1) for chain in chains])
-        edge_of = np.repeat(np.arange(len(chains)), [len(chain) - 1 for chain in chains])
+        tree = shapely.STRtree(shapely.points(mesh.vertices_m))
+        edges, vertices = tree.query(shapely.linestrings(edges_m), predicate="dwithin", distance=closeness)
+        begins, along = edges_m[edges, 0], edges_m[edges, 1] - edges_m[edges, 0]
+        shares = ((mesh.vertices_m[vertices] - begins) * along).sum(axis=1)
+        order = np.lexsort((shares, edges))
+        edges, vertices = edges[order], vertices[order]
+        _refuse_ends_off_vertices(edges_m, edges, mesh.vertices_m[vertices], closeness)
+        inner = edges[:-1] == edges[1:]
+        links = np.stack((vertices[:-1], vertices[1:]), axis=1)[inner].astype(np.int64)
         present = np.isin(_edge_keys(links, len(mesh.vertices_m)), _facet_keys(mesh))
-        return cls(links, edge_of, present)
+        return cls(links, edges[:-1][inner].astype(np.int64), present)
 
     @property
-    def missing_edges(self) -> tuple[int, ...]:
-        """Indices of the ring's edges that do not come out, ascending."""
-        return tuple(int(edge) for edge in np.unique(self.edge_of[~self.present]))
+    def missing(self) -> IntArray:
+        """Indices of the edges that do not come out, ascending."""
+        return np.unique(self.edge_of[~self.present])
 
 
 def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
@@ -139,8 +137,7 @@ def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
     """
     # The boundary cuts the mesh into pieces that are wholly inside or outside. The widest triangle of each piece
     # tells which, so that slivers beside the boundary are never judged by rounding.
-    ring = RingInMesh.of(mesh, boundary_m)
-    walls = _edge_keys(ring.links, len(mesh.vertices_m))
+    walls = _edge_keys(EdgesInMesh.of(mesh, ring_edges(boundary_m)).links, len(mesh.vertices_m))
     open_facets = (mesh.neighbours >= 0) & ~np.isin(_facet_keys(mesh), walls)
     rows, facets = np.nonzero(open_facets)
     links = coo_array((np.ones(len(rows)), (rows, mesh.neighbours[rows, facets])), shape=(mesh.size, mesh.size))
@@ -183,18 +180,17 @@ def _selected(vertices: FloatArray, triangles: IntArray, neighbours: IntArray, k
     return Partition(vertices, triangles[keep], renumbered[neighbours[keep]])
 
 
-def _vertices_between(vertices: FloatArray, a: int, b: int, closeness: float) -> IntArray:
-    """Indices of the vertices on the segment from ``a`` to ``b`` in its order, both ends included."""
-    along = vertices[b] - vertices[a]
-    length = float(np.hypot(*along))
-    if length == 0.0:
-        return np.array([a, b], dtype=np.int64)
-    offsets = vertices - vertices[a]
-    shares = offsets @ along / length
-    aside = np.abs(offsets[:, 1] * along[0] - offsets[:, 0] * along[1]) / length
-    between = np.flatnonzero((aside <= closeness) & (shares > closeness) & (shares < length - closeness))
-    ordered = between[np.argsort(shares[between], kind="stable")]
-    return np.concatenate(([a], ordered, [b])).astype(np.int64)
+def _refuse_ends_off_vertices(edges_m: FloatArray, edge_of: IntArray, found_m: FloatArray, closeness: float) -> None:
+    """Raise unless the first and the last of the vertices found along each edge (in its order) are its ends."""
+    numbers = np.arange(len(edges_m))
+    first, last = np.searchsorted(edge_of, numbers), np.searchsorted(edge_of, numbers, "right") - 1
+    bounded = np.full_like(edges_m, np.inf)
+    some = first <= last
+    bounded[some] = found_m[np.stack((first[some], last[some]), axis=1)]
+    off = (np.linalg.norm(bounded - edges_m, axis=-1) > closeness).reshape(-1)
+    if off.any():
+        x, y = edges_m.reshape(-1, 2)[int(np.argmax(off))]
+        raise GeometryError(f"the corner ({x:g}, {y:g}) is no vertex of the mesh")
 
 
 def _edge_keys(links: IntArray, vertices: int) -> IntArray:

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Literal
 
+from mission.geometry.geodesy import LatLon
+
 Point = tuple[float, float]
 
 
@@ -76,11 +78,8 @@ class Region:
 
 
 @dataclass(frozen=True)
-class Origin:
+class Origin(LatLon):
     """Where the domain's (0, 0) lies, WGS 84."""
-
-    latitude_deg: float
-    longitude_deg: float
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,75 @@
+"""What a mission file means, checked section by section wherever its structure is sound."""
+
+import re
+from typing import Any
+
+from mission.errors import FormulaSyntaxError
+from mission.logic.formula import propositions
+from mission.logic.parser import parse_formula
+from mission.spec.domain import examine_domain
+from mission.spec.finding import Finding, Path, listed, nearest, shortened
+from mission.spec.model import Point, Region, RegionKind
+from mission.spec.schema import OPERATOR_NAMES
+from mission.spec.values import domain_of, point_of, region_of
+
+_FORMULA: Path = ("mission", "formula")
+_START: Path = ("start", "position_m")
+
+
+def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # noqa: ANN401 - any JSON value
+    """Faults of formula, geometry and start; parts that have structural findings already are left out.
+
+    Args:
+        data: The file's data.
+        structural: What was found against the schema.
+    """
+    findings = []
+    if _clean(_FORMULA, structural):
+        regions = data.get("regions")
+        names = frozenset(regions) if isinstance(regions, dict) else None
+        findings.extend(_formula_findings(data["mission"]["formula"], names))
+    if all(_clean(("domain", key), structural) for key in ("nodes", "boundary", "points")):
+        known = _known_regions(data.get("regions"), structural)
+        start_m: Point | None = point_of(data["start"]["position_m"]) if _clean(_START, structural) else None
+        findings.extend(examine_domain(domain_of(data["domain"]), known, start_m)[2])
+    return findings
+
+
+def _clean(path: Path, findings: list[Finding]) -> bool:
+    """Whether nothing was found at a path, in it, or about what it stands in; what is missing was found, too."""
+    return not any(path[: len(f.path)] == f.path or f.path[: len(path)] == path for f in findings)
+
+
+def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # noqa: ANN401 - any JSON value
+    """The regions whose shape is sound; one of unknown kind or loiter counts as a plain region to survey."""
+    known = []
+    for name, value in regions.items() if isinstance(regions, dict) else ():
+        path: Path = ("regions", name)
+        if all(_clean((*path, key), structural) for key in ("triangle", "at", "polygon")):
+            kind = value["kind"] if _clean((*path, "kind"), structural) else RegionKind.SURVEY
+            known.append(region_of(name, {**value, "kind": kind, "loiter_s": 0.0}))
+    return known
+
+
+def _formula_findings(formula: str, names: frozenset[str] | None) -> list[Finding]:
+    """Faults of the formula; ``names`` are the regions, None where they are not known."""
+    try:
+        # A region of a name like G is a fault of its own and must not change how the formula is read.
+        known = frozenset(name for name in names or () if not re.search(OPERATOR_NAMES, name))
+        parsed = parse_formula(formula, known)
+    except FormulaSyntaxError as error:
+        # The end of the text has no character of its own; the last one stands for it.
+        character = max(0, min(error.column, len(formula)) - 1)
+        return [Finding(_FORMULA, f"{error.message} (column {error.column})", error.hint, character=character)]
+    if names is None:
+        return []
+    findings = []
+    for name in sorted(propositions(parsed) - names):
+        close = nearest(name, names)
+        hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(names))}"
+        place = re.search(rf"(?<![A-Za-z0-9_.]){re.escape(name)}(?![A-Za-z0-9_.])", formula)
+        at = place.start() if place else None
+        column = f" (column {at + 1})" if at is not None else ""
+        message = f"the formula speaks of `{shortened(name)}`, which is no region{column}"
+        findings.append(Finding(_FORMULA, message, hint, character=at))
+    return findings

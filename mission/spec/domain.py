@@ -1,0 +1,210 @@
+"""The domain of a mission: its mesh, its labels, and everything that may be wrong with its geometry."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mission.errors import Fault, GeometryError, SpecError
+from mission.geometry.arrays import BoolArray, FloatArray
+from mission.geometry.location import Locator
+from mission.geometry.regions import Labelling, label_triangles, triangles_inside
+from mission.geometry.rings import ring_edges
+from mission.geometry.simplices import Partition
+from mission.geometry.triangulation import (
+    SLIVER,
+    EdgesInMesh,
+    inside_of,
+    mesh_of_boundary,
+    slivers,
+    triangulate_nodes,
+)
+from mission.spec.finding import Finding, Path, dotted, listed
+from mission.spec.model import (
+    BoundaryDomain,
+    MissionSpec,
+    NodesDomain,
+    Point,
+    PointShape,
+    PolygonShape,
+    Region,
+    RegionKind,
+    TriangleShape,
+)
+from mission.spec.outlines import Outline, boundary_outline, place, sound_outlines
+
+Domain = NodesDomain | BoundaryDomain
+
+
+def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
+    """Mesh and labels of a mission.
+
+    For nodes, triangles and the vertices in each have the order that scipy's Delaunay triangulation gives them. For
+    a boundary, the vertices are its corners, the points, then the corners of the polygons, each place once.
+
+    Raises:
+        SpecError: With every fault of the geometry (line 0: a value has no lines).
+    """
+    partition, labelling, findings = examine_domain(spec.domain, spec.regions, spec.start.position_m)
+    if partition is None or labelling is None or findings:
+        raise SpecError(tuple(Fault(0, 0, dotted(f.path), f.message, f.hint) for f in findings), spec.name)
+    return partition, labelling
+
+
+def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
+    """Mask of the triangles that lie in a restricted region, shape (M,)."""
+    names = frozenset(region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED)
+    of_letters = np.array([bool(names & letter) for letter in labelling.letters])
+    mask: BoolArray = of_letters[labelling.letter_of]
+    return mask
+
+
+def examine_domain(
+    domain: Domain, regions: Sequence[Region], start_m: Point | None
+) -> tuple[Partition | None, Labelling | None, list[Finding]]:
+    """Mesh and labels as far as they can be had, and everything that is wrong.
+
+    Args:
+        domain: Nodes or boundary.
+        regions: Those whose shape is known.
+        start_m: Where the flight begins; None where that is unknown.
+    """
+    outlines, findings = sound_outlines(domain, regions)
+    if any(finding.path[0] == "domain" for finding in findings):
+        return None, None, findings
+    try:
+        partition, found = _meshed(domain, outlines)
+    except GeometryError as error:
+        section = "nodes" if isinstance(domain, NodesDomain) else "boundary"
+        hint = "three nodes at least must not lie on one line"
+        return None, None, [*findings, Finding(("domain", section), str(error), hint)]
+    findings.extend(found)
+    if partition is None:
+        return None, None, findings
+    locator = Locator(partition)
+    members: dict[str, BoolArray] = {}
+    rings = {outline.region: outline.ring_m for outline in outlines}
+    for region in regions:
+        if not isinstance(region.shape, PolygonShape) or region.name in rings:
+            members[region.name], found = _members(region, partition, locator, rings)
+            findings.extend(found)
+    findings.extend(_degenerate(partition, _sources(domain, outlines)))
+    if start_m is not None:
+        restricted = [region.name for region in regions if region.kind is RegionKind.RESTRICTED]
+        findings.extend(_start_findings(start_m, locator, {k: v for k, v in members.items() if k in restricted}))
+    return partition, label_triangles(partition.size, members), findings
+
+
+def _meshed(domain: Domain, outlines: list[Outline]) -> tuple[Partition | None, list[Finding]]:
+    """The mesh, None where the boundary does not come out; and the edges that do not."""
+    if isinstance(domain, NodesDomain):
+        partition = triangulate_nodes(np.array(domain.nodes_m))
+        return partition, _missing_edges(partition, outlines, "domain.nodes")
+    fence = boundary_outline(domain)
+    points = np.array(domain.points_m).reshape(-1, 2)
+    mesh = mesh_of_boundary(fence.ring_m, points, [outline.ring_m for outline in outlines])
+    findings = _missing_edges(mesh, [fence, *outlines], "domain.points")
+    if any(finding.path[0] == "domain" for finding in findings):
+        return None, findings
+    return inside_of(mesh, fence.ring_m), findings
+
+
+def _missing_edges(mesh: Partition, outlines: list[Outline], section: str) -> list[Finding]:
+    if not outlines:
+        return []
+    owners = [(outline, index) for outline in outlines for index in range(len(outline.ring_m))]
+    edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
+    findings = []
+    for edge in EdgesInMesh.of(mesh, edges).missing.tolist():
+        outline, index = owners[edge]
+        a, b = edges[edge]
+        message = f"the edge of {outline.region or 'the boundary'} from {place(a)} to {place(b)} is no edge of the mesh"
+        middle = f"[{(a[0] + b[0]) / 2:.6g}, {(a[1] + b[1]) / 2:.6g}]"
+        hint = f"other points are too near; add a point on the edge, such as its middle {middle}, to {section}"
+        findings.append(Finding((*outline.path, index), message, hint))
+    return findings
+
+
+def _members(
+    region: Region, partition: Partition, locator: Locator, rings: dict[str, FloatArray]
+) -> tuple[BoolArray, list[Finding]]:
+    """Mask of a region's triangles, shape (M,), and what is wrong with its shape."""
+    mask = np.zeros(partition.size, dtype=np.bool_)
+    if isinstance(region.shape, TriangleShape):
+        # Three different nodes, each of them among the three of the triangle: the order does not matter.
+        mask = np.ones(partition.size, dtype=np.bool_)
+        for node in region.shape.nodes:
+            mask &= (partition.triangles == node).any(axis=1)
+        return mask, [] if mask.any() else [_no_such_triangle(region.name, region.shape.nodes, partition)]
+    if isinstance(region.shape, PointShape):
+        point = region.shape.point_m
+        touching = locator.triangles_touching(point)
+        mask[touching] = True
+        if len(touching) == 1:
+            return mask, []
+        return mask, [_no_one_triangle(region.name, point, touching.tolist(), partition)]
+    return triangles_inside(partition, rings[region.name]), []
+
+
+def _no_such_triangle(name: str, nodes: tuple[int, int, int], partition: Partition) -> Finding:
+    path = ("regions", name, "triangle")
+    last = len(partition.vertices_m) - 1
+    unknown = [node for node in nodes if node > last]
+    if unknown:
+        return Finding(path, f"there is no node {listed(unknown)}", f"the nodes are numbered from 0 to {last}")
+    shared = np.isin(partition.triangles, nodes).sum(axis=1)
+    near = partition.triangles[shared == shared.max()]
+    triples = listed((f"[{a}, {b}, {c}]" for a, b, c in near.tolist()), most=6)
+    message = f"the nodes {nodes[0]}, {nodes[1]} and {nodes[2]} are no triangle of the mesh"
+    return Finding(path, message, f"triangles with some of these nodes: {triples}; or name a point inside with `at`")
+
+
+def _no_one_triangle(name: str, point: Point, touching: list[int], partition: Partition) -> Finding:
+    path = ("regions", name, "at")
+    if not touching:
+        return Finding(path, f"the point {place(point)} of {name} lies outside the domain", _reach(partition))
+    message = f"the point {place(point)} of {name} lies on an edge between triangles"
+    inside = ", ".join(f"[{x:.6g}, {y:.6g}]" for x, y in partition.incentres_m[touching[:6]].tolist())
+    return Finding(path, message, f"move it inside one of them, such as {inside}")
+
+
+def _sources(domain: Domain, outlines: list[Outline]) -> list[tuple[Path, FloatArray]]:
+    """The lists of the file that the vertices of the mesh come from, in order, with their paths."""
+    if isinstance(domain, NodesDomain):
+        return [(("domain", "nodes"), np.array(domain.nodes_m))]
+    fence, points = boundary_outline(domain), np.array(domain.points_m).reshape(-1, 2)
+    rings: list[tuple[Path, FloatArray]] = [(outline.path, outline.ring_m) for outline in outlines]
+    return [(fence.path, fence.ring_m), (("domain", "points"), points), *rings]
+
+
+def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]]) -> list[Finding]:
+    owners: list[Path] = [(*path, index) for path, points in sources for index in range(len(points))]
+    places = np.concatenate([points for _, points in sources])
+    findings = []
+    for index in slivers(partition).tolist():
+        # The corner opposite the longest side is the one that lies on it, or one of two that lie together.
+        corner = partition.corners_m[index, int(np.argmax(partition.edge_lengths_m[index]))]
+        owner = owners[int(np.argmin(np.linalg.norm(places - corner, axis=1)))]
+        corners = " ".join(place(corner) for corner in partition.corners_m[index])
+        height, side = partition.heights_m[index].min(), partition.edge_lengths_m[index].max()
+        message = f"the triangle {corners} is degenerate: {height:.2g} m high on a side of {side:.3g} m"
+        hint = f"move this corner or take it away; the height must be {SLIVER:g} of the longest side at least"
+        findings.append(Finding(owner, message, hint))
+    return findings
+
+
+def _start_findings(start_m: Point, locator: Locator, restricted: dict[str, BoolArray]) -> list[Finding]:
+    path = ("start", "position_m")
+    touching = locator.triangles_touching(start_m)
+    if not len(touching):
+        return [Finding(path, f"the start {place(start_m)} lies outside the domain", _reach(locator.partition))]
+    within = [name for name, mask in restricted.items() if mask[touching].any()]
+    if not within:
+        return []
+    how = "in" if len(touching) == 1 else "in or on the edge of"
+    message = f"the start {place(start_m)} lies {how} the restricted region {listed(within)}"
+    return [Finding(path, message, "move it out of every restricted region")]
+
+
+def _reach(partition: Partition) -> str:
+    (left, low), (right, high) = partition.vertices_m.min(axis=0), partition.vertices_m.max(axis=0)
+    return f"the domain reaches from {left:g} to {right:g} east and from {low:g} to {high:g} north"

@@ -1,0 +1,156 @@
+"""The outlines that a mission file draws, checked before they are meshed: nodes, boundary, polygons of regions."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from mission.geometry.arrays import FloatArray
+from mission.geometry.rings import edge_crossings, ring_edges, ring_fault
+from mission.geometry.simplices import ROUNDING
+from mission.spec.finding import Finding, Path
+from mission.spec.model import BoundaryDomain, NodesDomain, Point, PolygonShape, Region
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A ring of corners, shape (K, 2), and whose it is; ``region`` is empty for the boundary of the domain."""
+
+    path: Path
+    ring_m: FloatArray
+    region: str
+
+
+def boundary_outline(domain: BoundaryDomain) -> Outline:
+    """The outline of a boundary domain."""
+    return Outline(("domain", "boundary"), np.array(domain.boundary_m), "")
+
+
+def sound_outlines(
+    domain: NodesDomain | BoundaryDomain, regions: Sequence[Region]
+) -> tuple[list[Outline], list[Finding]]:
+    """The outlines of the regions that can be meshed, and what is wrong with the domain's points and the others."""
+    findings = _nodes_findings(domain) if isinstance(domain, NodesDomain) else _boundary_findings(domain)
+    if findings:
+        return [], findings
+    base = np.array(domain.nodes_m if isinstance(domain, NodesDomain) else domain.boundary_m)
+    tolerance_m = ROUNDING * float(np.ptp(base, axis=0).max())
+    tree = cKDTree(base)
+    outlines = []
+    for region in regions:
+        if not isinstance(region.shape, PolygonShape):
+            continue
+        outline = Outline(("regions", region.name, "polygon"), np.array(region.shape.corners_m), region.name)
+        fault = ring_fault(outline.ring_m, tolerance_m)
+        if fault:
+            message = f"the polygon of {region.name} is not simple: {fault}"
+            findings.append(Finding(outline.path, message, "list its corners in order around it, each once"))
+        elif isinstance(domain, NodesDomain):
+            strangers = _strangers(outline, tree, tolerance_m)
+            findings.extend(strangers)
+            outlines.extend([] if strangers else [outline])
+        else:
+            outside = _outside(outline, base, tolerance_m)
+            findings.extend(outside)
+            outlines.extend([] if outside else [outline])
+    fence = [boundary_outline(domain)] if isinstance(domain, BoundaryDomain) else []
+    crossings, crossing = _crossings([*fence, *outlines], tolerance_m)
+    return [outline for outline in outlines if outline.region not in crossing], findings + crossings
+
+
+def place(point: Point | FloatArray) -> str:
+    """A point for people."""
+    return f"({point[0]:.6g}, {point[1]:.6g})"
+
+
+def _nodes_findings(domain: NodesDomain) -> list[Finding]:
+    nodes = np.array(domain.nodes_m)
+    return [
+        Finding(
+            ("domain", "nodes", later),
+            f"node {later} repeats node {first}, {place(nodes[first])}",
+            "take it away, and lower the larger node numbers by one",
+        )
+        for first, later in _repeated(nodes)
+    ]
+
+
+def _boundary_findings(domain: BoundaryDomain) -> list[Finding]:
+    fence = boundary_outline(domain)
+    tolerance_m = ROUNDING * float(np.ptp(fence.ring_m, axis=0).max())
+    fault = ring_fault(fence.ring_m, tolerance_m)
+    if fault:
+        message = f"the boundary is no simple polygon: {fault}"
+        return [Finding(fence.path, message, "list its corners in order around it, each once")]
+    if not domain.points_m:
+        return []
+    points, corners = np.array(domain.points_m), len(fence.ring_m)
+    findings = []
+    for first, later in _repeated(np.concatenate((fence.ring_m, points))):
+        twin = f"corner {first} of the boundary" if first < corners else f"point {first - corners}"
+        message = f"point {later - corners} repeats {twin}, {place(points[later - corners])}"
+        findings.append(Finding(("domain", "points", later - corners), message, "take it away"))
+    outside = shapely.distance(shapely.Polygon(fence.ring_m), shapely.points(points)) > tolerance_m
+    for index in np.flatnonzero(outside).tolist():
+        message = f"the point {place(points[index])} lies outside the boundary"
+        findings.append(Finding(("domain", "points", index), message, "move it inside, or take it away"))
+    return findings
+
+
+def _repeated(points: FloatArray) -> list[tuple[int, int]]:
+    """Pairs of a point and a later one at the same place, each later one once."""
+    closeness = ROUNDING * float(np.ptp(points, axis=0).max())
+    pairs = cKDTree(points).query_pairs(closeness, output_type="ndarray")
+    first_of: dict[int, int] = {}
+    for first, later in np.sort(pairs, axis=1).tolist():
+        first_of[later] = min(first, first_of.get(later, first))
+    return [(first, later) for later, first in sorted(first_of.items())]
+
+
+def _strangers(outline: Outline, nodes: cKDTree, tolerance_m: float) -> list[Finding]:
+    """Corners of a region that are no nodes."""
+    distances = np.asarray(nodes.query(outline.ring_m)[0])
+    return [
+        Finding(
+            (*outline.path, index),
+            f"the corner {place(outline.ring_m[index])} of {outline.region} is not a node",
+            "add it to domain.nodes (at the end, so that no number changes)",
+        )
+        for index in np.flatnonzero(distances > tolerance_m).tolist()
+    ]
+
+
+def _outside(outline: Outline, boundary: FloatArray, tolerance_m: float) -> list[Finding]:
+    """The first corner of a region outside the boundary, if there is one."""
+    distances = shapely.distance(shapely.Polygon(boundary), shapely.points(outline.ring_m))
+    outside = np.flatnonzero(distances > tolerance_m)
+    if not len(outside):
+        return []
+    index = int(outside[0])
+    extent = "wholly" if len(outside) == len(outline.ring_m) else "partly"
+    corner = f"the corner {place(outline.ring_m[index])} is {distances[index]:.3g} m outside"
+    message = f"{outline.region} lies {extent} outside the boundary: {corner}"
+    return [Finding((*outline.path, index), message, "move its corners inside, or widen domain.boundary")]
+
+
+def _crossings(outlines: list[Outline], tolerance_m: float) -> tuple[list[Finding], set[str]]:
+    """Edges of different outlines that cross, one finding for each pair; and the regions that take part."""
+    if not outlines:
+        return [], set()
+    owner = np.repeat(np.arange(len(outlines)), [len(outline.ring_m) for outline in outlines])
+    edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
+    pairs, points = edge_crossings(edges, tolerance_m)
+    findings: dict[tuple[int, int], Finding] = {}
+    for (a, b), point in zip(owner[pairs].tolist(), points, strict=True):
+        first, second = outlines[a], outlines[b]
+        if first.region:
+            message = f"an edge of {second.region} crosses an edge of {first.region} at {place(point)}"
+            hint = "let the two regions share a corner there, or move one of them"
+        else:
+            message = f"an edge of {second.region} crosses the boundary at {place(point)}"
+            hint = "keep the whole region inside domain.boundary"
+        findings.setdefault((a, b), Finding(second.path, message, hint))
+    taking_part = {outlines[index].region for pair in findings for index in pair}
+    return list(findings.values()), taking_part

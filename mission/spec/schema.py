@@ -1,0 +1,271 @@
+"""The structure of a mission file as a JSON Schema (2020-12): for editors, for the loader, and for its defaults.
+
+What no schema can say (a formula that parses, a start inside the domain, edges that cross) is in ``check.py`` and
+``domain.py``.
+"""
+
+from copy import deepcopy
+from typing import Any, Final
+
+from mission.logic.parser import MAX_LENGTH
+
+Schema = dict[str, Any]
+
+MAX_COORDINATE_M: Final = 1.0e6
+
+OPERATOR_NAMES: Final = "^([FGX]+|U|W|M|V|true|false|xor)$"
+"""Names that a region may not have: operators and constants. R is one, too, but the paper's home has that name, and no
+formula can mean both by it, for the operator stands after an operand and the region never does."""
+
+
+def _number(description: str, low: float, high: float, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
+    return {"description": description, "type": "number", "minimum": low, "maximum": high, **more}
+
+
+def _object(description: str, required: tuple[str, ...], properties: Schema, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
+    schema = {"description": description, "type": "object", "additionalProperties": False, "properties": properties}
+    return schema | ({"required": list(required)} if required else {}) | more
+
+
+def _one_of(*keys: str) -> list[Schema]:
+    return [{"required": [key]} for key in keys]
+
+
+_POINT: Final[Schema] = {
+    "description": "A place in the domain, [east, north] in metres.",
+    "type": "array",
+    "items": {"type": "number", "minimum": -MAX_COORDINATE_M, "maximum": MAX_COORDINATE_M},
+    "minItems": 2,
+    "maxItems": 2,
+    "examples": [[12.5, 40.0]],
+}
+
+_RING: Final[Schema] = {
+    "type": "array",
+    "items": {"$ref": "#/$defs/point"},
+    "minItems": 3,
+    "maxItems": 10_000,
+    "examples": [[[0, 0], [20, 0], [20, 10]]],
+}
+
+_DOMAIN: Final = _object(
+    "Where the vehicle may fly: nodes, or a boundary.",
+    (),
+    {
+        "nodes": {
+            "description": "Points whose convex hull is the domain; its Delaunay triangulation is the mesh. "
+            "Regions name nodes by their number, from 0.",
+            "type": "array",
+            "items": {"$ref": "#/$defs/point"},
+            "minItems": 3,
+            "maxItems": 100_000,
+            "examples": [[[0, 0], [20, 0], [20, 10]]],
+        },
+        "boundary": _RING
+        | {"description": "Corners of a simple polygon, in order; it need not be convex and is closed by itself."},
+        "points": {
+            "description": "Further vertices of the mesh, inside the boundary.",
+            "type": "array",
+            "items": {"$ref": "#/$defs/point"},
+            "maxItems": 100_000,
+            "examples": [[[10, 5]]],
+        },
+    },
+    oneOf=_one_of("nodes", "boundary"),
+    dependentRequired={"points": ["boundary"]},
+    examples=[{"boundary": [[0, 0], [150, 0], [150, 100], [0, 100]]}],
+)
+
+_REGION: Final = _object(
+    "A named part of the domain: one triangle of the mesh, or a polygon of several.",
+    ("kind",),
+    {
+        "kind": {
+            "description": "survey: a place to visit; home: where to end; restricted: never entered, "
+            "whatever the formula says.",
+            "enum": ["survey", "restricted", "home"],
+        },
+        "triangle": {
+            "description": "The triangle with these three vertices of the mesh, by number from 0, in any order.",
+            "type": "array",
+            "items": {"type": "integer", "minimum": 0, "maximum": 1_000_000},
+            "minItems": 3,
+            "maxItems": 3,
+            "uniqueItems": True,
+            "examples": [[7, 4, 1]],
+        },
+        "at": _POINT | {"description": "The triangle with this point inside."},
+        "polygon": _RING
+        | {"description": "Corners of a simple polygon, in order; each of its edges must be an edge of the mesh."},
+        "loiter_s": _number("How long to stand still on entering the region, s.", 0.0, 86_400.0, default=0.0),
+    },
+    oneOf=_one_of("triangle", "at", "polygon"),
+    examples=[{"kind": "survey", "at": [12.5, 40.0]}],
+)
+
+_REGIONS: Final[Schema] = {
+    "description": "The regions by name. A formula speaks of them by these names.",
+    "type": "object",
+    "minProperties": 1,
+    "maxProperties": 1_000,
+    "propertyNames": {
+        "pattern": "^[A-Za-z_][A-Za-z0-9_]*$",
+        "maxLength": 60,
+        "not": {"pattern": OPERATOR_NAMES},
+    },
+    "additionalProperties": {"$ref": "#/$defs/region"},
+    "examples": [{"Field": {"kind": "survey", "at": [12.5, 40.0]}}],
+}
+
+_MISSION: Final = _object(
+    "What must be true of the flight.",
+    ("formula",),
+    {
+        "formula": {
+            "description": "A formula of linear temporal logic over the region names: F G X U R W M ! & | -> <->.",
+            "type": "string",
+            "minLength": 1,
+            "maxLength": MAX_LENGTH,
+            "examples": ["F (S1 & F Home) & G !K1"],
+        },
+        "semantics": {
+            "description": "Whether the start's own region is read by the formula (standard) or not (paper).",
+            "enum": ["standard", "paper"],
+            "default": "standard",
+        },
+        "run": {
+            "description": "Which of the shortest runs to fly, from 0.",
+            "type": "integer",
+            "minimum": 0,
+            "maximum": 10**30,
+            "default": 0,
+        },
+        "laps": {
+            "description": "How often the loop of a recurrent mission is flown.",
+            "type": "integer",
+            "minimum": 1,
+            "maximum": 10_000,
+            "default": 2,
+        },
+    },
+    examples=[{"formula": "F S1 & G !K1"}],
+)
+
+_START: Final = _object(
+    "Where the flight begins, and how fast.",
+    ("position_m",),
+    {
+        "position_m": {"$ref": "#/$defs/point"},
+        "velocity_m_s": {
+            "description": "[east, north] in m/s.",
+            "type": "array",
+            "items": {"type": "number", "minimum": -100.0, "maximum": 100.0},
+            "minItems": 2,
+            "maxItems": 2,
+            "default": [0.0, 0.0],
+        },
+    },
+    examples=[{"position_m": [12.5, 40.0]}],
+)
+
+_ORIGIN: Final = _object(
+    "Where on Earth (WGS 84) the domain's [0, 0] lies. Without it the domain lies so that the vehicle is at the start.",
+    ("latitude_deg", "longitude_deg"),
+    {
+        "latitude_deg": _number("Degrees north.", -89.9, 89.9, examples=[47.3977]),
+        "longitude_deg": _number("Degrees east.", -180.0, 180.0, examples=[8.5456]),
+    },
+    examples=[{"latitude_deg": 47.3977, "longitude_deg": 8.5456}],
+)
+
+_FLIGHT: Final = _object(
+    "How it is flown.",
+    (),
+    {
+        "speed_m_s": _number("Reference speed, c of the paper, m/s.", 0.001, 100.0, default=3.0),
+        "altitude_m": _number("Height above the take-off point, m.", 0.5, 5_000.0, default=10.0),
+        "final_stay_s": _number("How long to stay in the last triangle before landing, s.", 0.0, 86_400.0, default=5.0),
+        "time_constant_s": _number("Time constant tau of the tracking law, s.", 0.05, 100.0, default=1.0),
+        "disturbance_m_s2": _number(
+            "Bound on each axis of the acceleration that tracking does not know of, m/s2; the certificate widens the "
+            "path by it.",
+            0.0,
+            20.0,
+            default=0.0,
+        ),
+    },
+    examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
+)
+
+_SMOOTHING: Final = _object(
+    "The Fourier series that smooths the planned path.",
+    (),
+    {
+        "extension": {
+            "description": "odd keeps both end points; even is the paper's.",
+            "enum": ["odd", "even"],
+            "default": "odd",
+        },
+        "frequencies": {
+            "description": "How many; auto takes as few as the proof needs.",
+            "anyOf": [{"const": "auto"}, {"type": "integer", "minimum": 1, "maximum": 10_000}],
+            "default": "auto",
+            "examples": ["auto", 28],
+        },
+    },
+    examples=[{"extension": "odd", "frequencies": "auto"}],
+)
+
+_LIMITS: Final = _object(
+    "What the vehicle can do; the trajectory slows down where it would exceed them.",
+    (),
+    {
+        "speed_m_s": _number("Largest horizontal speed, m/s.", 0.001, 100.0, default=5.0),
+        "acceleration_m_s2": _number("Largest horizontal acceleration, m/s2.", 0.001, 50.0, default=2.5),
+        "tilt_deg": _number("Largest tilt, degrees.", 1.0, 80.0, default=25.0),
+    },
+    examples=[{"speed_m_s": 5.0, "acceleration_m_s2": 2.5, "tilt_deg": 25.0}],
+)
+
+_SCHEMA: Final[Schema] = {
+    "$schema": "https://json-schema.org/draft/2020-12/schema",
+    "title": "Mission file of ltl-mission",
+    "$defs": {"point": _POINT, "region": _REGION},
+} | _object(
+    "A drone mission written in linear temporal logic. ENU; units stand in the names of the keys.",
+    ("domain", "regions", "mission", "start"),
+    {
+        "name": {
+            "description": "Name of the mission; without it, the file's name.",
+            "type": "string",
+            "minLength": 1,
+            "maxLength": 200,
+            "examples": ["Survey of the north field"],
+        },
+        "description": {
+            "description": "For people.",
+            "type": "string",
+            "maxLength": 10_000,
+            "default": "",
+            "examples": ["Visits the north field, then goes home."],
+        },
+        "domain": _DOMAIN,
+        "regions": _REGIONS,
+        "mission": _MISSION,
+        "start": _START,
+        "origin": _ORIGIN,
+        "flight": _FLIGHT,
+        "smoothing": _SMOOTHING,
+        "limits": _LIMITS,
+    },
+)
+
+
+def mission_schema() -> Schema:
+    """The JSON Schema of mission files, a copy of one's own."""
+    return deepcopy(_SCHEMA)
+
+
+def default_of(section: str, key: str) -> Any:  # noqa: ANN401 - any JSON value
+    """The default of ``section.key``, such as ``flight.speed_m_s``."""
+    return deepcopy(_SCHEMA["properties"][section]["properties"][key]["default"])

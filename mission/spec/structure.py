@@ -1,0 +1,202 @@
+"""The tree of a mission file against the schema: plain data, and findings in words that say what to write."""
+
+import json
+from collections.abc import Iterable
+from functools import cache
+from itertools import islice
+from typing import Any, Final
+
+from jsonschema import Draft202012Validator
+from jsonschema.exceptions import ValidationError
+
+from mission.spec.finding import Finding, Path, dotted, listed, nearest, shortened
+from mission.spec.scalars import Oddity, number_hint, plain_value
+from mission.spec.schema import Schema, mission_schema
+from mission.spec.yaml_tree import Mapping, Node, Scalar, Sequence
+
+MOST_ERRORS: Final = 1_000
+
+_KINDS: Final = {
+    "object": "a mapping of keys to values",
+    "array": "a list",
+    "string": "text",
+    "number": "a number",
+    "integer": "a whole number",
+}
+
+
+@cache
+def _validator() -> Draft202012Validator:
+    return Draft202012Validator(mission_schema())
+
+
+def plain_data(tree: Node) -> tuple[Any, list[Finding]]:
+    """The tree as dicts, lists and scalars (``Oddity`` where YAML reads a plain scalar as something unwanted).
+
+    Keys that YAML does not read as text are findings.
+    """
+    findings: list[Finding] = []
+    return _plain(tree, (), findings), findings
+
+
+def _plain(node: Node, path: Path, findings: list[Finding]) -> Any:  # noqa: ANN401 - any JSON value
+    # Recursion is safe: the tree's depth is bounded (yaml_tree.MAX_DEPTH).
+    if isinstance(node, Scalar):
+        return plain_value(node.text) if node.plain else node.text
+    if isinstance(node, Sequence):
+        return [_plain(item, (*path, i), findings) for i, item in enumerate(node.items)]
+    for name, key in node.keys.items():
+        value = plain_value(name) if key.plain else name
+        if not isinstance(value, str):
+            message = f"YAML does not read the key `{shortened(name)}` as text"
+            findings.append(Finding((*path, name), message, "choose another name, or put it in quotes", at_key=True))
+    return {name: _plain(value, (*path, name), findings) for name, value in node.values.items()}
+
+
+def structure_findings(data: Any, tree: Node) -> list[Finding]:  # noqa: ANN401 - any JSON value
+    """Everything in which the data departs from the schema, as far as the first ``MOST_ERRORS`` of the validator."""
+    findings: list[Finding] = []
+    for error in islice(_validator().iter_errors(data), MOST_ERRORS):
+        findings.extend(_worded(error, tree))
+    return list(dict.fromkeys(findings))
+
+
+def _worded(error: ValidationError, tree: Node) -> Iterable[Finding]:
+    """The findings that one error of the validator stands for."""
+    path: Path = tuple(error.absolute_path)
+    keyword, limit, instance, schema = _parts(error)
+    if keyword == "additionalProperties":
+        yield from _unknown_keys(path, instance, schema)
+    elif keyword == "required":
+        yield from _missing_keys(path, instance, schema)
+    elif keyword == "oneOf":
+        yield _alternatives(path, instance, limit)
+    elif keyword == "dependentRequired":
+        for key in sorted(limit.keys() & instance.keys()):
+            message = f"`{key}` goes with `{listed(limit[key])}` only"
+            yield Finding((*path, key), message, f"take it away, or give `{listed(limit[key])}`", at_key=True)
+    elif "propertyNames" in error.absolute_schema_path:
+        yield _region_name((*path, instance), instance)
+    elif keyword in ("type", "enum", "anyOf"):
+        yield _wrong_kind(path, instance, schema, tree)
+    else:
+        yield Finding(path, *_out_of_bounds(keyword, limit, instance, schema))
+
+
+def _parts(error: ValidationError) -> tuple[str, Any, Any, Schema]:
+    """Keyword, its value, the instance and the schema of an error, each of which the library may leave unset."""
+    return str(error.validator), error.validator_value, error.instance, dict(error.schema)  # type: ignore[arg-type]
+
+
+def _unknown_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Iterable[Finding]:
+    known = schema["properties"]
+    for key in instance.keys() - known.keys():
+        if key == "<<":
+            yield Finding((*path, key), "merge keys are not allowed", "write the keys out", at_key=True)
+            continue
+        close = nearest(key, known)
+        hint = f"did you mean `{close}`?" if close else f"known keys here: {listed(known)}"
+        yield Finding((*path, key), f"unknown key `{shortened(key)}`", hint, at_key=True)
+
+
+def _missing_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Iterable[Finding]:
+    for key in schema["required"]:
+        if key not in instance:
+            example = _example(schema["properties"][key])
+            where = f" in `{dotted(path)}`" if path else ""
+            yield Finding((*path, key), f"`{key}` is missing{where}", f"add {key}: {example}", at_key=True)
+
+
+def _alternatives(path: Path, instance: dict[str, Any], options: list[Schema]) -> Finding:
+    keys = [option["required"][0] for option in options]
+    given = [key for key in keys if key in instance]
+    wanted = " or ".join((", ".join(keys[:-1]), keys[-1]))
+    if given:
+        return Finding(path, f"{' and '.join(given)} exclude each other", f"keep one of {wanted}", at_key=True)
+    return Finding(path, f"one of {wanted} is missing in `{dotted(path)}`", "give exactly one of them", at_key=True)
+
+
+def _region_name(path: Path, name: str) -> Finding:
+    message = f"`{shortened(name)}` cannot name a region"
+    hint = "use letters, digits and _, a letter first, 60 at most; not F, G, X, U, W, M, V, true, false, xor"
+    return Finding(path, message, hint, at_key=True)
+
+
+def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Finding:  # noqa: ANN401 - any JSON value
+    example = _example(schema)
+    options = schema.get("enum") or [o["const"] for o in schema.get("anyOf", []) if "const" in o]
+    if options:
+        expected = "auto or a whole number from 1 to 10000" if "anyOf" in schema else f"one of {listed(options)}"
+        close = nearest(instance, options) if isinstance(instance, str) else ""
+        hint = f"did you mean `{close}`?" if close else f"write for example {options[0]}"
+    else:
+        expected = _KINDS[schema["type"]]
+        keys = schema.get("properties", {})
+        hint = f"write for example {example}" if example else f"its keys are {listed(keys)}" if keys else ""
+    node = _at(tree, path)
+    if isinstance(instance, Oddity):
+        return Finding(path, f"expected {expected}, found {instance.found}", instance.hint)
+    if isinstance(node, Scalar) and isinstance(instance, str) and schema.get("type") in ("number", "integer"):
+        quoted = not node.plain and not isinstance(plain_value(node.text), str)
+        hint = "take the quotes away" if quoted else number_hint(node.text) or hint
+    if isinstance(node, Scalar) and node.plain and not isinstance(instance, str) and schema.get("type") == "string":
+        hint = f'put it in quotes: "{shortened(node.text)}"' if node.text else hint
+    return Finding(path, f"expected {expected}, found {_found(instance, node)}", hint)
+
+
+def _found(instance: Any, node: Node) -> str:  # noqa: ANN401 - any JSON value
+    if instance is None:
+        return "nothing"
+    if isinstance(instance, dict):
+        return "a mapping"
+    if isinstance(instance, list):
+        return "a list"
+    text = shortened(node.text) if isinstance(node, Scalar) else str(instance)
+    return f"the text `{text}`" if isinstance(instance, str) else f"`{text}`"
+
+
+def _out_of_bounds(keyword: str, limit: Any, instance: Any, schema: Schema) -> tuple[str, str]:  # noqa: ANN401 - any JSON value
+    """Message and hint where the kind is right and the measure is not."""
+    shown = shortened(str(instance))
+    if keyword in ("minimum", "maximum"):
+        side = "less" if keyword == "minimum" else "more"
+        span = f"from {schema['minimum']:g} to {schema['maximum']:g}"
+        return f"{shown} is {side} than {limit:g}", f"write a number {span}"
+    if keyword == "uniqueItems":
+        return f"two of {shown} are the same", "name three different ones"
+    if keyword == "maxLength":
+        return f"the text has {len(instance)} characters, more than {limit}", "make it shorter"
+    example = f"write for example {_example(schema) or '[0, 0]'}"
+    if keyword == "minLength":
+        return "the text is empty", example
+    exact = schema.get("minItems") == schema.get("maxItems") and "minItems" in schema
+    bound = "" if exact else "at least " if keyword.startswith("min") else "at most "
+    return f"expected {bound}{limit} items, found {len(instance)}", example
+
+
+def _example(schema: Schema) -> str:
+    """An example of what a schema allows, in YAML's flow style."""
+    while "$ref" in schema:
+        schema = mission_schema()["$defs"][schema["$ref"].rpartition("/")[2]]
+    examples = schema.get("examples") or ([schema["default"]] if "default" in schema else schema.get("enum", []))
+    return _flow(examples[0]) if examples else ""
+
+
+def _flow(value: Any) -> str:  # noqa: ANN401 - any JSON value
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
+    if isinstance(value, str) and not value.isidentifier():
+        return json.dumps(value)
+    return str(value)
+
+
+def _at(tree: Node, path: Path) -> Node:
+    node = tree
+    for step in path:
+        if isinstance(node, Sequence) and isinstance(step, int):
+            node = node.items[step]
+        elif isinstance(node, Mapping):
+            node = node.values[str(step)]
+    return node

@@ -1,0 +1,98 @@
+"""Plain data that fits the schema, as the frozen values of ``model.py``; defaults come from the schema."""
+
+import math
+from typing import Any
+
+from mission.spec.model import (
+    BoundaryDomain,
+    Extension,
+    Flight,
+    Limits,
+    MissionSpec,
+    NodesDomain,
+    Origin,
+    Point,
+    PointShape,
+    PolygonShape,
+    Region,
+    RegionKind,
+    Semantics,
+    Smoothing,
+    Start,
+    TriangleShape,
+)
+from mission.spec.schema import default_of
+
+Data = dict[str, Any]
+
+
+def mission_of(data: Data, name: str) -> MissionSpec:
+    """The mission of a whole file; ``name`` is used where the file gives none."""
+    mission, start, origin = data["mission"], data["start"], data.get("origin")
+    frequencies = _given(data, "smoothing", "frequencies")
+    return MissionSpec(
+        name=data.get("name", name),
+        description=data.get("description", ""),
+        domain=domain_of(data["domain"]),
+        regions=tuple(region_of(key, value) for key, value in data["regions"].items()),
+        formula=mission["formula"],
+        semantics=Semantics(_given(data, "mission", "semantics")),
+        run=int(_given(data, "mission", "run")),
+        start=Start(point_of(start["position_m"]), point_of(_given(data, "start", "velocity_m_s"))),
+        origin=Origin(float(origin["latitude_deg"]), float(origin["longitude_deg"])) if origin else None,
+        flight=Flight(
+            laps=int(_given(data, "mission", "laps")),
+            speed_m_s=_measure(data, "flight", "speed_m_s"),
+            altitude_m=_measure(data, "flight", "altitude_m"),
+            final_stay_s=_measure(data, "flight", "final_stay_s"),
+            time_constant_s=_measure(data, "flight", "time_constant_s"),
+            disturbance_m_s2=_measure(data, "flight", "disturbance_m_s2"),
+        ),
+        smoothing=Smoothing(
+            Extension(_given(data, "smoothing", "extension")),
+            "auto" if frequencies == "auto" else int(frequencies),
+        ),
+        limits=Limits(
+            speed_m_s=_measure(data, "limits", "speed_m_s"),
+            acceleration_m_s2=_measure(data, "limits", "acceleration_m_s2"),
+            tilt_rad=math.radians(_measure(data, "limits", "tilt_deg")),
+        ),
+    )
+
+
+def domain_of(data: Data) -> NodesDomain | BoundaryDomain:
+    """The domain section."""
+    if "nodes" in data:
+        return NodesDomain(_points(data["nodes"]))
+    return BoundaryDomain(_points(data["boundary"]), _points(data.get("points", [])))
+
+
+def region_of(name: str, data: Data) -> Region:
+    """One region; without a kind (of a file that has other faults, too) one to survey."""
+    loiter_s = float(data.get("loiter_s", 0.0))
+    return Region(name, RegionKind(data.get("kind", RegionKind.SURVEY)), _shape(data), loiter_s)
+
+
+def point_of(pair: list[float]) -> Point:
+    """A pair of numbers."""
+    return float(pair[0]), float(pair[1])
+
+
+def _shape(data: Data) -> TriangleShape | PointShape | PolygonShape:
+    if "triangle" in data:
+        first, second, third = (int(node) for node in data["triangle"])
+        return TriangleShape((first, second, third))
+    return PointShape(point_of(data["at"])) if "at" in data else PolygonShape(_points(data["polygon"]))
+
+
+def _points(pairs: list[list[float]]) -> tuple[Point, ...]:
+    return tuple(point_of(pair) for pair in pairs)
+
+
+def _given(data: Data, section: str, key: str) -> Any:  # noqa: ANN401 - any JSON value
+    """What the file gives for a key, or its default."""
+    return data.get(section, {}).get(key, default_of(section, key))
+
+
+def _measure(data: Data, section: str, key: str) -> float:
+    return float(_given(data, section, key))
