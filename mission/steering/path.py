@@ -1,0 +1,162 @@
+"""The planned path: a run of triangles, steered through by one affine field in each (paper, Sec. 4.1.2)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mission.geometry.arrays import FloatArray, frozen_floats
+from mission.geometry.simplices import Partition
+from mission.planning.run import Run
+from mission.steering.facet_control import affine_fields, exit_velocities, stay_velocities
+from mission.steering.flow import exit_time, flow_with_velocity
+
+_NODES = 24  # Gauss-Legendre nodes a panel of the arc length
+_PANEL = 1.0  # largest change of a field over half a panel, |F| times time
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """One triangle of the path.
+
+    Attributes:
+        triangle: Index in the partition.
+        control: The paper's u_j, 0 (stay) to 3.
+        F: Shape (2, 2), 1/s, and ``g``, shape (2,), m/s: the field u = F x + g.
+        g: See ``F``.
+        entry_m: Where the path enters.
+        start_s: When it enters, steering time.
+        duration_s: How long it takes.
+    """
+
+    triangle: int
+    control: int
+    F: FloatArray
+    g: FloatArray
+    entry_m: tuple[float, float]
+    start_s: float
+    duration_s: float
+
+
+@dataclass(frozen=True, eq=False)
+class SteeringPath:
+    """A continuous path, exact at any time.
+
+    Attributes:
+        segments: In order of time, the first at 0, each beginning where the one before it ends.
+        loop_segment: Index of the first segment of the part that the run repeats for ever: the last lap of a run that
+            moves on, the final stay of one that does not.
+    """
+
+    segments: tuple[Segment, ...]
+    loop_segment: int
+
+    @property
+    def duration_s(self) -> float:
+        """Steering time from start to end."""
+        return float(self.knots_s[-1])
+
+    @property
+    def loop_from_s(self) -> float:
+        """When the repeated part begins."""
+        return self.segments[self.loop_segment].start_s
+
+    @cached_property
+    def knots_s(self) -> FloatArray:
+        """Starts of the segments and the end, shape (len(segments) + 1,)."""
+        last = self.segments[-1]
+        return frozen_floats([*(segment.start_s for segment in self.segments), last.start_s + last.duration_s])
+
+    @cached_property
+    def _fields(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        return (
+            np.array([segment.F for segment in self.segments]),
+            np.array([segment.g for segment in self.segments]),
+            np.array([segment.entry_m for segment in self.segments]),
+        )
+
+    def state(self, t_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Position and velocity at the times ``t_s`` (T,), both (T, 2); the velocity jumps at the knots, to the right."""
+        times = np.clip(np.atleast_1d(np.asarray(t_s, dtype=np.float64)), 0.0, self.duration_s)
+        index = np.clip(np.searchsorted(self.knots_s, times, side="right") - 1, 0, len(self.segments) - 1)
+        F, g, entries = self._fields
+        return flow_with_velocity(F[index], g[index], entries[index], times - self.knots_s[index])
+
+    def position(self, t_s: ArrayLike) -> FloatArray:
+        """Position at the times ``t_s`` (T,), shape (T, 2), metres."""
+        return self.state(t_s)[0]
+
+    def velocity(self, t_s: ArrayLike) -> FloatArray:
+        """Velocity at the times ``t_s`` (T,), shape (T, 2), m/s."""
+        return self.state(t_s)[1]
+
+    @cached_property
+    def length_m(self) -> float:
+        """Arc length, by Gauss-Legendre panels short against the rate of each field."""
+        durations = np.diff(self.knots_s)
+        rates = np.array([np.linalg.norm(segment.F) for segment in self.segments])
+        counts = np.maximum(1, np.ceil(rates * durations / (2.0 * _PANEL))).astype(np.int64)
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        index = np.repeat(np.arange(len(counts)), counts)
+        place = np.arange(len(index)) - np.repeat(np.cumsum(counts) - counts, counts)
+        widths = (durations / counts)[index]
+        offsets = (place[:, None] + 0.5 * (nodes + 1.0)) * widths[:, None]
+        F, g, entries = self._fields
+        index = np.repeat(index, _NODES)
+        _, velocity = flow_with_velocity(F[index], g[index], entries[index], offsets.ravel())
+        speeds = np.hypot(velocity[:, 0], velocity[:, 1]).reshape(-1, _NODES)
+        return float((speeds @ weights * (0.5 * widths)).sum())
+
+
+def build_path(
+    partition: Partition, run: Run, *, start_m: Sequence[float], speed_m_s: float, final_stay_s: float, laps: int
+) -> SteeringPath:
+    """Steer through the triangles of a run.
+
+    A run whose loop is a stay ends with ``final_stay_s`` under u_0. A recurrent run flies its loop ``laps`` times,
+    then stays ``final_stay_s`` in the triangle in which the loop begins, so that it ends inside and not on a facet.
+    A stay inside the run takes ``final_stay_s`` too: in a run, u_0 is a transition like any other.
+
+    Args:
+        partition: The triangles.
+        run: A run that begins in the triangle of ``start_m``.
+        start_m: Where the path begins, in the closed first triangle.
+        speed_m_s: Reference speed c, positive.
+        final_stay_s: Duration of a stay, positive.
+        laps: How often a recurrent loop is flown, at least 1.
+
+    Raises:
+        ValueError: If an argument is out of range.
+    """
+    if not (speed_m_s > 0.0 and final_stay_s > 0.0 and laps >= 1):
+        raise ValueError("speed, stay and laps must be positive")
+    steps = list(zip(run.states, run.controls, strict=True))
+    prefix, suffix = steps[: len(run.prefix)], steps[len(run.prefix) :]
+    if run.recurrent:
+        steps = prefix + suffix * laps + [(run.suffix[0], 0)]
+        loop_segment = len(prefix) + len(suffix) * (laps - 1)
+    else:
+        steps = [*prefix, (run.suffix[0], 0)]
+        loop_segment = len(prefix)
+    involved = sorted({triangle for triangle, _ in steps})
+    part = Partition(partition.vertices_m, partition.triangles[involved], np.full((len(involved), 3), -1))
+    velocities = np.concatenate(
+        (stay_velocities(part, speed_m_s)[:, None], exit_velocities(part, speed_m_s)), axis=1
+    )  # (n, control, vertex, xy)
+    fields_F, fields_g = affine_fields(part.corners_m[:, None], velocities)
+    place = {triangle: i for i, triangle in enumerate(involved)}
+    segments: list[Segment] = []
+    entry, start_s = np.array(start_m, dtype=np.float64), 0.0
+    for triangle, control in steps:
+        i = place[triangle]
+        F, g = frozen_floats(fields_F[i, control]), frozen_floats(fields_g[i, control])
+        if control == 0:
+            duration = final_stay_s
+            leaving = flow_with_velocity(F, g, entry, duration)[0][0]
+        else:
+            duration, leaving = exit_time(F, g, part.corners_m[i], control - 1, entry)
+        segments.append(Segment(triangle, control, F, g, (float(entry[0]), float(entry[1])), start_s, duration))
+        entry, start_s = leaving, start_s + duration
+    return SteeringPath(tuple(segments), loop_segment)
