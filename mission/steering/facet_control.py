@@ -119,4 +119,5 @@ def equilibria(F: FloatArray, g: FloatArray) -> FloatArray:
     Raises:
         numpy.linalg.LinAlgError: If a field is singular, which a stay field never is.
     """
-    return -np.linalg.solve(F, g[..., None])[..., 0]
+    zero: FloatArray = -np.linalg.solve(F, g[..., None])[..., 0]
+    return zero

@@ -78,7 +78,7 @@ class SteeringPath:
         )
 
     def state(self, t_s: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Position and velocity at the times ``t_s`` (T,), both (T, 2); the velocity jumps at the knots, to the right."""
+        """Position and velocity at the times ``t_s`` (T,), both (T, 2); at a knot, of the later segment."""
         times = np.clip(np.atleast_1d(np.asarray(t_s, dtype=np.float64)), 0.0, self.duration_s)
         index = np.clip(np.searchsorted(self.knots_s, times, side="right") - 1, 0, len(self.segments) - 1)
         F, g, entries = self._fields
