@@ -113,13 +113,16 @@ def _missing_edges(mesh: Partition, outlines: list[Outline], section: str) -> li
         return []
     owners = [(outline, index) for outline in outlines for index in range(len(outline.ring_m))]
     edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
+    found = EdgesInMesh.of(mesh, edges)
+    gaps = mesh.vertices_m[found.links[~found.present]].mean(axis=1)
+    gap_of = found.edge_of[~found.present]
     findings = []
-    for edge in EdgesInMesh.of(mesh, edges).missing.tolist():
+    for edge in found.missing.tolist():
         outline, index = owners[edge]
         a, b = edges[edge]
         message = f"the edge of {outline.region or 'the boundary'} from {place(a)} to {place(b)} is no edge of the mesh"
-        middle = f"[{(a[0] + b[0]) / 2:.6g}, {(a[1] + b[1]) / 2:.6g}]"
-        hint = f"other points are too near; add a point on the edge, such as its middle {middle}, to {section}"
+        middles = listed((f"[{x:.6g}, {y:.6g}]" for x, y in gaps[gap_of == edge].tolist()), most=4)
+        hint = f"other points are too near; add to {section} a point on each gap in the edge, such as {middles}"
         findings.append(Finding((*outline.path, index), message, hint))
     return findings
 

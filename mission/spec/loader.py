@@ -15,7 +15,7 @@ from mission.spec.values import mission_of
 from mission.spec.yaml_tree import MAX_BYTES, read_tree
 
 MOST_FAULTS = 100
-"""As many faults are reported; the rest is counted."""
+"""As many faults are listed; the rest is counted."""
 
 
 def load_mission(path: str | Path) -> MissionSpec:
@@ -48,7 +48,7 @@ def parse_mission(content: bytes, source: str = "") -> MissionSpec:
         source: Where they come from, for messages and for the name of a mission that gives itself none.
 
     Raises:
-        SpecError: With every fault of the content, sorted by line, ``MOST_FAULTS`` at most.
+        SpecError: With every fault of the content, sorted by line, the first ``MOST_FAULTS`` of them.
     """
     try:
         text = _decoded(content)
@@ -82,6 +82,5 @@ def _decoded(content: bytes) -> str:
 def _bounded(faults: list[Fault]) -> tuple[Fault, ...]:
     if len(faults) <= MOST_FAULTS:
         return tuple(faults)
-    last = faults[MOST_FAULTS - 1]
-    rest = Fault(last.line, last.column, last.path, f"and {len(faults) - MOST_FAULTS} more faults after this one")
-    return (*faults[: MOST_FAULTS - 1], last, rest)
+    message = f"the file has {len(faults)} faults; the first {MOST_FAULTS} are listed"
+    return (Fault(0, 0, "", message, "correct these, then check again"), *faults[:MOST_FAULTS])

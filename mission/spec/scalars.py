@@ -16,7 +16,7 @@ from yaml.resolver import Resolver
 
 _INTEGER: Final = re.compile(r"[-+]?(0|[1-9][0-9]{0,99})")
 _DECIMAL: Final = re.compile(r"[-+]?(0|[1-9][0-9]*)?\.[0-9]*([eE][-+][0-9]{1,6})?")
-_EXPONENT: Final = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?[eE][-+]?[0-9]{1,6}")
+_UNREAD: Final = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,6})?")
 _LEADING_NUMBER: Final = re.compile(r"([-+]?[0-9]+(?:\.[0-9]+)?)\s*[A-Za-z°/%²]")
 _COMMA: Final = re.compile(r"[-+]?[0-9]+,[0-9]+")
 _resolve: Final[Callable[[type, str, tuple[bool, bool]], object]] = Resolver().resolve
@@ -89,10 +89,11 @@ _READERS: Final[dict[str, Callable[[str], bool | int | float | Oddity | None]]] 
 
 def number_hint(text: str) -> str:
     """What to write instead of a text where a number is due; empty where that cannot be guessed."""
-    if _EXPONENT.fullmatch(text):
+    if _UNREAD.fullmatch(text):
         number = float(text)
-        if math.isfinite(number):
-            return f"YAML takes it for text; write {number!r}" if abs(number) < 1e16 else "write a smaller number"  # noqa: PLR2004 - repr's own limit
+        # Python shows larger numbers with an exponent but without a point, which YAML takes for text again.
+        plain = abs(number) < 1e16  # noqa: PLR2004 - where repr changes its notation
+        return f"YAML takes it for text; write {number!r}" if plain else "write a smaller number"
     if _COMMA.fullmatch(text):
         return f"the decimal point is a dot: {text.replace(',', '.')}"
     leading = _LEADING_NUMBER.match(text)

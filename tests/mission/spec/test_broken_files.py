@@ -1,0 +1,261 @@
+"""Each fault that a user can make, with one file in missions/broken and exactly what is said of it."""
+
+from pathlib import Path
+
+import pytest
+
+from mission.errors import SpecError
+from mission.spec.loader import load_mission
+
+BROKEN = Path(__file__).parents[3] / "missions" / "broken"
+
+EXPECTED = [
+    # file, line, column, path, message
+    ("bad_indentation", 6, 4, "", "the indentation fits nothing above it"),
+    (
+        "boundary_closed_twice",
+        3,
+        13,
+        "domain.boundary",
+        "the boundary is no simple polygon: corners 4 and 0 are the same point",
+    ),
+    (
+        "boundary_crosses_itself",
+        3,
+        13,
+        "domain.boundary",
+        "the boundary is no simple polygon: its edges 1-2 and 3-0 cross at (30, 20)",
+    ),
+    (
+        "boundary_edge_not_in_mesh",
+        3,
+        41,
+        "domain.boundary[3]",
+        "the edge of the boundary from (31, 40) to (30, 5) is no edge of the mesh",
+    ),
+    (
+        "boundary_edge_not_in_mesh",
+        3,
+        51,
+        "domain.boundary[4]",
+        "the edge of the boundary from (30, 5) to (29, 40) is no edge of the mesh",
+    ),
+    (
+        "boundary_on_a_line",
+        3,
+        13,
+        "domain.boundary",
+        "the boundary is no simple polygon: its corners all lie on one line",
+    ),
+    ("colon_in_text", 12, 13, "", "a second `:` on one line"),
+    ("control_character", 12, 11, "", "the character U+0007 is not allowed in YAML"),
+    ("coordinate_out_of_range", 3, 29, "domain.nodes[2][0]", "1000000000 is more than 1e+06"),
+    ("date_for_text", 12, 7, "name", "expected text, found `2024-05-01`, which YAML reads as a date"),
+    ("decimal_comma", 13, 14, "flight.speed_m_s", "expected a number, found the text `3,5`"),
+    ("deep_nesting", 2, 26, "", "lists and mappings are nested deeper than 20"),
+    (
+        "degenerate_triangle",
+        3,
+        57,
+        "domain.nodes[5]",
+        "the triangle (40, 0) (20, 0.001) (0, 0) is degenerate: 0.001 m high on a side of 40 m",
+    ),
+    ("duplicate_nodes", 3, 57, "domain.nodes[5]", "node 5 repeats node 1, (40, 0)"),
+    ("duplicate_points", 4, 22, "domain.points[1]", "point 1 repeats corner 2 of the boundary, (60, 40)"),
+    ("empty", 0, 0, "", "the file is empty"),
+    ("escaped_control_character", 12, 7, "name", "the text has the character U+001B, which cannot be shown"),
+    ("exponent_without_point", 13, 15, "flight.altitude_m", "expected a number, found the text `1e3`"),
+    ("formula_empty", 9, 12, "mission.formula", "the text is empty"),
+    ("formula_not_text", 9, 12, "mission.formula", "expected text, found `true`"),
+    ("formula_syntax", 9, 22, "mission.formula", "& has no left operand (column 11)"),
+    ("formula_unclosed_parenthesis", 11, 9, "mission.formula", "this parenthesis is never closed (column 13)"),
+    (
+        "formula_unknown_region",
+        9,
+        14,
+        "mission.formula",
+        "the formula speaks of `Feild`, which is no region (column 3)",
+    ),
+    ("fraction_for_whole_number", 10, 8, "mission.run", "expected a whole number, found `1.5`"),
+    (
+        "hexadecimal_number",
+        13,
+        15,
+        "flight.altitude_m",
+        "expected a number, found `0x1F`, which YAML does not read as a decimal number",
+    ),
+    ("infinity", 3, 29, "domain.nodes[2][0]", "expected a number, found `.inf`, which is not finite"),
+    ("key_that_is_a_list", 12, 3, "", "a list or mapping stands where a key must"),
+    ("key_without_colon", 12, 1, "", "a key without `:`"),
+    ("latitude_out_of_range", 13, 17, "origin.latitude_deg", "95.0 is more than 89.9"),
+    ("list_for_mapping", 5, 3, "regions", "expected a mapping of keys to values, found a list"),
+    ("many_faults", 2, 1, "nmae", "unknown key `nmae`"),
+    ("many_faults", 6, 29, "regions.Field.at", "the point (20, 35) of Field lies outside the domain"),
+    ("many_faults", 7, 16, "regions.Home.kind", "expected one of survey, restricted, home, found the text `hoem`"),
+    ("many_faults", 8, 42, "regions.Keep.loiter", "unknown key `loiter`"),
+    ("many_faults", 10, 14, "mission.formula", "the formula speaks of `Feild`, which is no region (column 3)"),
+    ("many_faults", 11, 9, "mission.laps", "0 is less than 1"),
+    ("many_faults", 13, 15, "start.position_m", "the start (38, 15) lies in the restricted region Keep"),
+    ("many_faults", 15, 14, "flight.speed_m_s", "expected a number, found the text `1e1`"),
+    ("mapping_for_number", 13, 15, "flight.altitude_m", "expected a number, found a mapping"),
+    ("merge_key", 5, 11, "regions.Field.<<", "merge keys are not allowed"),
+    ("missing_key", 8, 1, "mission.formula", "`formula` is missing in `mission`"),
+    ("missing_kind", 5, 3, "regions.Field.kind", "`kind` is missing in `regions.Field`"),
+    ("missing_section", 2, 1, "start", "`start` is missing"),
+    ("missing_value", 13, 3, "flight.speed_m_s", "expected a number, found nothing"),
+    ("negative_speed", 13, 14, "flight.speed_m_s", "-3 is less than 0.001"),
+    ("no_domain", 2, 1, "domain", "one of nodes or boundary is missing in `domain`"),
+    ("no_frequencies", 13, 16, "smoothing.frequencies", "expected auto or a whole number from 1 to 10000, found `0`"),
+    ("no_regions", 4, 10, "regions", "expected at least 1 items, found 0"),
+    ("node_number_too_large", 6, 32, "regions.Home.triangle", "there is no node 5"),
+    ("nodes_on_a_line", 3, 10, "domain.nodes", "the nodes all lie on one line"),
+    ("not_a_mapping", 2, 1, "", "expected a mapping of keys to values, found a list"),
+    ("not_a_number", 11, 19, "start.position_m[1]", "expected a number, found `.nan`, which is not finite"),
+    ("not_utf8", 1, 50, "", "the byte 0xfc is not UTF-8"),
+    (
+        "number_too_large",
+        13,
+        15,
+        "flight.altitude_m",
+        "expected a number, found `1.0e+999`, which is too large for a number",
+    ),
+    ("number_with_unit", 13, 14, "flight.speed_m_s", "expected a number, found the text `3.5 m/s`"),
+    (
+        "octal_number",
+        13,
+        15,
+        "flight.altitude_m",
+        "expected a number, found `010`, which YAML does not read as a decimal number",
+    ),
+    ("only_comments", 0, 0, "", "the file is empty"),
+    (
+        "plain_text",
+        1,
+        1,
+        "",
+        "expected a mapping of keys to values, found the text `Fly to the north field and come back.`",
+    ),
+    ("point_outside_boundary", 4, 22, "domain.points[1]", "the point (30, 41) lies outside the boundary"),
+    ("point_with_three_coordinates", 11, 15, "start.position_m", "expected 2 items, found 3"),
+    ("points_without_boundary", 4, 3, "domain.points", "`points` goes with `boundary` only"),
+    ("polygon_corner_not_a_node", 5, 54, "regions.Field.polygon[2]", "the corner (40, 31) of Field is not a node"),
+    (
+        "polygon_crosses_itself",
+        6,
+        34,
+        "regions.Field.polygon",
+        "the polygon of Field is not simple: its edges 1-2 and 3-0 cross at (15, 15)",
+    ),
+    (
+        "polygon_edge_not_in_mesh",
+        6,
+        35,
+        "regions.Field.polygon[0]",
+        "the edge of Field from (10, 21) to (35, 21) is no edge of the mesh",
+    ),
+    (
+        "polygon_edge_not_in_nodes_mesh",
+        5,
+        44,
+        "regions.Field.polygon[1]",
+        "the edge of Field from (0, 0) to (40, 0) is no edge of the mesh",
+    ),
+    (
+        "polygon_on_a_line",
+        6,
+        34,
+        "regions.Field.polygon",
+        "the polygon of Field is not simple: its corners all lie on one line",
+    ),
+    ("quoted_number", 13, 14, "flight.speed_m_s", "expected a number, found the text `3.5`"),
+    ("region_across_a_notch", 7, 37, "regions.Keep.polygon", "an edge of Keep crosses the boundary at (45, 30)"),
+    ("region_name_with_a_dash", 5, 3, "regions.north-field", "`north-field` cannot name a region"),
+    ("region_named_as_operator", 5, 3, "regions.G", "`G` cannot name a region"),
+    ("region_named_on", 5, 3, "regions.on", "YAML does not read the key `on` as text"),
+    ("region_on_an_edge", 5, 29, "regions.Field.at", "the point (10, 7.5) of Field lies on an edge between triangles"),
+    ("region_outside_domain", 5, 29, "regions.Field.at", "the point (20, 35) of Field lies outside the domain"),
+    (
+        "region_partly_outside",
+        7,
+        58,
+        "regions.Keep.polygon[2]",
+        "Keep lies partly outside the boundary: the corner (50, 45) is 5 m outside",
+    ),
+    (
+        "region_wholly_outside",
+        7,
+        38,
+        "regions.Keep.polygon[0]",
+        "Keep lies wholly outside the boundary: the corner (140, 20) is 80 m outside",
+    ),
+    ("region_with_two_shapes", 5, 3, "regions.Field", "triangle and at exclude each other"),
+    ("region_without_shape", 5, 3, "regions.Field", "one of triangle, at or polygon is missing in `regions.Field`"),
+    ("regions_cross", 7, 37, "regions.Keep.polygon", "an edge of Keep crosses an edge of Field at (20, 15)"),
+    ("repeated_key", 11, 3, "mission.formula", "the key `formula` is repeated; it stands on line 9 already"),
+    ("repeated_region", 7, 3, "regions.Home", "the key `Home` is repeated; it stands on line 6 already"),
+    (
+        "sexagesimal_number",
+        13,
+        17,
+        "flight.final_stay_s",
+        "expected a number, found `1:30`, which YAML reads as a sexagesimal number",
+    ),
+    (
+        "start_on_restricted_edge",
+        11,
+        15,
+        "start.position_m",
+        "the start (30, 7.5) lies in or on the edge of the restricted region Keep",
+    ),
+    ("start_outside", 11, 15, "start.position_m", "the start (-5, 15) lies outside the domain"),
+    ("start_restricted", 11, 15, "start.position_m", "the start (38, 15) lies in the restricted region Keep"),
+    ("tab_indentation", 11, 1, "", "a tab stands where YAML wants spaces"),
+    ("tag", 12, 7, "name", "the tag `!!python/object/apply:os.system` is not allowed"),
+    ("text_for_number", 13, 14, "flight.speed_m_s", "expected a number, found the text `fast`"),
+    ("tilt_out_of_range", 13, 13, "limits.tilt_deg", "90 is more than 80"),
+    ("time_constant_zero", 13, 20, "flight.time_constant_s", "0 is less than 0.05"),
+    ("too_few_nodes", 3, 10, "domain.nodes", "expected at least 3 items, found 2"),
+    ("triangle_not_in_mesh", 6, 32, "regions.Home.triangle", "the nodes 0, 1 and 2 are no triangle of the mesh"),
+    ("triangle_of_two_nodes", 6, 32, "regions.Home.triangle", "expected 3 items, found 2"),
+    ("triangle_with_a_node_twice", 6, 32, "regions.Home.triangle", "two of [0, 1, 1] are the same"),
+    ("truth_for_number", 13, 14, "flight.speed_m_s", "expected a number, found `true`"),
+    ("truth_for_text", 12, 7, "name", "expected text, found `yes`, which YAML reads as true"),
+    ("two_documents", 12, 1, "", "a second document begins here"),
+    ("two_domains", 2, 1, "domain", "nodes and boundary exclude each other"),
+    ("unclosed_bracket", 5, 29, "", "a list or mapping in brackets is not closed"),
+    ("unclosed_quote", 12, 7, "", "a quote is never closed"),
+    ("undefined_alias", 5, 29, "", "the alias *north has no anchor &north before it"),
+    (
+        "underscores_in_number",
+        13,
+        15,
+        "flight.altitude_m",
+        "expected a number, found `1_000`, which is no plain decimal number",
+    ),
+    ("unknown_key", 5, 39, "regions.Field.loiter", "unknown key `loiter`"),
+    ("unknown_kind", 5, 17, "regions.Field.kind", "expected one of survey, restricted, home, found the text `servey`"),
+    ("unknown_section", 12, 1, "wheather", "unknown key `wheather`"),
+    ("unknown_semantics", 10, 14, "mission.semantics", "expected one of standard, paper, found the text `spot`"),
+    ("yaml_bomb", 7, 16, "", "the file has more than 250000 values, aliases counted as what they repeat"),
+]
+
+
+@pytest.mark.parametrize("name", sorted({row[0] for row in EXPECTED}))
+def test_each_fault_is_reported_where_it_stands(name: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        load_mission(BROKEN / f"{name}.yaml")
+    found = [(name, fault.line, fault.column, fault.path, fault.message) for fault in caught.value.faults]
+    assert found == [row for row in EXPECTED if row[0] == name]
+    assert all(fault.hint for fault in caught.value.faults)
+    assert caught.value.source == str(BROKEN / f"{name}.yaml")
+    assert caught.value.exit_code == 2
+
+
+def test_each_file_of_the_folder_has_its_expectation() -> None:
+    assert sorted(path.stem for path in BROKEN.iterdir()) == sorted({row[0] for row in EXPECTED})
+
+
+def test_each_file_says_what_is_wrong_with_it() -> None:
+    silent = {"empty", "plain_text"}  # a comment would make another fault of them
+    for path in BROKEN.glob("*.yaml"):
+        assert path.stem in silent or path.read_bytes().startswith(b"# ")
