@@ -1,0 +1,323 @@
+"""A proof that a curve, inflated by a tube, satisfies a formula and keeps off what is restricted.
+
+It is a proof by bounds, not by samples. The claim is about every vehicle whose position stays within ``tube_m`` of
+r(s) on each axis, in whatever way it moves there, while s runs from 0 to T without ever going back (at any speed, with
+any stops): that
+
+1. it never leaves the domain and never meets a restricted triangle, border included;
+2. every word over the labels of triangles that it can spell satisfies the formula (``possible_words`` says exactly
+   what a word is, and how it goes on for ever after the end of the curve).
+
+The curve is enclosed piece by piece (``enclosure``), which gives for each piece the triangles that the tube may touch.
+Where the claim fails, the pieces that are to blame are cut and it is tried again, until the pieces are short against
+the tube: what is then not proved is reported with its place and its reason, and is not flown.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_floats
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.logic.automaton import CompiledAutomaton
+from mission.spec.model import Point, Semantics
+from mission.steering.enclosure import (
+    Contacts,
+    ContactSearch,
+    Enclosure,
+    RegionDistance,
+    clearance,
+    enclose,
+    insert_knots,
+    split,
+)
+from mission.steering.explanation import Explanation, explain, place, point
+from mission.steering.possible_words import Layers, Violations
+from mission.steering.smoothing import FourierCurve
+
+_CELLS_PER_WAVE = 8
+_FEWEST_CELLS = 128
+_PARTS = 4  # what a piece is cut into
+_ROUNDS = 12
+_FINEST_PART_OF_TUBE = 0.25
+_FINEST_PART_OF_EXTENT = 2e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What was proved of a curve and its tube, or where the proof fails.
+
+    Attributes:
+        holds: Whether the claim is proved.
+        reason: What was proved, or what fails, in plain words.
+        where_s: Steering time at which it fails; None where it holds.
+        where_m: The curve's position there.
+        knots_s: Shape (K + 1,), the pieces that the proof is about.
+        possible: K tuples: the triangles that the tube may touch during each piece, ascending.
+        word: The labels that it surely spells, in order, equal neighbours once.
+        clearance_m: Proved lower bound of the distance of the curve itself to every restricted triangle; None where
+            nothing is restricted.
+        tube_m: Half width of the tube on each axis.
+        frequencies: Number of waves of the curve.
+        counterexample: Triangles of a violating flight, in order; empty unless a word is to blame.
+    """
+
+    holds: bool
+    reason: str
+    where_s: float | None
+    where_m: Point | None
+    knots_s: FloatArray
+    possible: tuple[tuple[int, ...], ...]
+    word: tuple[frozenset[str], ...]
+    clearance_m: float | None
+    tube_m: float
+    frequencies: int
+    counterexample: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "knots_s", frozen_floats(self.knots_s))
+
+    @property
+    def tube_clearance_m(self) -> float | None:
+        """Proved lower bound of the distance of the tube to every restricted triangle (its corners reach farthest)."""
+        if self.clearance_m is None:
+            return None
+        return max(0.0, self.clearance_m - float(np.sqrt(2.0)) * self.tube_m)
+
+    def to_json(self) -> dict[str, Any]:
+        """The certificate as JSON values; pieces with the same triangles follow each other as one."""
+        runs = [(possible, len(list(group))) for possible, group in groupby(self.possible)]
+        ends = np.cumsum([0, *(length for _, length in runs)])
+        return {
+            "holds": self.holds,
+            "reason": self.reason,
+            "where_s": self.where_s,
+            "where_m": None if self.where_m is None else list(self.where_m),
+            "knots_s": self.knots_s[ends].tolist(),
+            "possible": [list(possible) for possible, _ in runs],
+            "word": [sorted(letter) for letter in self.word],
+            "clearance_m": self.clearance_m,
+            "tube_m": self.tube_m,
+            "frequencies": self.frequencies,
+            "counterexample": list(self.counterexample),
+        }
+
+    @staticmethod
+    def from_json(data: Mapping[str, Any]) -> "Certificate":
+        """The certificate that ``to_json`` wrote; raises KeyError, TypeError or ValueError where it is not one."""
+        where = data["where_m"]
+        return Certificate(
+            holds=bool(data["holds"]),
+            reason=str(data["reason"]),
+            where_s=None if data["where_s"] is None else float(data["where_s"]),
+            where_m=None if where is None else (float(where[0]), float(where[1])),
+            knots_s=data["knots_s"],
+            possible=tuple(tuple(int(t) for t in triangles) for triangles in data["possible"]),
+            word=tuple(frozenset(map(str, letter)) for letter in data["word"]),
+            clearance_m=None if data["clearance_m"] is None else float(data["clearance_m"]),
+            tube_m=float(data["tube_m"]),
+            frequencies=int(data["frequencies"]),
+            counterexample=tuple(int(t) for t in data["counterexample"]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Doubt:
+    """What is not proved yet.
+
+    Attributes:
+        blame: Shape (K,), the pieces that are to blame.
+        certain: Indices of knots at which the tube certainly leaves the domain or meets something restricted.
+        violations: The violating words; None where the tube is not even known to be safe.
+        layers_from: For each layer of the words, the first index of its contacts.
+    """
+
+    blame: BoolArray
+    certain: IntArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    violations: Violations | None = None
+    layers_from: tuple[int, ...] = ()
+
+
+class Prover:
+    """Certifies curves of one mission; what depends on the partition alone is built once.
+
+    Args:
+        partition: The domain.
+        labelling: Its labels.
+        refutation: The automaton of the negated formula over ``labelling.letters``.
+        semantics: Whether a word begins with the label of the start triangle.
+        restricted: Shape (M,), the triangles that the tube must never meet.
+        tube_m: Half width of the tube on each axis, at least 0.
+    """
+
+    def __init__(
+        self,
+        partition: Partition,
+        labelling: Labelling,
+        *,
+        refutation: CompiledAutomaton,
+        semantics: Semantics,
+        restricted: BoolArray,
+        tube_m: float,
+    ) -> None:
+        if not (np.isfinite(tube_m) and tube_m >= 0.0):
+            raise ValueError("the half width of a tube is a finite length, at least 0")
+        self._partition, self._labelling = partition, labelling
+        self._refutation, self._semantics = refutation, semantics
+        self._restricted = restricted
+        self._tube_m = float(tube_m)
+        self._search = ContactSearch(partition)
+        self._distance = RegionDistance(partition, restricted) if restricted.any() else None
+        extent = float(np.ptp(partition.vertices_m, axis=0).max())
+        self._finest_m = max(_FINEST_PART_OF_TUBE * self._tube_m, _FINEST_PART_OF_EXTENT * extent)
+
+    def certify(self, curve: FourierCurve, loop_from_s: float | None) -> Certificate:
+        """Prove the claim of a curve, or say where it fails.
+
+        Args:
+            curve: The smoothed path.
+            loop_from_s: Where the last lap begins, which is repeated for ever; None where the flight stays at the end.
+        """
+        enclosure = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
+        if loop_from_s is not None:
+            enclosure = insert_knots(curve, enclosure, np.array([loop_from_s]))
+        contacts = self._contacts(enclosure)
+        doubt = self._doubt(enclosure, contacts, loop_from_s)
+        for _ in range(_ROUNDS):
+            if doubt is None or len(doubt.certain):
+                break
+            coarse = doubt.blame & (enclosure.reach_m > self._finest_m)
+            if not coarse.any():
+                break
+            enclosure = split(curve, enclosure, coarse, _PARTS)
+            contacts = self._contacts(enclosure)
+            doubt = self._doubt(enclosure, contacts, loop_from_s)
+        certificate = self._proved(curve, enclosure, contacts)
+        if doubt is None:
+            return certificate
+        if doubt.violations is None:
+            told = self._unsafe_place(enclosure, contacts, doubt)
+        else:
+            told = self._violating_flight(enclosure, contacts, doubt.violations, doubt.layers_from)
+        return replace(
+            certificate,
+            holds=False,
+            reason=told.reason,
+            where_s=told.where_s,
+            where_m=told.where_m,
+            counterexample=told.triangles,
+        )
+
+    def _doubt(self, enclosure: Enclosure, contacts: Contacts, loop_from_s: float | None) -> _Doubt | None:
+        """What cannot be proved with these pieces; None where all can."""
+        unsafe = (contacts.outside | contacts.marked(self._restricted))[1:-1]
+        if unsafe.any():
+            points = enclosure.points_m
+            at_knots = self._search.contacts(points, points, np.full(len(points), self._tube_m))
+            certain = np.flatnonzero(at_knots.outside | at_knots.marked(self._restricted))
+            return _Doubt(unsafe, certain)
+        sets = contacts.sets()
+        loop = None if loop_from_s is None else int(np.searchsorted(enclosure.knots_s, loop_from_s)) + 1
+        # Equal layers in a row are one; the head of the loop begins a new one.
+        first = tuple(i for i in range(len(sets)) if i in (0, loop) or sets[i] != sets[i - 1])
+        violations = Violations(
+            Layers(tuple(sets[i] for i in first), None if loop is None else first.index(loop)),
+            corners=self._partition.triangles,
+            letter_of=self._labelling.letter_of,
+            refutation=self._refutation,
+            semantics=self._semantics,
+        )
+        if not violations.exists():
+            return None
+        # Pieces with one letter only matter where the formula counts triangles: they are cut last.
+        letters = [len({int(self._labelling.letter_of[t]) for t in triangles}) for triangles in sets[1:-1]]
+        blame = np.array(letters) > 1
+        if not (blame & (enclosure.reach_m > self._finest_m)).any():
+            blame = np.array([len(triangles) > 1 for triangles in sets[1:-1]])
+        return _Doubt(blame, violations=violations, layers_from=first)
+
+    def _proved(self, curve: FourierCurve, enclosure: Enclosure, contacts: Contacts) -> Certificate:
+        """The certificate of a curve about which nothing was found to fail."""
+        return Certificate(
+            holds=True,
+            reason="every word that the tube can spell satisfies the formula, and it meets nothing restricted",
+            where_s=None,
+            where_m=None,
+            knots_s=enclosure.knots_s,
+            possible=tuple(contacts.sets()[1:-1]),
+            word=self._sure_word(contacts),
+            clearance_m=None if self._distance is None else clearance(curve, enclosure, self._distance),
+            tube_m=self._tube_m,
+            frequencies=curve.frequencies,
+        )
+
+    def _contacts(self, enclosure: Enclosure) -> Contacts:
+        """Contacts of the tube at the start, during each piece and at the end: K + 2 of them."""
+        points = enclosure.points_m
+        starts = np.concatenate((points[:1], points[:-1], points[-1:]))
+        ends = np.concatenate((points[:1], points[1:], points[-1:]))
+        widths = self._tube_m + np.concatenate(([0.0], enclosure.remainder_m, [0.0]))
+        return self._search.contacts(starts, ends, widths)
+
+    def _unsafe_place(self, enclosure: Enclosure, contacts: Contacts, doubt: _Doubt) -> Explanation:
+        """The first place at which the tube leaves, or may leave, the domain, or meets something restricted."""
+        knot = int((doubt.certain if len(doubt.certain) else np.flatnonzero(doubt.blame))[0])
+        contact = min(knot, len(doubt.blame) - 1) + 1
+        where_s, where = float(enclosure.knots_s[knot]), point(enclosure.points_m[knot])
+        touched = contacts.triangles[contacts.pieces == contact]
+        guilty = touched[self._restricted[touched]]
+        names = sorted({name for t in guilty.tolist() for name in self._labelling.label(t)})
+        what = f"cross {' and '.join(names) or 'a restricted triangle'}" if len(guilty) else "leave the domain"
+        return Explanation(f"may {what} near {place(where, where_s)}", where_s, where, ())
+
+    def _violating_flight(
+        self, enclosure: Enclosure, contacts: Contacts, violations: Violations, first: tuple[int, ...]
+    ) -> Explanation:
+        """What a flight does that violates the formula, the one that strays least from the middle of the tube."""
+        centres = contacts.centres()
+        ends = (*first[1:], len(centres))
+        expected = tuple(frozenset(centres[begin:end].tolist()) for begin, end in zip(first, ends, strict=True))
+        way = violations.witness(expected)
+        times = np.concatenate((enclosure.knots_s[:1], enclosure.knots_s))
+        return explain(
+            tuple((float(times[first[layer]]), triangle) for layer, triangle in way),
+            enclosure,
+            centres[1:-1],
+            self._partition,
+            self._labelling,
+            refutation=self._refutation,
+            sure=all(triangle in expected[layer] for layer, triangle in way),
+            ignored=self._restricted,
+        )
+
+    def _sure_word(self, contacts: Contacts) -> tuple[frozenset[str], ...]:
+        """The labels of the pieces in which only one is possible, equal neighbours once."""
+        letters = [{int(self._labelling.letter_of[t]) for t in triangles} for triangles in contacts.sets()]
+        sure = (next(iter(of_piece)) for of_piece in letters if len(of_piece) == 1)
+        return tuple(self._labelling.letters[letter] for letter, _ in groupby(sure))
+
+
+def certify(
+    curve: FourierCurve,
+    partition: Partition,
+    labelling: Labelling,
+    *,
+    refutation: CompiledAutomaton,
+    semantics: Semantics,
+    restricted: BoolArray,
+    tube_m: float,
+    loop_from_s: float | None,
+) -> Certificate:
+    """Prove the claim of one curve, or say where it fails; ``Prover`` explains the arguments.
+
+    Raises:
+        ValueError: ``tube_m`` is negative or not finite.
+    """
+    prover = Prover(
+        partition, labelling, refutation=refutation, semantics=semantics, restricted=restricted, tube_m=tube_m
+    )
+    return prover.certify(curve, loop_from_s)
