@@ -1,0 +1,194 @@
+"""The word that a vehicle really spells, from the positions that it reports, and what that word is worth.
+
+Between two reports the vehicle is taken to have moved straight, so no triangle is skipped. Letters follow the same
+rule as the certificate's: one for each triangle that is entered; the label of the first triangle is read under the
+standard semantics only; at the end of a flight that stays, the last label repeats for ever.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mission.geometry.arrays import BoolArray
+from mission.geometry.location import OUTSIDE, Locator
+from mission.geometry.regions import Labelling
+from mission.logic.automaton import CompiledAutomaton
+from mission.logic.formula import Formula
+from mission.logic.word import LassoWord, satisfies
+from mission.monitor.laps import LapCounter
+from mission.monitor.verdict import FormulaWatch, Progress, Verdict
+from mission.spec.model import Point, Semantics
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A triangle that the vehicle entered, and when."""
+
+    triangle: int
+    entered_s: float
+
+
+class ViolationKind(StrEnum):
+    """What a flight must never do, whatever its formula says."""
+
+    LEFT_DOMAIN = "left the domain"
+    ENTERED_RESTRICTED = "entered a restricted region"
+
+
+@dataclass(frozen=True)
+class Violation:
+    """Something that happened and must not.
+
+    Attributes:
+        kind: What.
+        time_s: When, on the clock of the reports.
+        position_m: Where it began, ENU.
+        names: Labels of the triangle that was entered; empty outside the domain.
+    """
+
+    kind: ViolationKind
+    time_s: float
+    position_m: Point
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The verdict on a finished flight, with its reason in plain words."""
+
+    achieved: bool
+    reason: str
+
+
+class Monitor:
+    """Watches one flight. It has no clock: the time of a report is an argument.
+
+    Args:
+        locator: Point location in the domain.
+        labelling: Labels of the domain.
+        formula: The specification.
+        automaton: Of the formula, over ``labelling.letters``.
+        refutation: Of its negation, over the same.
+        semantics: Whether the label of the first triangle is read.
+        restricted: Shape (M,), triangles that must not be entered.
+        suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
+        laps: How often the loop is to be flown.
+    """
+
+    def __init__(
+        self,
+        locator: Locator,
+        labelling: Labelling,
+        *,
+        formula: Formula,
+        automaton: CompiledAutomaton,
+        refutation: CompiledAutomaton,
+        semantics: Semantics,
+        restricted: BoolArray,
+        suffix: tuple[int, ...] = (),
+        laps: int = 0,
+    ) -> None:
+        self._locator, self._labelling = locator, labelling
+        self._formula, self._semantics = formula, semantics
+        self._restricted = restricted
+        self._watch = FormulaWatch(automaton, refutation, labelling.letters)
+        self._laps = LapCounter(suffix, labelling) if suffix else None
+        self._laps_asked = laps
+        self._last: tuple[float, Point] | None = None
+        self._inside = True
+        self._visits: list[Visit] = []
+        self._violations: list[Violation] = []
+
+    def observe(self, t_s: float, position_m: Point) -> bool:
+        """Take a reported position into account.
+
+        Args:
+            t_s: Time of the report, on any clock that does not run backwards.
+            position_m: Position in the domain, ENU.
+
+        Returns:
+            False where the report was left out: not finite, or not later than the last one.
+        """
+        place = (float(position_m[0]), float(position_m[1]))
+        if not all(map(math.isfinite, (t_s, *place))) or (self._last is not None and t_s <= self._last[0]):
+            return False
+        before, start = self._last or (t_s, place)
+        for triangle, fraction in self._locator.crossed(start, place):
+            at = (start[0] + fraction * (place[0] - start[0]), start[1] + fraction * (place[1] - start[1]))
+            self._enter(triangle, before + fraction * (t_s - before), at)
+        self._last = (t_s, place)
+        return True
+
+    @property
+    def visits(self) -> tuple[Visit, ...]:
+        """The triangles entered so far, in order."""
+        return tuple(self._visits)
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """Each departure from the domain and each entry into a restricted triangle."""
+        return tuple(self._violations)
+
+    @property
+    def word(self) -> tuple[frozenset[str], ...]:
+        """The letters spelled so far."""
+        skipped = 0 if self._semantics is Semantics.STANDARD else 1
+        return tuple(self._labelling.label(visit.triangle) for visit in self._visits[skipped:])
+
+    @property
+    def verdict(self) -> Verdict:
+        """What is known of every continuation of the flight; false too after a violation."""
+        return Verdict.FALSE if self._violations else self._watch.verdict
+
+    @property
+    def progress(self) -> Progress:
+        """How far the automaton of the formula has come."""
+        return self._watch.progress
+
+    @property
+    def laps(self) -> int:
+        """How often the loop of a recurrent run has been flown; 0 without one."""
+        return 0 if self._laps is None else self._laps.laps
+
+    def verdict_at_end(self, *, stays: bool) -> Outcome:
+        """The verdict on the flight as if it ended now.
+
+        Args:
+            stays: Whether the vehicle is taken to stay where it is for ever. The word closed that way is judged by the
+                definition of LTL, not by automata. Otherwise the flight is one of laps: it is achieved if the laps
+                asked for were flown and nothing was violated.
+        """
+        if not self._visits:
+            return Outcome(achieved=False, reason="no position inside the domain was reported")
+        if self._violations:
+            first = self._violations[0]
+            named = f" ({', '.join(first.names)})" if first.names else ""
+            return Outcome(achieved=False, reason=f"the vehicle {first.kind}{named} at {first.time_s:.1f} s")
+        if stays:
+            last = self._labelling.label(self._visits[-1].triangle)
+            if satisfies(LassoWord(self.word, (last,)), self._formula):
+                return Outcome(achieved=True, reason="the word that was flown satisfies the formula")
+            return Outcome(achieved=False, reason="the word that was flown does not satisfy the formula")
+        if self._watch.verdict is Verdict.FALSE:
+            return Outcome(achieved=False, reason="the word that was flown violates the formula")
+        counted = f"{self.laps} of {self._laps_asked} laps were flown, nothing was violated"
+        return Outcome(achieved=self.laps >= self._laps_asked, reason=counted)
+
+    def _enter(self, triangle: int, time_s: float, position_m: Point) -> None:
+        """Take note of the triangle that the vehicle is in from now on."""
+        if triangle == OUTSIDE:
+            if self._inside:
+                self._violations.append(Violation(ViolationKind.LEFT_DOMAIN, time_s, position_m, ()))
+            self._inside = False
+            return
+        self._inside = True
+        if self._visits and self._visits[-1].triangle == triangle:
+            return
+        if self._restricted[triangle]:
+            names = tuple(sorted(self._labelling.label(triangle)))
+            self._violations.append(Violation(ViolationKind.ENTERED_RESTRICTED, time_s, position_m, names))
+        if self._visits or self._semantics is Semantics.STANDARD:
+            self._watch.read(int(self._labelling.letter_of[triangle]))
+        self._visits.append(Visit(triangle, time_s))
+        if self._laps is not None:
+            self._laps.enter(triangle)

@@ -1,0 +1,33 @@
+"""Laps are counted by the labels of the loop, in order, whatever lies between."""
+
+import numpy as np
+import pytest
+
+from mission.geometry.regions import Labelling
+from mission.monitor.laps import LapCounter
+
+# Triangles: 0 and 1 west, 2 north, 3 east, the rest without a label.
+LABELS = Labelling(
+    (frozenset(), frozenset({"west"}), frozenset({"north"}), frozenset({"east"})), np.array([1, 1, 2, 3, 0, 0, 0, 0])
+)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "flown", "laps"),
+    [
+        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 5, 3, 6), 1),
+        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 5, 3, 6) * 3, 3),
+        ((0, 4, 2, 5, 3, 6), (1, 7, 2, 3), 1),  # by other triangles of the same regions
+        ((0, 4, 2, 5, 3, 6), (0, 4, 3, 6, 0), 0),  # north left out
+        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 4, 0, 4, 2, 5, 3), 1),  # went back once
+        ((1, 4, 2, 5, 0), (0, 4, 2, 5, 0, 4, 2), 2),  # begins and ends in west
+        ((0, 1), (0, 1, 0), 3),  # one region: each entry into one of its triangles
+        ((4, 5, 6), (4, 5, 6, 4, 5), 1),  # without labels the triangles count
+        ((4, 5, 6), (6, 5, 4, 5, 6), 1),
+    ],
+)
+def test_laps(suffix: tuple[int, ...], flown: tuple[int, ...], laps: int) -> None:
+    counter = LapCounter(suffix, LABELS)
+    for triangle in flown:
+        counter.enter(triangle)
+    assert counter.laps == laps

@@ -1,0 +1,81 @@
+"""Three-valued verdicts against the definition of LTL on all short continuations, and progress one can follow."""
+
+from itertools import product
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mission.logic.parser import parse_formula
+from mission.logic.word import LassoWord, satisfies
+from mission.monitor.verdict import FormulaWatch, Progress, Verdict
+from tests.support.curves import compiled, refuting
+
+LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
+FORMULAS = (
+    "F a",
+    "G !a",
+    "F (a & F b)",
+    "!b U a",
+    "G F a",
+    "F G a",
+    "G (a -> F b)",
+    "X a",
+    "F a & G !b",
+    "a W b",
+    "true",
+    "false",
+    "F (a & b)",
+)
+
+
+def watching(text: str) -> FormulaWatch:
+    return FormulaWatch(compiled(text, LETTERS), refuting(text, LETTERS), LETTERS)
+
+
+@given(st.sampled_from(FORMULAS), st.lists(st.integers(0, 2), max_size=6))
+@settings(deadline=None, max_examples=120)
+def test_the_verdict_is_that_of_all_continuations(text: str, word: list[int]) -> None:
+    watch, formula = watching(text), parse_formula(text)
+    for letter in word:
+        watch.read(letter)
+    spelled = tuple(LETTERS[i] for i in word)
+    outcomes = {
+        satisfies(
+            LassoWord((*spelled, *(LETTERS[i] for i in more[:-2])), tuple(LETTERS[i] for i in more[-2:])), formula
+        )
+        for more in product(range(3), repeat=5)
+    }
+    decided = Verdict.TRUE if outcomes == {True} else Verdict.FALSE
+    assert watch.verdict is (decided if len(outcomes) == 1 else Verdict.OPEN)
+
+
+@pytest.mark.parametrize(
+    ("text", "word", "progress"),
+    [
+        ("F a", "", Progress(0, 1, ("a",))),
+        ("F a", "-", Progress(0, 1, ("a",))),
+        ("F a", "a", Progress(1, 1, ())),
+        ("F (a & F b)", "-", Progress(0, 2, ("a",))),
+        ("F (a & F b)", "ba-", Progress(1, 2, ("b",))),
+        ("F (a & F b)", "ab", Progress(2, 2, ())),
+        ("F a & F b", "", Progress(0, 2, ("a", "b"))),
+        ("F a & F b", "b", Progress(1, 2, ("a",))),
+        ("G !a", "b", Progress(0, 0, ())),
+        ("G !a", "a", Progress(0, 0, ())),
+    ],
+)
+def test_progress_one_can_follow(text: str, word: str, progress: Progress) -> None:
+    watch = watching(text)
+    for letter in word:
+        watch.read("-ab".index(letter))
+    assert watch.progress == progress
+
+
+@pytest.mark.parametrize(("word", "awaited"), [("a", ("b",)), ("b", ("a",)), ("ab", ("a",)), ("ba-", ("b",))])
+def test_recurrent_missions_await_the_next_region(word: str, awaited: tuple[str, ...]) -> None:
+    watch = watching("G F a & G F b")
+    for letter in word:
+        watch.read("-ab".index(letter))
+    assert watch.verdict is Verdict.OPEN
+    assert watch.progress.awaited in (awaited, ("a", "b"))
