@@ -119,5 +119,4 @@ def equilibria(F: FloatArray, g: FloatArray) -> FloatArray:
     Raises:
         numpy.linalg.LinAlgError: If a field is singular, which a stay field never is.
     """
-    zero: FloatArray = -np.linalg.solve(F, g[..., None])[..., 0]
-    return zero
+    return np.asarray(-np.linalg.solve(F, g[..., None])[..., 0], dtype=np.float64)

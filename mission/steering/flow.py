@@ -1,8 +1,8 @@
 """The exact flow of an affine field x' = F x + g in the plane, and the time at which it leaves a triangle.
 
 x(t) = x_0 + t phi(F t) (F x_0 + g) with phi(A) = sum A^n / (n + 1)! (Eq. 10 integrated; no inverse of F, so singular
-and defective fields need no special case). By the theorem of Cayley and Hamilton, A^2 = tr(A) A - det(A) I, so every power
-series in A is p I + q A with two scalars. They are summed where the series is short, at A / 2^k, and doubled k times:
+and defective fields need no special case). By the theorem of Cayley and Hamilton, A^2 = tr(A) A - det(A) I, so every
+power series in A is p I + q A with two scalars. They are summed where it is short, at A / 2^k, and doubled k times:
 exp(2A) = exp(A)^2, phi(2A) = phi(A) (exp(A) + I) / 2.
 """
 
