@@ -6,7 +6,8 @@ Boolean function manipulation", 1986; with values other than 0 and 1 on the leav
 binary decision diagrams", 1997). Boolean functions are the diagrams whose leaves are ``False`` and ``True``.
 """
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from functools import reduce
 from typing import Any, Final
 
 Diagram = int
@@ -146,6 +147,14 @@ class Diagrams:
     def either(self, left: Diagram, right: Diagram) -> Diagram:
         """Disjunction of two Boolean functions."""
         return self.choose(left, self.true, right) if left <= right else self.choose(right, self.true, left)
+
+    def all_of(self, parts: Iterable[Diagram]) -> Diagram:
+        """Conjunction of Boolean functions."""
+        return reduce(self.both, parts, self.true)
+
+    def any_of(self, parts: Iterable[Diagram]) -> Diagram:
+        """Disjunction of Boolean functions."""
+        return reduce(self.either, parts, self.false)
 
     def neither(self, diagram: Diagram) -> Diagram:
         """Negation of a Boolean function."""

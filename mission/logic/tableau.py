@@ -9,13 +9,13 @@ Each eventuality is one acceptance set: the transitions that do not put it off.
 
 from mission.logic.diagrams import Diagram, Diagrams
 from mission.logic.formula import Formula, Operator, postorder
-from mission.logic.rewriting import Rewriter
 from mission.logic.structure import Moves, Structure
 
 Clause = tuple[int, int]
 Clauses = tuple[Clause, ...]
 
 _PROMISES = frozenset({Operator.EVENTUALLY, Operator.UNTIL, Operator.STRONG_RELEASE})
+_REPEATING = frozenset({Operator.ALWAYS, Operator.RELEASE, Operator.STRONG_RELEASE})
 
 
 class TooLargeError(Exception):
@@ -25,15 +25,16 @@ class TooLargeError(Exception):
 class Tableau:
     """Builds the automata of formulas in negation normal form, over one pool of diagrams."""
 
-    def __init__(self, diagrams: Diagrams, propositions: tuple[str, ...], rewriter: Rewriter) -> None:
+    def __init__(self, diagrams: Diagrams, propositions: tuple[str, ...]) -> None:
         self._diagrams = diagrams
         self._propositions = propositions
         self._bit = {name: index for index, name in enumerate(propositions)}
-        self._rewriter = rewriter
         self._number: dict[Formula, int] = {}
         self._formulas: list[Formula] = []
+        self._repeated: list[int] = []
         self._promise: dict[Formula, int] = {}
         self._expansions: dict[Formula, Diagram] = {}
+        self._shortened: dict[int, int] = {}
         self._both: dict[tuple[Diagram, Diagram], Diagram] = {}
         self._either: dict[tuple[Diagram, Diagram], Diagram] = {}
         self._satisfied = diagrams.leaf(((0, 0),))
@@ -78,17 +79,43 @@ class Tableau:
             index += 1
         return row
 
+    def _short(self, state: int) -> int:
+        """The obligations of a state without those that another one repeats at once, as ``G F a`` repeats ``F a``.
+
+        That another one merely implies an obligation would not do: its promises would be forgotten.
+        """
+        known = self._shortened.get(state)
+        if known is None:
+            known = state
+            for bit in range(state.bit_length()):
+                if state >> bit & 1:
+                    known &= ~self._repeated[bit]
+            self._shortened[state] = known
+        return known
+
+    def _repeat(self, formula: Formula) -> int:
+        """The obligations that are part of what ``formula`` asks of every position at which it stands."""
+        if formula.operator not in _REPEATING:
+            return 0
+        inner = formula.operands[-1]
+        parts = inner.operands if inner.operator is Operator.AND else (inner,)
+        return sum(1 << self._numbered(part) for part in parts)
+
+    def _numbered(self, formula: Formula) -> int:
+        if formula not in self._number:
+            number = self._number[formula] = len(self._formulas)
+            self._formulas.append(formula)
+            self._repeated.append(0)
+            self._repeated[number] = self._repeat(formula)
+        return self._number[formula]
+
     def _obligations(self, formula: Formula) -> int:
         """A formula as a set of formulas that hold together."""
         parts = formula.operands if formula.operator is Operator.AND else (formula,)
         bits = 0
         for part in parts:
-            if part.operator is Operator.TRUE:
-                continue
-            if part not in self._number:
-                self._number[part] = len(self._formulas)
-                self._formulas.append(part)
-            bits |= 1 << self._number[part]
+            if part.operator is not Operator.TRUE:
+                bits |= 1 << self._numbered(part)
         return bits
 
     def _expanded(self, formula: Formula) -> Diagram:
@@ -145,7 +172,7 @@ class Tableau:
         return self._diagrams.combine(left, right, self._union, self._either)
 
     def _product(self, left: Clauses, right: Clauses) -> Clauses:
-        return self._minimal({(a | c, b | d) for a, b in left for c, d in right})
+        return self._minimal({(self._short(a | c), b | d) for a, b in left for c, d in right})
 
     def _union(self, left: Clauses, right: Clauses) -> Clauses:
         return self._minimal({*left, *right})
