@@ -1,0 +1,136 @@
+"""``mission plan``: plan a mission, show the plan, write it, draw it."""
+
+import json
+from argparse import Namespace
+from itertools import islice
+from pathlib import Path
+
+from mission.cli.screen import count, out
+from mission.plan import FlightPlan, plan_mission, plan_to_json, shortest_runs
+from mission.planning.run import Run
+from mission.report.files import write_whole
+from mission.spec.loader import load_mission
+
+
+def run(arguments: Namespace) -> int:
+    """Plan and show."""
+    plan = plan_mission(load_mission(arguments.file), run=arguments.run)
+    if arguments.json:
+        out.out(json.dumps(summary(plan), ensure_ascii=False))
+    else:
+        _print_plan(plan)
+        if arguments.transitions:
+            _print_transitions(plan)
+        if arguments.runs:
+            _print_runs(plan, arguments.runs)
+    if arguments.out:
+        write_whole(Path(arguments.out), plan_to_json(plan))
+    if arguments.pictures:
+        from mission.report.figures import save_all  # noqa: PLC0415 - drawing is loaded when it is asked for
+
+        save_all(plan, None, Path(arguments.pictures))
+    return 0
+
+
+def summary(plan: FlightPlan) -> dict[str, object]:
+    """The figures of a plan, for programs; run and controls as the paper writes them."""
+    certificate = plan.certificate
+    return {
+        "name": plan.spec.name,
+        "formula": plan.spec.formula,
+        "triangles": plan.partition.size,
+        "automaton_states": plan.automaton.size,
+        "automaton_edges": plan.automaton.edge_count,
+        "automaton_deterministic": plan.automaton.deterministic,
+        "product_states": plan.product_states,
+        "product_states_reachable": plan.product_states_reachable,
+        "shortest_runs": plan.shortest_runs,
+        "run_index": plan.run_index,
+        "run": list(plan.run.states),
+        "prefix_states": len(plan.run.prefix),
+        "controls": list(plan.run.controls),
+        "length_m": plan.path.length_m,
+        "duration_s": plan.path.duration_s,
+        "flight_duration_s": plan.trajectory.duration_s,
+        "frequencies": plan.curve.frequencies,
+        "certificate": {
+            "holds": certificate.holds,
+            "tube_m": certificate.tube_m,
+            "clearance_m": certificate.clearance_m,
+            "word": [sorted(letter) for letter in certificate.word],
+        },
+    }
+
+
+def _label(plan: FlightPlan, triangle: int) -> str:
+    return " ".join(sorted(plan.labelling.label(triangle))) or "-"
+
+
+def _print(text: str = "") -> None:
+    out.out(text, highlight=False)
+
+
+def _print_plan(plan: FlightPlan) -> None:
+    spec = plan.spec
+    _print(spec.name)
+    _print(f"  formula    {spec.formula}")
+    _print()
+    _print("Triangles of the partition (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")
+    _print(f"  {'T':>6}  {'vertices':<20}{'neighbours 1 2 3':<22}label")
+    for i, (corners, neighbours) in enumerate(
+        zip(plan.partition.triangles.tolist(), plan.partition.neighbours.tolist(), strict=True)
+    ):
+        across = " ".join("-" if n < 0 else str(n) for n in neighbours)
+        _print(f"  {i:>6}  {' '.join(map(str, corners)):<20}{across:<22}{_label(plan, i)}")
+    automaton = plan.automaton
+    kind = "deterministic" if automaton.deterministic else "nondeterministic"
+    _print()
+    _print(f"T  {count(plan.partition.size, 'state')}")
+    _print(f"A  {count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
+    _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable")
+    _print(f"Shortest runs  {plan.shortest_runs:,}, of {count(plan.run.cost, 'transition')} each")
+    _print()
+    _print(f"Run {plan.run_index}: state, label, control")
+    for i, (state, control) in enumerate(zip(plan.run.states, plan.run.controls, strict=True)):
+        loop = "   <- the loop begins" if i == len(plan.run.prefix) and plan.run.recurrent else ""
+        _print(f"  {state:>6}  {_label(plan, state):<20}u{control}{loop}")
+    _print()
+    _print(f"Path           {plan.path.length_m:.2f} m in {plan.path.duration_s:.1f} s")
+    held = sum(hold for _, hold in plan.stops)
+    loiter = f", {held:g} s of loitering included" if held else ""
+    _print(f"Trajectory     {plan.trajectory.duration_s:.1f} s{loiter}")
+    tried = " (as few as the proof needs)" if spec.smoothing.frequencies == "auto" else ""
+    _print(f"Smoothing      {spec.smoothing.extension.value} extension, {plan.curve.frequencies} frequencies{tried}")
+    _print_certificate(plan)
+
+
+def _print_certificate(plan: FlightPlan) -> None:
+    certificate = plan.certificate
+    _print(f"Certificate    holds within {certificate.tube_m:g} m per axis of the smoothed path")
+    if certificate.clearance_m is not None:
+        _print(f"               at least {certificate.clearance_m:.2f} m from every restricted triangle")
+    word = " ".join("{" + ",".join(sorted(letter)) + "}" for letter in certificate.word)
+    _print(f"               the flight spells {word}")
+
+
+def _print_transitions(plan: FlightPlan) -> None:
+    _print()
+    _print("Transitions of T: state, control -> state (-1: not admissible)")
+    for i, successors in enumerate(plan.successors.tolist()):
+        _print("  " + "   ".join(f"{i}, u{u} -> {target}" for u, target in enumerate(successors)))
+    _print()
+    accepting = " ".join(f"q{q}" for q in sorted(plan.automaton.accepting))
+    _print(f"Transitions of A: initial {' '.join(f'q{q}' for q in plan.automaton.initial)}, accepting {accepting}")
+    for edge in plan.automaton.edges:
+        _print(f"  q{edge.source} --[{edge.guard}]--> q{edge.target}")
+
+
+def _print_runs(plan: FlightPlan, most: int) -> None:
+    _print()
+    _print(f"The first {min(most, plan.shortest_runs):,} of {count(plan.shortest_runs, 'shortest run')}")
+    for i, found in enumerate(islice(shortest_runs(plan), most)):
+        _print(f"  {i:>4}  {_lasso(found)}")
+
+
+def _lasso(found: Run) -> str:
+    return " ".join([*map(str, found.prefix), f"({' '.join(map(str, found.suffix))})*"])

@@ -1,0 +1,13 @@
+"""``mission schema``: the JSON Schema of mission files."""
+
+import json
+from argparse import Namespace
+
+from mission.cli.screen import out
+from mission.spec.schema import mission_schema
+
+
+def run(_: Namespace) -> int:
+    """Print the schema."""
+    out.out(json.dumps(mission_schema(), indent=2, ensure_ascii=False))
+    return 0

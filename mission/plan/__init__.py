@@ -1,0 +1,15 @@
+"""From a mission to a flight plan: the pure stages, composed; and the plan as JSON."""
+
+from mission.plan.flight_plan import FlightPlan, certify_again, prover_of
+from mission.plan.serial import plan_from_json, plan_to_json
+from mission.plan.stages import plan_mission, shortest_runs
+
+__all__ = [
+    "FlightPlan",
+    "certify_again",
+    "plan_from_json",
+    "plan_mission",
+    "plan_to_json",
+    "prover_of",
+    "shortest_runs",
+]

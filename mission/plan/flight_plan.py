@@ -1,0 +1,114 @@
+"""The plan of a flight: everything that was decided, and the proof; what flying, drawing and checking start from."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from mission.geometry.arrays import BoolArray, IntArray
+from mission.geometry.location import Locator
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.formula import Formula
+from mission.planning.run import Run
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.domain import restricted_triangles
+from mission.spec.model import MissionSpec, Point
+from mission.steering.certificate import Certificate, Prover
+from mission.steering.path import SteeringPath
+from mission.steering.smoothing import FourierCurve
+from mission.steering.trajectory import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class FlightPlan:
+    """One planned flight.
+
+    Attributes:
+        spec: The mission.
+        start_m: Where the flight begins, ENU in the domain.
+        partition: The domain's triangles.
+        labelling: Their labels.
+        formula: The specification, parsed.
+        automaton: A Büchi automaton of the formula.
+        refutation: One of its negation.
+        product_states: Number of states of the product, reachable or not.
+        product_states_reachable: How many of them can be reached from the start.
+        shortest_runs: How many runs have the least cost.
+        run_index: Which of them is flown.
+        run: That run.
+        path: The path that steers through it.
+        stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
+        trajectory: The smoothed path with its time law.
+        certificate: The proof that every flight within the tube satisfies the formula.
+    """
+
+    spec: MissionSpec
+    start_m: Point
+    partition: Partition
+    labelling: Labelling
+    formula: Formula
+    automaton: BuchiAutomaton
+    refutation: BuchiAutomaton
+    product_states: int
+    product_states_reachable: int
+    shortest_runs: int
+    run_index: int
+    run: Run
+    path: SteeringPath
+    stops: tuple[tuple[float, float], ...]
+    trajectory: Trajectory
+    certificate: Certificate
+
+    @property
+    def curve(self) -> FourierCurve:
+        """The smoothed path."""
+        return self.trajectory.curve
+
+    @property
+    def successors(self) -> IntArray:
+        """The transition map of T, shape (M, 4)."""
+        return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted).successors
+
+    @cached_property
+    def restricted(self) -> BoolArray:
+        """Triangles that must never be entered, shape (M,)."""
+        return restricted_triangles(self.spec, self.labelling)
+
+    @cached_property
+    def locator(self) -> Locator:
+        """Point location in the domain."""
+        return Locator(self.partition)
+
+    @cached_property
+    def compiled(self) -> CompiledAutomaton:
+        """The automaton over the letters of the domain."""
+        return compile_to_alphabet(self.automaton, self.labelling.letters)
+
+    @cached_property
+    def compiled_refutation(self) -> CompiledAutomaton:
+        """The automaton of the negation over the letters of the domain."""
+        return compile_to_alphabet(self.refutation, self.labelling.letters)
+
+
+def prover_of(
+    spec: MissionSpec,
+    partition: Partition,
+    labelling: Labelling,
+    refutation: CompiledAutomaton,
+    restricted: BoolArray,
+) -> Prover:
+    """The prover of a mission; its tube is w tau^2, which bounds the tracking error of Eq. 12 on each axis."""
+    return Prover(
+        partition,
+        labelling,
+        refutation=refutation,
+        semantics=spec.semantics,
+        restricted=restricted,
+        tube_m=spec.flight.disturbance_m_s2 * spec.flight.time_constant_s**2,
+    )
+
+
+def certify_again(plan: FlightPlan) -> Certificate:
+    """Prove a plan's trajectory anew, from the trajectory, the domain and the formula alone."""
+    prover = prover_of(plan.spec, plan.partition, plan.labelling, plan.compiled_refutation, plan.restricted)
+    return prover.certify(plan.curve, plan.path.loop_from_s if plan.run.recurrent else None)

@@ -1,0 +1,133 @@
+"""A plan as JSON, and back.
+
+The file holds everything that was decided. The automata are written for readers; reading a plan translates the
+formula anew, so that a proof from the file rests on the formula and not on what somebody wrote beside it.
+"""
+
+import json
+from typing import Any
+
+import numpy as np
+
+from mission.errors import Fault, SpecError
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.logic.automaton import BuchiAutomaton
+from mission.logic.formula import negation
+from mission.logic.translate import translate
+from mission.plan.flight_plan import FlightPlan
+from mission.plan.stages import formula_of
+from mission.planning.run import Run
+from mission.spec.document import document_of
+from mission.spec.loader import parse_mission
+from mission.steering.certificate import Certificate
+from mission.steering.path import Segment, SteeringPath
+from mission.steering.trajectory import Trajectory
+
+FORMAT = "ltl-mission plan 1"
+
+
+def plan_to_json(plan: FlightPlan) -> str:
+    """The whole plan as JSON text; every number is kept to the last bit."""
+    run, path, partition = plan.run, plan.path, plan.partition
+    document = {
+        "format": FORMAT,
+        "mission": document_of(plan.spec),
+        "start_m": list(plan.start_m),
+        "partition": {
+            "vertices_m": partition.vertices_m.tolist(),
+            "triangles": partition.triangles.tolist(),
+            "neighbours": partition.neighbours.tolist(),
+        },
+        "labels": {
+            "letters": [sorted(letter) for letter in plan.labelling.letters],
+            "letter_of": plan.labelling.letter_of.tolist(),
+        },
+        "automaton": _automaton(plan.automaton),
+        "refutation": _automaton(plan.refutation),
+        "product_states": plan.product_states,
+        "product_states_reachable": plan.product_states_reachable,
+        "shortest_runs": plan.shortest_runs,
+        "run_index": plan.run_index,
+        "run": {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)},
+        "path": {
+            "loop_segment": path.loop_segment,
+            "segments": [
+                {
+                    "triangle": segment.triangle,
+                    "control": segment.control,
+                    "F": segment.F.tolist(),
+                    "g": segment.g.tolist(),
+                    "entry_m": list(segment.entry_m),
+                    "start_s": segment.start_s,
+                    "duration_s": segment.duration_s,
+                }
+                for segment in path.segments
+            ],
+        },
+        "stops": [list(stop) for stop in plan.stops],
+        "trajectory": plan.trajectory.to_json(),
+        "certificate": plan.certificate.to_json(),
+    }
+    return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def plan_from_json(text: str) -> FlightPlan:
+    """Read what ``plan_to_json`` wrote.
+
+    Raises:
+        SpecError: If the text is not such a plan, or its mission has faults.
+    """
+    try:
+        return _plan(json.loads(text))
+    except (ValueError, KeyError, TypeError, IndexError, RecursionError) as error:
+        hint = "name a file that 'mission plan --out' wrote"
+        raise SpecError((Fault(0, 0, "", f"this is not a plan: {error}", hint),)) from error
+
+
+def _plan(document: dict[str, Any]) -> FlightPlan:
+    if document["format"] != FORMAT:
+        raise ValueError(f"the format is not {FORMAT!r}")
+    spec = parse_mission(json.dumps(document["mission"]).encode())
+    formula = formula_of(spec)
+    run, labels, path = document["run"], document["labels"], document["path"]
+    start = document["start_m"]
+    return FlightPlan(
+        spec=spec,
+        start_m=(float(start[0]), float(start[1])),
+        partition=Partition(**{name: np.array(rows) for name, rows in document["partition"].items()}),
+        labelling=Labelling(tuple(frozenset(letter) for letter in labels["letters"]), np.array(labels["letter_of"])),
+        formula=formula,
+        automaton=translate(formula),
+        refutation=translate(negation(formula)),
+        product_states=int(document["product_states"]),
+        product_states_reachable=int(document["product_states_reachable"]),
+        shortest_runs=int(document["shortest_runs"]),
+        run_index=int(document["run_index"]),
+        run=Run(tuple(run["prefix"]), tuple(run["suffix"]), tuple(run["controls"])),
+        path=SteeringPath(tuple(_segment(segment) for segment in path["segments"]), int(path["loop_segment"])),
+        stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
+        trajectory=Trajectory.from_json(document["trajectory"]),
+        certificate=Certificate.from_json(document["certificate"]),
+    )
+
+
+def _segment(data: dict[str, Any]) -> Segment:
+    return Segment(
+        triangle=int(data["triangle"]),
+        control=int(data["control"]),
+        F=np.array(data["F"], dtype=np.float64),
+        g=np.array(data["g"], dtype=np.float64),
+        entry_m=(float(data["entry_m"][0]), float(data["entry_m"][1])),
+        start_s=float(data["start_s"]),
+        duration_s=float(data["duration_s"]),
+    )
+
+
+def _automaton(automaton: BuchiAutomaton) -> dict[str, Any]:
+    return {
+        "states": automaton.size,
+        "initial": list(automaton.initial),
+        "accepting": sorted(automaton.accepting),
+        "edges": [[edge.source, str(edge.guard), edge.target] for edge in automaton.edges],
+    }

@@ -1,0 +1,129 @@
+"""The stages of planning, one after the other; each is a function of what came before it."""
+
+import numpy as np
+
+from mission.errors import Fault, NoPlanError, SpecError
+from mission.geometry.location import OUTSIDE, Locator
+from mission.logic.automaton import compile_to_alphabet
+from mission.logic.formula import Formula, negation
+from mission.logic.parser import parse_formula
+from mission.logic.translate import translate
+from mission.plan.flight_plan import FlightPlan, prover_of
+from mission.plan.loiter import loiter_stops
+from mission.planning.product import Product
+from mission.planning.search import ShortestRuns, search
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.domain import build_domain, restricted_triangles
+from mission.spec.model import MissionSpec, Point
+from mission.steering.certificate import Prover
+from mission.steering.path import SteeringPath, build_path
+from mission.steering.proved_smoothing import ProvedCurve, smooth_with_proof
+from mission.steering.smoothing import fit_fourier
+from mission.steering.timing import time_law
+from mission.steering.trajectory import Trajectory
+
+
+def formula_of(spec: MissionSpec) -> Formula:
+    """The specification, parsed with the mission's region names.
+
+    Raises:
+        FormulaSyntaxError: If it is no formula.
+    """
+    return parse_formula(spec.formula, frozenset(region.name for region in spec.regions))
+
+
+def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | None = None) -> FlightPlan:
+    """Plan a mission.
+
+    Args:
+        spec: The mission.
+        start_m: Where the flight begins, ENU in the domain; the mission's own start by default.
+        run: Which of the shortest runs to fly; the mission's own choice by default.
+
+    Raises:
+        FormulaSyntaxError: If the formula cannot be parsed.
+        SpecError: If the domain, the start or the number of the run cannot be used.
+        NoPlanError: If no run, or no smoothing with a proof, exists.
+    """
+    start = spec.start.position_m if start_m is None else start_m
+    partition, labelling = build_domain(spec)
+    restricted = restricted_triangles(spec, labelling)
+    formula = formula_of(spec)
+    automaton, refutation = translate(formula), translate(negation(formula))
+    compiled = compile_to_alphabet(automaton, labelling.letters)
+    triangle = _start_triangle(Locator(partition), restricted, start)
+    system = TransitionSystem.from_partition(partition, labelling, restricted)
+    product = Product(system, compiled, triangle, spec.semantics)
+    runs = search(product)
+    index = spec.run if run is None else run
+    if index >= runs.count:
+        hint = f"the runs are numbered from 0 to {runs.count - 1}"
+        raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
+    chosen = runs[index]
+    path = build_path(
+        partition,
+        chosen,
+        start_m=start,
+        speed_m_s=spec.flight.speed_m_s,
+        final_stay_s=spec.flight.final_stay_s,
+        laps=spec.flight.laps,
+    )
+    prover = prover_of(spec, partition, labelling, compile_to_alphabet(refutation, labelling.letters), restricted)
+    smooth = _smoothed(spec, path, prover, path.loop_from_s if chosen.recurrent else None)
+    stops = loiter_stops(path, smooth.curve, partition, labelling, spec.regions)
+    law = time_law(
+        smooth.curve,
+        speed_m_s=spec.limits.speed_m_s,
+        acceleration_m_s2=spec.limits.acceleration_m_s2,
+        tilt_rad=spec.limits.tilt_rad,
+        holds=stops,
+    )
+    return FlightPlan(
+        spec=spec,
+        start_m=start,
+        partition=partition,
+        labelling=labelling,
+        formula=formula,
+        automaton=automaton,
+        refutation=refutation,
+        product_states=product.full_size,
+        product_states_reachable=product.reachable_size,
+        shortest_runs=runs.count,
+        run_index=index,
+        run=chosen,
+        path=path,
+        stops=stops,
+        trajectory=Trajectory(smooth.curve, law, spec.flight.altitude_m),
+        certificate=smooth.certificate,
+    )
+
+
+def shortest_runs(plan: FlightPlan) -> ShortestRuns:
+    """All the runs that a plan could have flown at the same cost."""
+    system = TransitionSystem.from_partition(plan.partition, plan.labelling, plan.restricted)
+    return search(Product(system, plan.compiled, plan.run.states[0], plan.spec.semantics))
+
+
+def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) -> int:
+    triangle = int(locator.triangle_at(np.array([start_m]))[0])
+    place = f"({start_m[0]:.2f}, {start_m[1]:.2f})"
+    if triangle == OUTSIDE:
+        raise SpecError((Fault(0, 0, "start", f"the start {place} lies outside the domain"),))
+    if restricted[locator.triangles_touching(start_m)].any():
+        raise SpecError((Fault(0, 0, "start", f"the start {place} lies in or on the edge of a restricted region"),))
+    return triangle
+
+
+def _smoothed(spec: MissionSpec, path: SteeringPath, prover: Prover, loop_from_s: float | None) -> ProvedCurve:
+    """Smooth a path and prove it, with as many frequencies as the mission asks for."""
+    extension, frequencies = spec.smoothing.extension, spec.smoothing.frequencies
+    if frequencies == "auto":
+        return smooth_with_proof(path, prover, extension=extension, loop_from_s=loop_from_s)
+    curve = fit_fourier(path, frequencies, extension)
+    certificate = prover.certify(curve, loop_from_s)
+    if not certificate.holds:
+        raise NoPlanError(
+            f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: the tube of "
+            f"{certificate.tube_m:g} m around it {certificate.reason}; ask for more frequencies, or for `auto`"
+        )
+    return ProvedCurve(curve, certificate)

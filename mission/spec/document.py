@@ -1,0 +1,51 @@
+"""A mission as the plain data that its file holds; the opposite of ``values``."""
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+from mission.spec.model import BoundaryDomain, MissionSpec, PointShape, Region, TriangleShape
+
+
+def document_of(spec: MissionSpec) -> dict[str, Any]:
+    """Data that, written as YAML or JSON, is a mission file of the same mission."""
+    domain = spec.domain
+    flight = asdict(spec.flight)
+    laps = flight.pop("laps")
+    document: dict[str, Any] = {
+        "name": spec.name,
+        "description": spec.description,
+        "domain": (
+            {"boundary": _pairs(domain.boundary_m), "points": _pairs(domain.points_m)}
+            if isinstance(domain, BoundaryDomain)
+            else {"nodes": _pairs(domain.nodes_m)}
+        ),
+        "regions": {region.name: _region(region) for region in spec.regions},
+        "mission": {"formula": spec.formula, "semantics": spec.semantics.value, "run": spec.run, "laps": laps},
+        "start": {"position_m": list(spec.start.position_m), "velocity_m_s": list(spec.start.velocity_m_s)},
+        "flight": flight,
+        "smoothing": {"extension": spec.smoothing.extension.value, "frequencies": spec.smoothing.frequencies},
+        "limits": {
+            "speed_m_s": spec.limits.speed_m_s,
+            "acceleration_m_s2": spec.limits.acceleration_m_s2,
+            "tilt_deg": math.degrees(spec.limits.tilt_rad),
+        },
+    }
+    if spec.origin is not None:
+        document["origin"] = {"latitude_deg": spec.origin.latitude_deg, "longitude_deg": spec.origin.longitude_deg}
+    return document
+
+
+def _region(region: Region) -> dict[str, Any]:
+    shape: dict[str, Any]
+    if isinstance(region.shape, TriangleShape):
+        shape = {"triangle": list(region.shape.nodes)}
+    elif isinstance(region.shape, PointShape):
+        shape = {"at": list(region.shape.point_m)}
+    else:
+        shape = {"polygon": _pairs(region.shape.corners_m)}
+    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape}
+
+
+def _pairs(points: tuple[tuple[float, float], ...]) -> list[list[float]]:
+    return [list(point) for point in points]
