@@ -46,10 +46,14 @@ def label_triangles(size: int, members: Mapping[str, BoolArray]) -> Labelling:
         return Labelling((frozenset(),), np.zeros(size, dtype=np.int64))
     # Eight regions to a byte: the table stays small for many regions on a fine mesh.
     table = np.packbits(np.stack([members[name] for name in names]), axis=0).T
-    distinct, letter_of = np.unique(table, axis=0, return_inverse=True)
+    # Most triangles carry no region: they need no sorting.
+    bare = ~table.any(axis=1)
+    distinct, sorted_of = np.unique(table[~bare], axis=0, return_inverse=True)
     rows = np.unpackbits(distinct, axis=1, count=len(names))
     letters = tuple(frozenset(name for name, member in zip(names, row, strict=True) if member) for row in rows)
-    return Labelling(letters, letter_of.reshape(size))
+    letter_of = np.zeros(size, dtype=np.int64)
+    letter_of[~bare] = sorted_of.reshape(-1) + int(bare.any())
+    return Labelling((frozenset(), *letters) if bare.any() else letters, letter_of)
 
 
 def triangles_inside(partition: Partition, polygon_m: FloatArray) -> BoolArray:

@@ -45,7 +45,7 @@ def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
         SpecError: With every fault of the geometry (line 0: a value has no lines).
     """
     partition, labelling, findings = examine_domain(spec.domain, spec.regions, spec.start.position_m)
-    if partition is None or labelling is None or findings:
+    if partition is None or labelling is None:
         raise SpecError(tuple(Fault(0, 0, dotted(f.path), f.message, f.hint) for f in findings), spec.name)
     return partition, labelling
 
@@ -61,7 +61,7 @@ def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
 def examine_domain(
     domain: Domain, regions: Sequence[Region], start_m: Point | None
 ) -> tuple[Partition | None, Labelling | None, list[Finding]]:
-    """Mesh and labels as far as they can be had, and everything that is wrong.
+    """Mesh as far as it can be had, labels where nothing is wrong, and everything that is wrong.
 
     Args:
         domain: Nodes or boundary.
@@ -91,7 +91,7 @@ def examine_domain(
     if start_m is not None:
         restricted = [region.name for region in regions if region.kind is RegionKind.RESTRICTED]
         findings.extend(_start_findings(start_m, locator, {k: v for k, v in members.items() if k in restricted}))
-    return partition, label_triangles(partition.size, members), findings
+    return partition, None if findings else label_triangles(partition.size, members), findings
 
 
 def _meshed(domain: Domain, outlines: list[Outline]) -> tuple[Partition | None, list[Finding]]:
@@ -136,7 +136,7 @@ def _members(
         # Three different nodes, each of them among the three of the triangle: the order does not matter.
         mask = np.ones(partition.size, dtype=np.bool_)
         for node in region.shape.nodes:
-            mask &= (partition.triangles == node).any(axis=1)
+            mask &= np.logical_or.reduce(np.equal(partition.triangles.T, node))
         return mask, [] if mask.any() else [_no_such_triangle(region.name, region.shape.nodes, partition)]
     if isinstance(region.shape, PointShape):
         point = region.shape.point_m
@@ -154,11 +154,11 @@ def _no_such_triangle(name: str, nodes: tuple[int, int, int], partition: Partiti
     unknown = [node for node in nodes if node > last]
     if unknown:
         return Finding(path, f"there is no node {listed(unknown)}", f"the nodes are numbered from 0 to {last}")
-    shared = np.isin(partition.triangles, nodes).sum(axis=1)
-    near = partition.triangles[shared == shared.max()]
-    triples = listed((f"[{a}, {b}, {c}]" for a, b, c in near.tolist()), most=6)
+    shared = np.isin(partition.triangles.T, nodes).sum(axis=0)
+    near = partition.triangles[np.flatnonzero(shared == shared.max())[:6]]
+    triples = listed(f"[{a}, {b}, {c}]" for a, b, c in near.tolist())
     message = f"the nodes {nodes[0]}, {nodes[1]} and {nodes[2]} are no triangle of the mesh"
-    return Finding(path, message, f"triangles with some of these nodes: {triples}; or name a point inside with `at`")
+    return Finding(path, message, f"triangles with most of these nodes: {triples}; or name a point inside with `at`")
 
 
 def _no_one_triangle(name: str, point: Point, touching: list[int], partition: Partition) -> Finding:

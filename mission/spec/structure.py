@@ -70,7 +70,9 @@ def _worded(error: ValidationError, tree: Node) -> Iterable[Finding]:
     elif keyword == "required":
         yield from _missing_keys(path, instance, schema)
     elif keyword == "oneOf":
-        yield _alternatives(path, instance, limit)
+        # What is no mapping lacks no key, says the schema: its type is the fault, and is reported.
+        if isinstance(instance, dict):
+            yield _alternatives(path, instance, limit)
     elif keyword == "dependentRequired":
         for key in sorted(limit.keys() & instance.keys()):
             message = f"`{key}` goes with `{listed(limit[key])}` only"

@@ -41,6 +41,7 @@ def judge(content: bytes) -> None:
 @example(b"[" * 5000)
 @example(b"{a: " * 5000)
 @example(b"- " * 5000)
+@example(b"domain:\nregions: {A: 1}\n")
 @example(b'"\\uD800"')
 def test_random_bytes(content: bytes) -> None:
     judge(content)
