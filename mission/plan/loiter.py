@@ -6,6 +6,7 @@ from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
+from mission.plan.visits import visits
 from mission.spec.model import Region
 from mission.steering.path import SteeringPath
 from mission.steering.smoothing import FourierCurve
@@ -31,19 +32,13 @@ def loiter_stops(
             continue
         members = set(labelling.triangles_of(region.name).tolist())
         outline = shapely.union_all(shapely.polygons(partition.corners_m[sorted(members)]))
-        for first, last in _visits([triangle in members for triangle in triangles]):
+        for first, last in visits([triangle in members for triangle in triangles]):
             if first == 0:
                 continue
             start_s = path.segments[first].start_s
             end_s = path.segments[last].start_s + path.segments[last].duration_s
             stops.append((_deepest(curve, outline, start_s, end_s), region.loiter_s))
     return tuple(sorted(stops))
-
-
-def _visits(inside: list[bool]) -> list[tuple[int, int]]:
-    """First and last index of each unbroken stretch of True."""
-    flags = np.diff(np.array([False, *inside, False], dtype=np.int8))
-    return list(zip(np.flatnonzero(flags == 1).tolist(), (np.flatnonzero(flags == -1) - 1).tolist(), strict=True))
 
 
 def _deepest(curve: FourierCurve, outline: BaseGeometry, start_s: float, end_s: float) -> float:

@@ -10,6 +10,7 @@ from mission.logic.parser import parse_formula
 from mission.logic.translate import translate
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.loiter import loiter_stops
+from mission.plan.visits import earnest_visits
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
 from mission.planning.transition_system import TransitionSystem
@@ -67,6 +68,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         speed_m_s=spec.flight.speed_m_s,
         final_stay_s=spec.flight.final_stay_s,
         laps=spec.flight.laps,
+        settle_in=earnest_visits(spec, partition, labelling, compiled, chosen),
     )
     prover = prover_of(spec, partition, labelling, compile_to_alphabet(refutation, labelling.letters), restricted)
     smooth = _smoothed(spec, path, prover, path.loop_from_s if chosen.recurrent else None)

@@ -76,6 +76,33 @@ def _product(left: Pair, right: Pair, tr: FloatArray, det: FloatArray) -> Pair:
     return a * c - det * b * d, a * d + b * c + tr * b * d
 
 
+def settling_time(F: FloatArray, g: FloatArray, x0_m: ArrayLike, radius_m: float) -> float:
+    """A time at which the flow of a stable field is ``radius_m`` from its equilibrium; 0 where it starts that near.
+
+    Args:
+        F: Shape (2, 2), 1/s, with eigenvalues of negative real part.
+        g: Shape (2,), m/s.
+        x0_m: Shape (2,).
+        radius_m: Positive.
+
+    Raises:
+        ValueError: If the field is not stable.
+    """
+    if np.trace(F) >= 0.0 or np.linalg.det(F) <= 0.0:
+        raise ValueError("the field has no stable equilibrium")
+    centre = -np.linalg.solve(F, g)
+
+    def beyond(t: float) -> float:
+        return float(np.hypot(*(flow(F, g, x0_m, t)[0] - centre))) - radius_m
+
+    if beyond(0.0) <= 0.0:
+        return 0.0
+    late = -1.0 / float(np.trace(F))
+    while beyond(late) > 0.0:
+        late *= 2.0
+    return float(brentq(beyond, 0.0, late, rtol=1e-12))
+
+
 def exit_time(
     F: FloatArray, g: FloatArray, corners_m: FloatArray, facet: int, x0_m: ArrayLike
 ) -> tuple[float, FloatArray]:

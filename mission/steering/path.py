@@ -11,9 +11,10 @@ from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.geometry.simplices import Partition
 from mission.planning.run import Run
 from mission.steering.facet_control import affine_fields, exit_velocities, stay_velocities
-from mission.steering.flow import exit_time, flow_with_velocity
+from mission.steering.flow import exit_time, flow_with_velocity, settling_time
 
 _NODES = 24  # Gauss-Legendre nodes a panel of the arc length
+_SETTLED = 0.25  # how near the equilibrium of u_0 a visit goes, in radii of the inscribed circle
 _PANEL = 1.0  # largest change of a field over half a panel, |F| times time
 
 
@@ -111,7 +112,14 @@ class SteeringPath:
 
 
 def build_path(
-    partition: Partition, run: Run, *, start_m: Sequence[float], speed_m_s: float, final_stay_s: float, laps: int
+    partition: Partition,
+    run: Run,
+    *,
+    start_m: Sequence[float],
+    speed_m_s: float,
+    final_stay_s: float,
+    laps: int,
+    settle_in: frozenset[int] = frozenset(),
 ) -> SteeringPath:
     """Steer through the triangles of a run.
 
@@ -126,37 +134,69 @@ def build_path(
         speed_m_s: Reference speed c, positive.
         final_stay_s: Duration of a stay, positive.
         laps: How often a recurrent loop is flown, at least 1.
+        settle_in: Indices into ``run.states`` at which u_0 is applied first, until the path has come close to its
+            equilibrium, and the run's control then: a visit that does more than cut a corner. The triangles that the
+            path runs through are the same.
 
     Raises:
         ValueError: If an argument is out of range.
     """
     if not (speed_m_s > 0.0 and final_stay_s > 0.0 and laps >= 1):
         raise ValueError("speed, stay and laps must be positive")
-    steps = list(zip(run.states, run.controls, strict=True))
-    prefix, suffix = steps[: len(run.prefix)], steps[len(run.prefix) :]
-    if run.recurrent:
-        steps = prefix + suffix * laps + [(run.suffix[0], 0)]
-        loop_segment = len(prefix) + len(suffix) * (laps - 1)
-    else:
-        steps = [*prefix, (run.suffix[0], 0)]
-        loop_segment = len(prefix)
-    involved = sorted({triangle for triangle, _ in steps})
-    part = Partition(partition.vertices_m, partition.triangles[involved], np.full((len(involved), 3), -1))
-    velocities = np.concatenate(
-        (stay_velocities(part, speed_m_s)[:, None], exit_velocities(part, speed_m_s)), axis=1
-    )  # (n, control, vertex, xy)
-    fields_F, fields_g = affine_fields(part.corners_m[:, None], velocities)
-    place = {triangle: i for i, triangle in enumerate(involved)}
+    steps = _Steps(partition, run, speed_m_s, final_stay_s, settle_in)
     segments: list[Segment] = []
-    entry, start_s = np.array(start_m, dtype=np.float64), 0.0
-    for triangle, control in steps:
-        i = place[triangle]
-        F, g = frozen_floats(fields_F[i, control]), frozen_floats(fields_g[i, control])
-        if control == 0:
-            duration = final_stay_s
-            leaving = flow_with_velocity(F, g, entry, duration)[0][0]
-        else:
-            duration, leaving = exit_time(F, g, part.corners_m[i], control - 1, entry)
-        segments.append(Segment(triangle, control, F, g, (float(entry[0]), float(entry[1])), start_s, duration))
-        entry, start_s = leaving, start_s + duration
+    entry = np.array(start_m, dtype=np.float64)
+    loop, end = len(run.prefix), len(run.states)
+    order = [*range(end), *(list(range(loop, end)) * (laps - 1))] if run.recurrent else [*range(loop)]
+    loop_segment = 0
+    for place, index in enumerate(order):
+        if place == len(order) - (end - loop):
+            loop_segment = len(segments)
+        entry = steps.append(segments, index, entry)
+    if not run.recurrent:
+        loop_segment = len(segments)
+    steps.stay(segments, run.suffix[0], entry)
     return SteeringPath(tuple(segments), loop_segment)
+
+
+class _Steps:
+    """The fields of the triangles that a run passes, and how the path goes on with each."""
+
+    def __init__(
+        self, partition: Partition, run: Run, speed_m_s: float, final_stay_s: float, settle_in: frozenset[int]
+    ) -> None:
+        passed = sorted(set(run.states))
+        part = Partition(partition.vertices_m, partition.triangles[passed], np.full((len(passed), 3), -1))
+        velocities = np.concatenate(
+            (stay_velocities(part, speed_m_s)[:, None], exit_velocities(part, speed_m_s)), axis=1
+        )  # (n, control, vertex, xy)
+        self._F, self._g = affine_fields(part.corners_m[:, None], velocities)
+        self._place = {triangle: i for i, triangle in enumerate(passed)}
+        self._part, self._run, self._stay_s, self._settle_in = part, run, final_stay_s, settle_in
+
+    def append(self, segments: list[Segment], index: int, entry: FloatArray) -> FloatArray:
+        """Go through the ``index``-th state of the run; return where the path leaves it."""
+        triangle, control = self._run.states[index], self._run.controls[index]
+        i = self._place[triangle]
+        if index in self._settle_in:
+            near = _SETTLED * float(self._part.inradii_m[i])
+            entry = self._follow(segments, triangle, 0, entry, settling_time(self._F[i, 0], self._g[i, 0], entry, near))
+        if control == 0:
+            return self.stay(segments, triangle, entry)
+        time, leaving = exit_time(self._F[i, control], self._g[i, control], self._part.corners_m[i], control - 1, entry)
+        self._follow(segments, triangle, control, entry, time)
+        return leaving
+
+    def stay(self, segments: list[Segment], triangle: int, entry: FloatArray) -> FloatArray:
+        """Apply u_0 for the time of a stay; return where the path is then."""
+        return self._follow(segments, triangle, 0, entry, self._stay_s)
+
+    def _follow(
+        self, segments: list[Segment], triangle: int, control: int, entry: FloatArray, duration_s: float
+    ) -> FloatArray:
+        i = self._place[triangle]
+        F, g = frozen_floats(self._F[i, control]), frozen_floats(self._g[i, control])
+        if duration_s > 0.0:
+            start_s = segments[-1].start_s + segments[-1].duration_s if segments else 0.0
+            segments.append(Segment(triangle, control, F, g, (float(entry[0]), float(entry[1])), start_s, duration_s))
+        return np.asarray(flow_with_velocity(F, g, entry, duration_s)[0][0])

@@ -1,0 +1,56 @@
+"""Which visits of a run are made in earnest: the path goes well inside instead of cutting a corner.
+
+A run asks only that a triangle is entered; its path may clip a corner by a few centimetres. That is enough for a point
+that follows it exactly, and too little for a vehicle that may be a tube's width away, or that is to loiter there.
+"""
+
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.logic.automaton import CompiledAutomaton
+from mission.planning.run import Run
+from mission.spec.model import MissionSpec, RegionKind, Semantics
+
+
+def visits(inside: list[bool]) -> list[tuple[int, int]]:
+    """First and last index of each unbroken stretch of True."""
+    starts = [i for i, here in enumerate(inside) if here and (i == 0 or not inside[i - 1])]
+    ends = [i for i, here in enumerate(inside) if here and (i == len(inside) - 1 or not inside[i + 1])]
+    return list(zip(starts, ends, strict=True))
+
+
+def earnest_visits(
+    spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: CompiledAutomaton, run: Run
+) -> frozenset[int]:
+    """Indices into ``run.states`` at which the path first settles: one, in the roomiest triangle, for each visit.
+
+    Visits count of survey and home regions that are entered (not of the one in which the flight starts), where the
+    region asks for loitering, or where the visit moves the automaton on and the tube is not a line.
+    """
+    tube = spec.flight.disturbance_m_s2 > 0.0
+    moved = _moves_on(labelling, automaton, run, spec.semantics)
+    chosen: set[int] = set()
+    for region in spec.regions:
+        if region.kind is RegionKind.RESTRICTED or not (tube or region.loiter_s > 0.0):
+            continue
+        for first, last in visits([region.name in labelling.label(triangle) for triangle in run.states]):
+            if first == 0 or not (region.loiter_s > 0.0 or any(moved[first : last + 1])):
+                continue
+            chosen.add(max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]])))
+    return frozenset(chosen)
+
+
+def _moves_on(labelling: Labelling, automaton: CompiledAutomaton, run: Run, semantics: Semantics) -> list[bool]:
+    """Whether reading each state's label changes the set of automaton states that the run may be in."""
+    read: dict[tuple[int, int], set[int]] = {}
+    rows = (automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist())
+    for source, letter, target in zip(*rows, strict=True):
+        read.setdefault((source, letter), set()).add(target)
+    states = set(automaton.initial.tolist())
+    moved = []
+    for index, triangle in enumerate(run.states):
+        before = states
+        if index > 0 or semantics is Semantics.STANDARD:
+            letter = int(labelling.letter_of[triangle])
+            states = set().union(*(read.get((q, letter), set()) for q in before))
+        moved.append(states != before)
+    return moved
