@@ -43,6 +43,7 @@ _CELLS_PER_WAVE = 8
 _FEWEST_CELLS = 128
 _PARTS = 4  # what a piece is cut into
 _ROUNDS = 12
+_SHARPENINGS = 3
 _FINEST_PART_OF_TUBE = 0.25
 _FINEST_PART_OF_EXTENT = 2e-5
 
@@ -58,7 +59,8 @@ class Certificate:
         where_m: The curve's position there.
         knots_s: Shape (K + 1,), the pieces that the proof is about.
         possible: K tuples: the triangles that the tube may touch during each piece, ascending.
-        word: The labels that it surely spells, in order, equal neighbours once.
+        word: The labels in which the tube lies as a whole at some time, in order, equal neighbours once: what it surely
+            spells, but for regions that it crosses where they are narrower than itself.
         clearance_m: Proved lower bound of the distance of the curve itself to every restricted triangle; None where
             nothing is restricted.
         tube_m: Half width of the tube on each axis.
@@ -196,9 +198,9 @@ class Prover:
             enclosure = split(curve, enclosure, coarse, _PARTS)
             contacts = self._contacts(enclosure)
             doubt = self._doubt(enclosure, contacts, loop_from_s)
-        certificate = self._proved(curve, enclosure, contacts)
         if doubt is None:
-            return certificate
+            return self._proved(curve, *self._sharpened(curve, enclosure, contacts))
+        certificate = self._proved(curve, enclosure, contacts)
         if doubt.violations is None:
             told = self._unsafe_place(enclosure, contacts, doubt)
         else:
@@ -211,6 +213,21 @@ class Prover:
             where_m=told.where_m,
             counterexample=told.triangles,
         )
+
+    def _sharpened(self, curve: FourierCurve, enclosure: Enclosure, contacts: Contacts) -> tuple[Enclosure, Contacts]:
+        """The pieces at the borders of regions cut further, so that what the tube surely spells shows."""
+        for _ in range(_SHARPENINGS):
+            mixed = self._letters(contacts) > 1
+            coarse = mixed & (enclosure.reach_m > max(self._tube_m, self._finest_m))
+            if coarse.any():
+                enclosure = split(curve, enclosure, coarse, _PARTS)
+                contacts = self._contacts(enclosure)
+        return enclosure, contacts
+
+    def _letters(self, contacts: Contacts) -> IntArray:
+        """How many different letters the triangles of each piece have, shape (K,)."""
+        pairs = np.unique(np.stack((contacts.pieces, self._labelling.letter_of[contacts.triangles])), axis=1)
+        return np.bincount(pairs[0], minlength=len(contacts.outside))[1:-1]
 
     def _doubt(self, enclosure: Enclosure, contacts: Contacts, loop_from_s: float | None) -> _Doubt | None:
         """What cannot be proved with these pieces; None where all can."""
@@ -234,8 +251,7 @@ class Prover:
         if not violations.exists():
             return None
         # Pieces with one letter only matter where the formula counts triangles: they are cut last.
-        letters = [len({int(self._labelling.letter_of[t]) for t in triangles}) for triangles in sets[1:-1]]
-        blame = np.array(letters) > 1
+        blame = self._letters(contacts) > 1
         if not (blame & (enclosure.reach_m > self._finest_m)).any():
             blame = np.array([len(triangles) > 1 for triangles in sets[1:-1]])
         return _Doubt(blame, violations=violations, layers_from=first)

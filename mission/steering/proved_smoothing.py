@@ -1,5 +1,6 @@
 """The smoothing with the fewest frequencies that the proof needs (``smoothing: auto``)."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from mission.errors import NoPlanError
@@ -9,7 +10,7 @@ from mission.steering.path import SteeringPath
 from mission.steering.smoothing import FourierCurve, fit_fourier
 
 FEWEST_FREQUENCIES = 4
-MOST_FREQUENCIES = 2048
+MOST_FREQUENCIES = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +28,7 @@ def smooth_with_proof(
     extension: Extension,
     loop_from_s: float | None,
     most_frequencies: int = MOST_FREQUENCIES,
+    refuses: Callable[[FourierCurve], str] = lambda _: "",
 ) -> ProvedCurve:
     """Smooth a path with as few frequencies as the certificate needs.
 
@@ -41,6 +43,7 @@ def smooth_with_proof(
         extension: How the path is continued beyond its ends.
         loop_from_s: Where the last lap begins; None where the flight stays at its end.
         most_frequencies: Where to give up; at least 1.
+        refuses: What else is wrong with a curve, in plain words after "the smoothed path ..."; empty where nothing is.
 
     Raises:
         NoPlanError: No certificate holds up to ``most_frequencies``; says what fails with that many, and where.
@@ -51,22 +54,32 @@ def smooth_with_proof(
     while held is None:
         if count > longest.frequencies:
             longest = fit_fourier(path, min(most_frequencies, 4 * count), extension)
-        curve = longest.truncated(count)
-        certificate = prover.certify(curve, loop_from_s)
-        if certificate.holds:
-            held = ProvedCurve(curve, certificate)
-        elif count >= most_frequencies:
+        held, fault = _tried(longest.truncated(count), prover, loop_from_s, refuses)
+        if held is None and count >= most_frequencies:
             raise NoPlanError(
-                f"no smoothing with up to {most_frequencies} frequencies is proved to satisfy the mission: with "
-                f"{most_frequencies}, the tube of {certificate.tube_m:g} m around it {certificate.reason}"
+                f"no smoothing with up to {most_frequencies} frequencies is proved to satisfy the mission: "
+                f"with {most_frequencies}, {fault}"
             )
-        else:
+        if held is None:
             failed, count = count, min(most_frequencies, 2 * count)
     while held.curve.frequencies - failed > 1:
-        curve = longest.truncated((held.curve.frequencies + failed) // 2)
-        certificate = prover.certify(curve, loop_from_s)
-        if certificate.holds:
-            held = ProvedCurve(curve, certificate)
+        middle = (held.curve.frequencies + failed) // 2
+        better, _ = _tried(longest.truncated(middle), prover, loop_from_s, refuses)
+        if better is None:
+            failed = middle
         else:
-            failed = curve.frequencies
+            held = better
     return held
+
+
+def _tried(
+    curve: FourierCurve, prover: Prover, loop_from_s: float | None, refuses: Callable[[FourierCurve], str]
+) -> tuple[ProvedCurve | None, str]:
+    """The curve with its certificate if all is proved; else what is wrong with it."""
+    fault = refuses(curve)
+    if fault:
+        return None, f"the smoothed path {fault}"
+    certificate = prover.certify(curve, loop_from_s)
+    if certificate.holds:
+        return ProvedCurve(curve, certificate), ""
+    return None, f"the tube of {certificate.tube_m:g} m around the smoothed path {certificate.reason}"
