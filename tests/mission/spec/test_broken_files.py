@@ -3,8 +3,10 @@
 from pathlib import Path
 
 import pytest
+import yaml
 
 from mission.errors import SpecError
+from mission.spec import yaml_tree
 from mission.spec.loader import load_mission
 
 BROKEN = Path(__file__).parents[3] / "missions" / "broken"
@@ -249,6 +251,12 @@ def test_each_fault_is_reported_where_it_stands(name: str) -> None:
     assert all(fault.hint for fault in caught.value.faults)
     assert caught.value.source == str(BROKEN / f"{name}.yaml")
     assert caught.value.exit_code == 2
+
+
+@pytest.mark.parametrize("name", sorted({row[0] for row in EXPECTED}))
+def test_the_same_is_said_without_the_fast_parser(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(yaml_tree, "_FAST_LOADER", yaml.SafeLoader)
+    test_each_fault_is_reported_where_it_stands(name)
 
 
 def test_each_file_of_the_folder_has_its_expectation() -> None:
