@@ -66,6 +66,8 @@ class VehicleConfig:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be simulated."""
+        if not isinstance(self.flavour, Flavour):
+            raise ConfigurationError(f"a flavour is one of Flavour's members, not {self.flavour!r}")
         if self.seed < 0:
             raise ConfigurationError(f"a seed is a whole number from 0 up, not {self.seed}")
         # The poles themselves have no east.

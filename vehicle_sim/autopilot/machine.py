@@ -33,6 +33,7 @@ from vehicle_sim.parameters import Action, Flavour, ParameterStore, flight_setti
 from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
 
 _MOST_TEXTS: Final = 64
+_DOUBT_S: Final = 1.0
 
 
 class SpeedAxis(Enum):
@@ -70,6 +71,7 @@ class Machine:
         self._home_locked = False
         self._home_ned_m: Vector = (0.0, 0.0, 0.0)
         self._origin_known = False
+        self._position_good_s = 0.0
         self._detector = LandDetector()
         self._failsafes = FailsafeMonitor()
         self._resumes = False
@@ -260,6 +262,7 @@ class Machine:
         spooled = self._now_s - self._armed_at_s >= self.settings.spool_up_s
         if not self.flying and spooled and task.lifts(self._estimate):
             self.flying = self._has_flown = True
+            self._position_good_s = self._now_s
             self._detector.reset()
             self.texts.extend(texts.TAKEN_OFF[self.flavour])
         if self.flying:
@@ -276,7 +279,7 @@ class Machine:
         if not self.armed or self.flying:
             return
         if self._has_flown:
-            at_once = self.flavour is Flavour.ARDUPILOT and self.rule.name in ("LAND", "RTL")
+            at_once = self.flavour is Flavour.ARDUPILOT and self.mode in (Mode.LAND, Mode.RETURN)
             due = self._landed_at_s + (0.0 if at_once else self.settings.disarm_landed_s)
         else:
             due = self._armed_at_s + self.settings.disarm_unflown_s
@@ -313,8 +316,12 @@ class Machine:
         self._resumes = failsafe is Failsafe.SETPOINTS_LOST or self._resumes
 
     def _position_lost(self) -> bool:
-        status = self._estimate.status
-        return not status.position_ok or status.horizontal_accuracy_m > self.settings.estimator_accuracy_m
+        """Tell whether the position fails its checks, and has failed the noisy ones for a second."""
+        status, settings = self._estimate.status, self.settings
+        ratio = max(status.position_horizontal_ratio, status.velocity_ratio)
+        if ratio <= settings.estimator_ratio and status.horizontal_accuracy_m <= settings.estimator_accuracy_m:
+            self._position_good_s = self._now_s
+        return not status.position_ok or self._now_s - self._position_good_s > _DOUBT_S
 
     def _act(self, action: Action) -> None:
         """Carry out a failsafe's action by the first of its modes that the estimator allows."""
@@ -335,12 +342,15 @@ class Machine:
         if not (self.armed and self.flying):
             self.guidance = Guidance(None, limits)
             return
-        in_stream = isinstance(task, GuidedTask)
-        speed = task.speed_m_s or (self.settings.setpoint_speed_m_s if in_stream else limits.speed_m_s)
+        settings, speed, acceleration = self.settings, limits.speed_m_s, limits.acceleration_m_s2
+        if isinstance(task, GuidedTask):
+            speed, acceleration = settings.setpoint_speed_m_s, settings.setpoint_acceleration_m_s2
+        speed = task.speed_m_s or speed
         self.guidance = Guidance(
             task.setpoint,
             limits._replace(
                 speed_m_s=speeds.get(SpeedAxis.HORIZONTAL, speed),
+                acceleration_m_s2=acceleration,
                 climb_m_s=speeds.get(SpeedAxis.UP, task.climb_m_s or limits.climb_m_s),
                 descent_m_s=speeds.get(SpeedAxis.DOWN, task.descent_m_s or limits.descent_m_s),
                 yaw_rate_rad_s=min(limits.yaw_rate_rad_s, self._yaw_rate_rad_s),

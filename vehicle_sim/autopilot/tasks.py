@@ -13,7 +13,6 @@ from vehicle_sim.parameters import FlightSettings
 from vehicle_sim.signals import FREE, Estimate, PartialVector, Setpoint, Vector
 
 _REACHED_HEIGHT_M: Final = 0.3
-_REACHED_PLACE_M: Final = 0.75
 _SLOW_M_S: Final = 0.5
 
 
@@ -241,7 +240,7 @@ class ReturnTask(Task):
         if self._leg is _Leg.CLIMB and down < self._down_m + _REACHED_HEIGHT_M:
             self._leg = _Leg.CRUISE
             self.setpoint = Setpoint(position_ned_m=(home_n, home_e, self._down_m), yaw_rad=yaw)
-        elif self._leg is _Leg.CRUISE and hypot(north - home_n, east - home_e) < _REACHED_PLACE_M:
+        elif self._leg is _Leg.CRUISE and hypot(north - home_n, east - home_e) < self._settings.reached_m:
             self._leg = _Leg.DESCEND
             lowest = max(self._down_m, home_d - self._settings.return_descent_height_m)
             self.setpoint = Setpoint(position_ned_m=(home_n, home_e, lowest), yaw_rad=yaw)

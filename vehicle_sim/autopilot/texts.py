@@ -42,7 +42,7 @@ FAILED: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
         Failsafe.BATTERY_LOW: StatusText(Severity.WARNING, "Battery 1 is low"),
         Failsafe.BATTERY_CRITICAL: StatusText(Severity.WARNING, "Battery 1 is critical"),
         Failsafe.BATTERY_EMERGENCY: StatusText(Severity.WARNING, "Battery 1 is critical"),
-        Failsafe.ESTIMATOR: StatusText(Severity.CRITICAL, "EKF Failsafe: changed to LAND Mode"),
+        Failsafe.ESTIMATOR: StatusText(Severity.CRITICAL, "EKF variance"),
     },
     _PX4: {
         Failsafe.SETPOINTS_LOST: StatusText(Severity.CRITICAL, "Failsafe activated: No offboard signal"),

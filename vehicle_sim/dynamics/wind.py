@@ -26,6 +26,8 @@ class Wind:
     def __init__(self, normals: Normals, *, gust_m_s: float, step_s: float) -> None:
         """Blow with `steady_ned_m_s` (none at first) and gusts of deviation `gust_m_s` (half of it vertically)."""
         self.steady_ned_m_s: Vector = (0.0, 0.0, 0.0)
+        # Air that has never been disturbed needs no random numbers.
+        self._gusty = gust_m_s > 0.0
         self._gusts = [
             GaussMarkov(normals, std=share * gust_m_s, time_s=_GUST_TIME_S, step_s=step_s)
             for share in (1.0, 1.0, _VERTICAL_SHARE)
@@ -33,11 +35,14 @@ class Wind:
 
     def set_gusts(self, gust_m_s: float) -> None:
         """Change the standard deviation of the gusts; they grow into it within their correlation time."""
+        self._gusty = self._gusty or gust_m_s > 0.0
         for gust, share in zip(self._gusts, (1.0, 1.0, _VERTICAL_SHARE), strict=True):
             gust.std = share * gust_m_s
 
     def step(self) -> Vector:
         """Go on by one step and return the velocity of the air."""
         steady = self.steady_ned_m_s
+        if not self._gusty:
+            return steady
         north, east, down = self._gusts
         return (steady[0] + north.step(), steady[1] + east.step(), steady[2] + down.step())

@@ -138,8 +138,8 @@ class Estimator:
 
     def _judge(self, time_s: float, navigation: NavigationFilter) -> None:
         """Say what may be relied upon."""
-        p, tuning, ratios = navigation.covariance, self._tuning, navigation.ratios
-        horizontal, vertical = sqrt(float(p[0, 0] + p[1, 1])), sqrt(float(p[2, 2]))
+        p, tuning, ratios = navigation.variances, self._tuning, navigation.ratios
+        horizontal, vertical = sqrt(p[0] + p[1]), sqrt(p[2])
         age = time_s - navigation.position_taken_s
         settled = time_s - navigation.started_s >= tuning.convergence_s
         flags = _SETTLING
@@ -157,5 +157,5 @@ class Estimator:
             compass_ratio=min(abs(self._attitude.compass_miss_rad) / _COMPASS_GATE_RAD, 1.0),
             horizontal_accuracy_m=horizontal,
             vertical_accuracy_m=vertical,
-            speed_accuracy_m_s=sqrt(float(p[3, 3] + p[4, 4])),
+            speed_accuracy_m_s=sqrt(p[3] + p[4]),
         )

@@ -23,8 +23,10 @@ from vehicle_sim.signals import BaroReading, Geodetic, GpsReading, Vector
 _STATES: Final = 13
 _P, _V, _B, _G, _M = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12), 12
 _ROWS: Final = 7
-_POSITION, _HEIGHT, _VELOCITY, _BARO = (0, 1), (2,), (3, 4, 5), (6,)
-_GROUPS: Final = (_POSITION, _HEIGHT, _VELOCITY, _BARO)
+_FIX_3D: Final = 3
+_POSITION, _HEIGHT, _VELOCITY, _BARO = slice(0, 2), slice(2, 3), slice(3, 6), slice(6, 7)
+_GPS_GROUPS: Final = ((0, _POSITION), (1, _HEIGHT), (2, _VELOCITY))
+_BARO_GROUP: Final = ((3, _BARO),)
 # 99.9999 % points of chi-square with 2, 1, 3 and 1 degrees of freedom: a real error practically never meets them.
 _GATES: Final = (27.6, 23.9, 30.7, 23.9)
 LONGEST_EPOCH_STEPS: Final = 10
@@ -65,12 +67,17 @@ class NavigationFilter:
         self.origin: Final = origin
         self.started_s: Final = time_s
         self.position_taken_s = time_s
-        self.ratios = [0.0] * len(_GROUPS)
+        self.ratios = [0.0] * len(_GATES)
         self.epoch_steps = 0
         self._tuning = tuning
         self._step_s = step_s
         self._baro_zero_m = baro_zero_m
         self._models: dict[int, tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]] = {}
+        self._measurements = {
+            (with_gps, with_baro): self._measurement_model(gps=with_gps, baro=with_baro)
+            for with_gps in (False, True)
+            for with_baro in (False, True)
+        }
         # Mean after the last update, as plain numbers, and what acceleration has added since.
         self._mean = [0.0] * _STATES
         self._pushed = [0.0] * 6
@@ -99,6 +106,12 @@ class NavigationFilter:
     def covariance(self) -> NDArray[np.float64]:
         """Covariance (13, 13) of the state after the last update."""
         return np.array(self._filter.P)
+
+    @property
+    def variances(self) -> list[float]:
+        """Variances of the 13 states after the last update."""
+        variances: list[float] = self._filter.P.diagonal().tolist()
+        return variances
 
     def push(self, acceleration_ned_m_s2: Vector) -> None:
         """Propagate the mean over one step of constant measured acceleration."""
@@ -172,52 +185,49 @@ class NavigationFilter:
         self.epoch_steps = 0
         return north, east
 
+    def _measurement_model(self, *, gps: bool, baro: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return H (7, 13) and R (7, 7); the rows of a sensor that has nothing new are zero and tell nothing."""
+        tuning = self._tuning
+        h, r = np.zeros((_ROWS, _STATES)), np.eye(_ROWS)
+        if gps:
+            h[:3, _P] = h[:3, _G] = np.eye(3)
+            h[_VELOCITY, _V] = np.eye(3)
+            r[_POSITION, _POSITION] *= tuning.gps_noise_m**2
+            r[_HEIGHT, _HEIGHT] *= tuning.gps_vertical_noise_m**2
+            r[_VELOCITY, _VELOCITY] *= tuning.gps_velocity_noise_m_s**2
+        if baro:
+            h[_BARO, 2], h[_BARO, _M] = 1.0, -1.0
+            r[_BARO, _BARO] *= tuning.baro_noise_m**2
+        return h, r
+
     def _correct(self, time_s: float, gps: GpsReading | None, baro: BaroReading | None) -> None:
-        """Take the measurements that pass their gates; a row without one is all zero and tells nothing."""
-        kalman, tuning = self._filter, self._tuning
-        z, h, r = np.zeros((_ROWS, 1)), np.zeros((_ROWS, _STATES)), np.eye(_ROWS)
-        present = [False] * len(_GROUPS)
-        if gps is not None and gps.fix_type >= 3:  # noqa: PLR2004 - GPS_FIX_TYPE_3D_FIX
+        """Take the measurements, each group only if it passes its gate."""
+        kalman, z = self._filter, np.zeros((_ROWS, 1))
+        groups: tuple[tuple[int, slice], ...] = ()
+        if gps is not None and gps.fix_type >= _FIX_3D:
             z[:3, 0] = ned_offset_m(self.origin, gps.position)
             z[3:6, 0] = gps.velocity_ned_m_s
-            h[:3, _P] = h[:3, _G] = np.eye(3)
-            h[3:6, _V] = np.eye(3)
-            r[0, 0] = r[1, 1] = tuning.gps_noise_m**2
-            r[2, 2] = tuning.gps_vertical_noise_m**2
-            r[3, 3] = r[4, 4] = r[5, 5] = tuning.gps_velocity_noise_m_s**2
-            present[0] = present[1] = present[2] = True
+            groups += _GPS_GROUPS
         if baro is not None:
             z[6, 0] = self._baro_zero_m - baro.altitude_m
-            h[6, 2], h[6, _M] = 1.0, -1.0
-            r[6, 6] = tuning.baro_noise_m**2
-            present[3] = True
+            groups += _BARO_GROUP
+        h, r = self._measurements[len(groups) >= len(_GPS_GROUPS), baro is not None]
         innovation = z - h @ kalman.x
         spread = h @ kalman.P @ h.T + r
-        for index, rows in enumerate(_GROUPS):
-            if not present[index]:
-                continue
-            part = np.ix_(rows, rows)
-            y = innovation[list(rows)]
-            nis = float((y.T @ np.linalg.solve(spread[part], y))[0, 0])
+        refused = []
+        for index, rows in groups:
+            y, s = innovation[rows], spread[rows, rows]
+            nis = float(y[0, 0] ** 2 / s[0, 0]) if y.size == 1 else float((y.T @ np.linalg.inv(s) @ y)[0, 0])
             self.ratios[index] = sqrt(nis / _GATES[index])
             if nis > _GATES[index]:
-                self._refuse(time_s, rows, z, h, r)
-            elif index == 0:
+                refused.append(rows)
+            elif rows is _POSITION:
                 self.position_taken_s = time_s
+        if refused:
+            h, r = h.copy(), r.copy()
+            for rows in refused:
+                z[rows], h[rows], r[rows, rows] = 0.0, 0.0, np.eye(rows.stop - rows.start)
+            if _POSITION in refused and time_s - self.position_taken_s > self._tuning.reset_gps_s:
+                # A position that insists for so long is believed: the next fix will pass.
+                kalman.P[_POSITION, _POSITION] += _RESET_VARIANCE_M2 * np.eye(2)
         kalman.update(z, R=r, H=h)
-
-    def _refuse(
-        self,
-        time_s: float,
-        rows: tuple[int, ...],
-        z: NDArray[np.float64],
-        h: NDArray[np.float64],
-        r: NDArray[np.float64],
-    ) -> None:
-        """Strike out the rows of an outlier; believe a position that insists for long enough."""
-        for row in rows:
-            z[row], h[row], r[row, row] = 0.0, 0.0, 1.0
-        if rows == _POSITION and time_s - self.position_taken_s > self._tuning.reset_gps_s:
-            kalman = self._filter
-            for axis in rows:
-                kalman.P[axis, axis] += _RESET_VARIANCE_M2

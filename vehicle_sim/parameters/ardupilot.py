@@ -23,7 +23,7 @@ ARDUPILOT: Final = (
     Parameter("WPNAV_SPEED_DN", _REAL, 150, 10, 500, "descent speed, cm/s"),
     Parameter("WPNAV_ACCEL", _REAL, 250, 50, 500, "horizontal acceleration, cm/s^2"),
     Parameter("WPNAV_ACCEL_Z", _REAL, 100, 50, 500, "vertical acceleration, cm/s^2"),
-    Parameter("WPNAV_RADIUS", _REAL, 200, 5, 1000, "distance that counts as having reached a waypoint, cm"),
+    Parameter("WPNAV_RADIUS", _REAL, 200, 5, 1000, "distance that counts as having reached home or a waypoint, cm"),
     Parameter("LAND_SPEED", _I16, 50, 30, 200, "speed of the last part of a landing, cm/s"),
     Parameter("LAND_SPEED_HIGH", _I16, 0, 0, 500, "speed of the first part of a landing, cm/s; 0 is WPNAV_SPEED_DN"),
     Parameter("LAND_ALT_LOW", _I16, 1000, 100, 10000, "height above home where the last part begins, cm"),

@@ -49,6 +49,7 @@ class FlightSettings:
     ground_loss: Action
     estimator_loss: Action
     estimator_accuracy_m: float
+    estimator_ratio: float
     failsafe_hold_s: float
     battery_low: Action
     battery_critical: Action
@@ -61,6 +62,8 @@ class FlightSettings:
     yaw_rate_rad_s: float
     cruise_m_s: float
     setpoint_speed_m_s: float
+    setpoint_acceleration_m_s2: float
+    reached_m: float
     climb_m_s: float
     descent_m_s: float
     acceleration_m_s2: float
@@ -148,6 +151,7 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         ground_loss=_GROUND_LOSS.get(int(store["FS_GCS_ENABLE"]), Action.NOTHING),
         estimator_loss=_ESTIMATOR_LOSS.get(int(store["FS_EKF_ACTION"]), Action.NOTHING),
         estimator_accuracy_m=inf,
+        estimator_ratio=_never_unless_positive(store["FS_EKF_THRESH"]),
         failsafe_hold_s=0.0,
         battery_low=_BATTERY.get(int(store["BATT_FS_LOW_ACT"]), Action.NOTHING),
         battery_critical=critical,
@@ -168,6 +172,8 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         yaw_rate_rad_s=radians(store["ATC_SLEW_YAW"] / 100.0),
         cruise_m_s=cruise_m_s,
         setpoint_speed_m_s=cruise_m_s,
+        setpoint_acceleration_m_s2=store["WPNAV_ACCEL"] / 100.0,
+        reached_m=store["WPNAV_RADIUS"] / 100.0,
         climb_m_s=climb_m_s,
         descent_m_s=descent_m_s,
         acceleration_m_s2=store["WPNAV_ACCEL"] / 100.0,
@@ -198,6 +204,7 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         ground_loss=_DATA_LINK_LOSS.get(int(store["NAV_DLL_ACT"]), Action.NOTHING),
         estimator_loss=Action.LAND,
         estimator_accuracy_m=accuracy_m if accuracy_m >= 0.0 else inf,
+        estimator_ratio=inf,
         failsafe_hold_s=store["COM_FAIL_ACT_T"],
         battery_low=Action.NOTHING,
         battery_critical=critical,
@@ -218,9 +225,11 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         yaw_rate_rad_s=radians(store["MPC_YAWRAUTO_MAX"]),
         cruise_m_s=store["MPC_XY_CRUISE"],
         setpoint_speed_m_s=store["MPC_XY_VEL_MAX"],
+        setpoint_acceleration_m_s2=store["MPC_ACC_HOR_MAX"],
+        reached_m=1.0,
         climb_m_s=store["MPC_Z_V_AUTO_UP"],
         descent_m_s=store["MPC_Z_V_AUTO_DN"],
-        acceleration_m_s2=store["MPC_ACC_HOR_MAX"],
+        acceleration_m_s2=store["MPC_ACC_HOR"],
         vertical_acceleration_m_s2=store["MPC_ACC_UP_MAX"],
         takeoff_m_s=store["MPC_TKO_SPEED"],
         takeoff_height_m=store["MIS_TAKEOFF_ALT"],
