@@ -83,17 +83,23 @@ class Locator:
         Returns:
             Pairs of a triangle and the fraction of the segment at which it is entered; the first fraction is 0.
         """
-        start, end = self.triangle_at(np.array((p_m, q_m)))
-        same = tuple(p_m) == tuple(q_m)
-        if same or (start == end != OUTSIDE and self._strictly_inside(int(start), p_m, q_m)):
-            return ((int(start), 0.0),)
+        if tuple(p_m) == tuple(q_m):
+            return ((int(self.triangle_at(np.array([p_m]))[0]), 0.0),)
         candidates = np.sort(self._tree.query(shapely.LineString((p_m, q_m)), predicate="intersects"))
+        # The common case of a monitor, without rational numbers: both ends well inside one triangle.
+        if len(candidates) == 1 and self._well_inside(int(candidates[0]), p_m, q_m):
+            return ((int(candidates[0]), 0.0),)
         parts = self._parts(candidates, p_m, q_m)
         return self._joined(parts, np.array(p_m, dtype=np.float64), np.array(q_m, dtype=np.float64))
 
-    def _strictly_inside(self, triangle: int, p_m: Place, q_m: Place) -> bool:
-        both = self.partition.barycentric(np.array((triangle, triangle)), np.array((p_m, q_m)))
-        return bool((both > ROUNDING).all())
+    def _well_inside(self, triangle: int, *points_m: Place) -> bool:
+        corners, double_area = self.partition.corners_m[triangle].tolist(), 2.0 * self.partition.areas_m2[triangle]
+        for j in range(3):
+            (ax, ay), (bx, by) = corners[j - 2], corners[j - 1]
+            for x, y in points_m:
+                if not (bx - ax) * (y - ay) - (by - ay) * (x - ax) > ROUNDING * double_area:
+                    return False
+        return True
 
     def _parts(self, candidates: IntArray, p_m: Place, q_m: Place) -> list[tuple[Fraction, int, Fraction]]:
         """(entry, triangle, exit) of each triangle that holds a part of the segment, in order; edges once."""
