@@ -6,6 +6,7 @@ and Kabanza, "Planning for temporally extended goals", 1998). Formulas that are 
 atoms are the same state, so that there are finitely many.
 """
 
+from collections.abc import Sequence
 from typing import Final
 
 from mission.logic.diagrams import Diagram, Diagrams
@@ -158,8 +159,8 @@ class Progression:
             known[row] = result
         return result
 
-    def holds_on_cycle(self, state: Diagram, letters: list[int]) -> bool:
-        """Whether the word that repeats ``letters`` (bits of what holds) for ever satisfies a state."""
+    def truth_on_cycle(self, letters: Sequence[int]) -> int:
+        """The bits of the atoms that hold on the word that repeats ``letters`` (bits of what holds) for ever."""
         length = len(letters)
         truth = [0] * length  # the bits of the atoms that hold at each position
         for number, (operator, first, second) in enumerate(self._atoms):
@@ -172,7 +173,7 @@ class Progression:
                 values = self._until_on_cycle(first, second, truth)
             for position, value in enumerate(values):
                 truth[position] |= bit * value
-        return bool(self._diagrams.evaluate(state, truth[0]))
+        return truth[0]
 
     def _until_on_cycle(self, first: Diagram, second: Diagram, truth: list[int]) -> list[int]:
         length = len(truth)

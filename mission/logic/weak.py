@@ -95,7 +95,7 @@ def _colours(progression: Progression, diagrams: Diagrams, states: list[Diagram]
         colour = max((colours[target] for state in component for target in successors[state]), default=0)
         cycle = cycle_letters(diagrams, rows, successors, members, start)
         if cycle:
-            rejecting = not progression.holds_on_cycle(states[start], cycle)
+            rejecting = not diagrams.evaluate(states[start], progression.truth_on_cycle(cycle))
             colour += colour % 2 != rejecting
         for state in component:
             colours[state] = colour
