@@ -1,6 +1,7 @@
 """Reads a flight's record back, as arrays; also of a flight whose process was killed."""
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -111,12 +112,16 @@ def parse_record(data: bytes) -> Record:
 
 def _parse_line(number: int, raw: bytes) -> Line:
     try:
-        line = json.loads(raw)
+        line = json.loads(raw, parse_constant=_refused)
     except (ValueError, RecursionError) as error:
         raise RecordError(f"line {number} of the record is not JSON", line=number) from error
     if not isinstance(line, dict) or not isinstance(line.get("kind"), str):
         raise RecordError(f"line {number} of the record has no kind", line=number)
     return line
+
+
+def _refused(name: str) -> None:
+    raise ValueError(f"{name} is no number of JSON")
 
 
 def _record(kinds: Mapping[str, Sequence[Line]], *, cut: bool) -> Record:
@@ -167,7 +172,8 @@ def _values(line: Line) -> Line:
 
 
 def _number(value: Any) -> float:  # noqa: ANN401 - whatever JSON holds
-    return float("nan") if value is None else float(value)
+    number = math.nan if value is None else float(value)
+    return number if math.isfinite(number) else math.nan
 
 
 def _numbers(lines: Sequence[Line], name: str) -> FloatArray:

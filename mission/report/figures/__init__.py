@@ -1,0 +1,144 @@
+"""The pictures of a plan and of its flight: the paper's Figures 2 to 10, for any mission."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from mission.plan import FlightPlan
+from mission.report.figures.automaton import automaton
+from mission.report.figures.canvas import to_png
+from mission.report.figures.histories import control_signals, time_histories, tracked_states
+from mission.report.figures.partition import annotated_partition
+from mission.report.figures.paths import flown_path, planned_path, smoothed_path
+from mission.report.figures.quotient import quotient
+from mission.report.files import write_whole
+from mission.report.reading import Record
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A picture in a folder.
+
+    Attributes:
+        file: Its name there.
+        title: What it is.
+        caption: What is seen in it.
+    """
+
+    file: str
+    title: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class _OfPlan:
+    picture: Picture
+    draw: Callable[[FlightPlan], Figure]
+
+
+@dataclass(frozen=True)
+class _OfFlight:
+    picture: Picture
+    draw: Callable[[FlightPlan, Record], Figure]
+
+
+PICTURES: tuple[_OfPlan | _OfFlight, ...] = (
+    _OfPlan(
+        Picture(
+            "02_partition.png",
+            "Partition",
+            "The domain, cut into triangles. Survey regions and home are filled, restricted regions hatched. Each "
+            "triangle shows its number over its three vertices, counter-clockwise.",
+        ),
+        annotated_partition,
+    ),
+    _OfPlan(
+        Picture(
+            "03_quotient.png",
+            "Quotient",
+            "The transition system: one state for each triangle, and a move to each neighbour that may be entered. "
+            "Control u\u2c7c leaves a triangle through the facet opposite its j-th vertex.",
+        ),
+        quotient,
+    ),
+    _OfPlan(
+        Picture(
+            "04_automaton.png",
+            "Automaton",
+            "The Büchi automaton of the formula. A flight satisfies the formula if its word can be read from the "
+            "arrow on the left so that a state with a double circle is met again and again.",
+        ),
+        automaton,
+    ),
+    _OfPlan(
+        Picture(
+            "05_planned_path.png",
+            "Planned path",
+            "What the steering law flies through the triangles of the run. Its direction jumps from one triangle to "
+            "the next.",
+        ),
+        planned_path,
+    ),
+    _OfPlan(
+        Picture(
+            "06_time_histories.png",
+            "Planned and smoothed path over time",
+            "The planned path and its Fourier series. The jumps of the velocity are what the smoothing removes.",
+        ),
+        time_histories,
+    ),
+    _OfPlan(
+        Picture(
+            "07_smoothed_path.png",
+            "Smoothed path",
+            "The path that the vehicle is asked to track, in the tube that the certificate speaks of.",
+        ),
+        smoothed_path,
+    ),
+    _OfFlight(
+        Picture(
+            "08_tracked_states.png",
+            "Tracked states",
+            "Position and velocity, asked for and reported, and the error of the position against the tube.",
+        ),
+        tracked_states,
+    ),
+    _OfFlight(
+        Picture(
+            "09_control_signals.png",
+            "Control signals",
+            "The acceleration of the setpoints, and the one that follows from the attitude that the vehicle reported.",
+        ),
+        control_signals,
+    ),
+    _OfFlight(
+        Picture(
+            "10_flown_path.png",
+            "Flown path",
+            "Where the vehicle reported to be, strong, over the trajectory that it was asked to fly, thin.",
+        ),
+        flown_path,
+    ),
+)
+
+
+def save_all(plan: FlightPlan, record: Record | None, folder: Path) -> tuple[Picture, ...]:
+    """Draw the pictures of a plan, and of its flight where there is a record, into a folder; return what was drawn.
+
+    Raises:
+        OSError: The folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = []
+    for entry in PICTURES:
+        if isinstance(entry, _OfPlan):
+            figure = entry.draw(plan)
+        elif record is not None:
+            figure = entry.draw(plan, record)
+        else:
+            continue
+        write_whole(folder / entry.picture.file, to_png(figure))
+        drawn.append(entry.picture)
+    return tuple(drawn)

@@ -1,0 +1,248 @@
+"""The domain as a map: axes of equal scale in metres, the mesh behind, regions filled, restricted ones hatched."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from matplotlib.path import Path
+from shapely.geometry.base import BaseGeometry
+
+from mission.geometry.arrays import FloatArray
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.plan import FlightPlan
+from mission.report.figures.canvas import new_figure, plain, text_size_em, titled
+from mission.report.figures.fitting import Placed
+from mission.report.figures.palette import BLACK, FILL_ALPHA, HATCH, KIND_COLOUR, MESH, QUIET, WHITE
+from mission.spec.model import RegionKind
+
+WIDTH_PT = 620.0
+SMALLEST_WIDTH_PT = 430.0
+LARGEST_MAP_HEIGHT_PT = 560.0
+LEFT_PT, RIGHT_PT, BOTTOM_PT, TOP_PT = 54.0, 14.0, 58.0, 32.0
+LEGEND_ROW_PT = 17.0
+PAD_PT = 14.0
+SCALE_STRIP_PT = 26.0
+MOST_TRIANGLES_DRAWN_STRONG = 150
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """A domain with what is drawn of it on every map.
+
+    Attributes:
+        partition: The mesh.
+        labelling: Which regions each triangle belongs to.
+        kinds: What each region is for, by name, in the order of the mission file.
+    """
+
+    partition: Partition
+    labelling: Labelling
+    kinds: dict[str, RegionKind]
+
+    @cached_property
+    def shapes(self) -> dict[str, BaseGeometry]:
+        """Each region that has triangles, as a polygon."""
+        triangles = shapely.polygons(self.partition.corners_m)
+        members = {name: self.labelling.triangles_of(name) for name in self.kinds}
+        return {name: shapely.union_all(triangles[own]) for name, own in members.items() if len(own)}
+
+    @cached_property
+    def restricted(self) -> frozenset[int]:
+        """Triangles of restricted regions."""
+        return self.triangles_of_kind(RegionKind.RESTRICTED)
+
+    def triangles_of_kind(self, kind: RegionKind) -> frozenset[int]:
+        """Triangles that carry a region of this kind."""
+        names = [name for name, own in self.kinds.items() if own is kind]
+        return frozenset(int(i) for name in names for i in self.labelling.triangles_of(name))
+
+    @cached_property
+    def bounds_m(self) -> FloatArray:
+        """West, south, east, north of the mesh."""
+        used = self.partition.vertices_m[np.unique(self.partition.triangles)]
+        return np.concatenate((used.min(axis=0), used.max(axis=0)))
+
+    @cached_property
+    def em_m(self) -> float:
+        """Metres for one point on paper."""
+        west, south, east, north = self.bounds_m
+        width = WIDTH_PT - LEFT_PT - RIGHT_PT - 2 * PAD_PT
+        height = LARGEST_MAP_HEIGHT_PT - 2 * PAD_PT - SCALE_STRIP_PT
+        return float(max((east - west) / width, (north - south) / height))
+
+    @cached_property
+    def limits_m(self) -> FloatArray:
+        """West, south, east, north of the axes."""
+        west, south, east, north = self.bounds_m
+        pad = PAD_PT * self.em_m
+        least = (SMALLEST_WIDTH_PT - LEFT_PT - RIGHT_PT) * self.em_m
+        more = max(0.0, 0.5 * (least - (east - west) - 2 * pad))
+        return np.array([west - pad - more, south - pad - SCALE_STRIP_PT * self.em_m, east + pad + more, north + pad])
+
+    @property
+    def frame(self) -> BaseGeometry:
+        """Where names may stand: the axes without the strip of the scale bar."""
+        west, south, east, north = self.limits_m
+        return shapely.box(west, south + SCALE_STRIP_PT * self.em_m, east, north)
+
+    def figure(self, title: str, *, legend: list[Artist], note: str = "") -> tuple[Figure, Axes]:
+        """An empty map: axes, scale bar, title, and a legend of the region kinds and of the artists given."""
+        west, south, east, north = self.limits_m
+        handles = self._kind_handles() + legend
+        map_width, map_height = (east - west) / self.em_m, (north - south) / self.em_m
+        width = LEFT_PT + map_width + RIGHT_PT
+        rows = _rows(handles, width - 20)
+        top = TOP_PT + LEGEND_ROW_PT * len(rows)
+        bottom = BOTTOM_PT if note else BOTTOM_PT - 14
+        height = bottom + map_height + top
+        figure = new_figure(width, height)
+        axes = figure.add_axes((LEFT_PT / width, bottom / height, map_width / width, map_height / height))
+        axes.set(xlim=(west, east), ylim=(south, north), xlabel="east, m", ylabel="north, m")
+        axes.set_aspect("equal", adjustable="box")
+        axes.locator_params(nbins=8)
+        titled(figure, title, note)
+        for index, row in enumerate(rows):
+            at = (12 / width, 1 - (TOP_PT - 4 + LEGEND_ROW_PT * index) / height)
+            figure.legend(
+                handles=row,
+                loc="upper left",
+                bbox_to_anchor=at,
+                ncols=len(row),
+                borderpad=0,
+                borderaxespad=0,
+                handlelength=1.9,
+                handletextpad=0.5,
+                columnspacing=1.2,
+            )
+        self._scale_bar(axes)
+        return figure, axes
+
+    def draw_domain(self, axes: Axes, *, mesh: bool = True) -> None:
+        """Fill and outline the regions, draw the mesh and the boundary of the domain."""
+        corners = self.partition.corners_m
+        fine = 0.7 if self.partition.size <= MOST_TRIANGLES_DRAWN_STRONG else 0.35
+        if mesh:
+            axes.add_collection(
+                PolyCollection(list(corners), facecolors="none", edgecolors=MESH, linewidths=fine, zorder=1)
+            )
+        for name, shape in self.shapes.items():
+            kind = self.kinds[name]
+            path = outline_of(shape)
+            axes.add_patch(
+                PathPatch(path, facecolor=KIND_COLOUR[kind], alpha=FILL_ALPHA[kind], linewidth=0, zorder=0.5)
+            )
+            hatch = HATCH if kind is RegionKind.RESTRICTED else None
+            axes.add_patch(
+                PathPatch(
+                    path,
+                    facecolor="none",
+                    edgecolor=KIND_COLOUR[kind],
+                    linewidth=1.6,
+                    hatch=hatch,
+                    zorder=1.5,
+                    gid=f"region:{name}",
+                )
+            )
+        outer = self.partition.neighbours < 0
+        ends = np.stack((np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)), axis=2)[outer]
+        axes.add_collection(LineCollection(list(ends), colors=BLACK, linewidths=1.2, zorder=1.6))
+
+    def _kind_handles(self) -> list[Artist]:
+        present = [kind for kind in RegionKind if any(self.kinds[name] is kind for name in self.shapes)]
+        return [
+            Patch(
+                facecolor=(KIND_COLOUR[kind], FILL_ALPHA[kind]),
+                edgecolor=KIND_COLOUR[kind],
+                hatch=HATCH if kind is RegionKind.RESTRICTED else None,
+                label=kind.value,
+            )
+            for kind in present
+        ]
+
+    def _scale_bar(self, axes: Axes) -> None:
+        west, south, east, _ = self.limits_m
+        length = _round_length(0.22 * (east - west))
+        x, y, tick = west + PAD_PT * self.em_m, south + 11 * self.em_m, 3 * self.em_m
+        axes.add_collection(
+            LineCollection(
+                [
+                    [(x, y), (x + length, y)],
+                    [(x, y - tick), (x, y + tick)],
+                    [(x + length, y - tick), (x + length, y + tick)],
+                ],
+                colors=BLACK,
+                linewidths=1.6,
+                zorder=6,
+                gid="scale",
+            )
+        )
+        axes.text(x + length + 6 * self.em_m, y, f"{length:g} m", fontsize=9.5, va="center", gid="scale")
+
+
+def chart_of(plan: FlightPlan) -> Chart:
+    """The chart of a plan's domain."""
+    return Chart(plan.partition, plan.labelling, {region.name: region.kind for region in plan.spec.regions})
+
+
+def draw_names(
+    axes: Axes, placed: tuple[Placed, ...], *, colour: str = BLACK, bold: bool = True, gid: str = "name"
+) -> None:
+    """Write placed names, each on a faint white ground, with its leader where it has one."""
+    for name in placed:
+        if name.leader_m is not None:
+            axes.add_line(
+                Line2D([name.x_m, name.leader_m[0]], [name.y_m, name.leader_m[1]], color=QUIET, lw=0.8, zorder=4.5)
+            )
+        axes.text(
+            name.x_m,
+            name.y_m,
+            name.text,
+            fontsize=name.size_pt,
+            color=colour,
+            ha="center",
+            va="center",
+            fontweight="bold" if bold else "normal",
+            linespacing=1.0,
+            zorder=5,
+            gid=gid,
+            bbox={"facecolor": WHITE, "alpha": 0.72, "linewidth": 0, "boxstyle": "square,pad=0.08"},
+        )
+
+
+def name_sizes(shapes: dict[str, BaseGeometry]) -> list[tuple[str, BaseGeometry, tuple[float, float]]]:
+    """The regions as ``place_names`` takes them."""
+    return [(plain(name), shape, text_size_em(plain(name), "bold")) for name, shape in shapes.items()]
+
+
+def _rows(handles: list[Artist], width_pt: float) -> list[list[Artist]]:
+    """Break a legend into rows that are no wider than the figure."""
+    rows: list[list[Artist]] = []
+    used = 0.0
+    for handle in handles:
+        own = 9.5 * (text_size_em(str(handle.get_label()))[0] + 1.9 + 0.5 + 1.2)
+        if not rows or used + own > width_pt:
+            rows.append([])
+            used = 0.0
+        rows[-1].append(handle)
+        used += own
+    return rows
+
+
+def _round_length(longest_m: float) -> float:
+    """The largest of 1, 2, 5, 10, ... (and their tenths) that is not longer."""
+    power = 10.0 ** np.floor(np.log10(longest_m))
+    return float(power * max(digit for digit in (1, 2, 5) if digit * power <= longest_m))
+
+
+def outline_of(shape: BaseGeometry) -> Path:
+    """A polygon, with holes or in several parts, as one path."""
+    rings = [ring for part in shapely.get_parts(shape) for ring in (part.exterior, *part.interiors)]
+    return Path.make_compound_path(*(Path(np.asarray(ring.coords), closed=True) for ring in rings))

@@ -1,0 +1,160 @@
+"""Figures 6, 8 and 9: planned and smoothed path, tracked states and control signals, over time."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from mission.plan import FlightPlan
+from mission.report.figures.canvas import drawing, new_figure, titled
+from mission.report.figures.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
+from mission.report.reading import Record
+from mission.report.tracking import horizontal_acceleration, tilt, tracking_of
+
+WIDTH_PT, ROW_PT = 700.0, 135.0
+SAMPLES = 2000
+MOST_DRAWN = 4000
+AXIS_NAMES = ("east", "north")
+
+
+def time_histories(plan: FlightPlan) -> Figure:
+    """Figure 6: position and velocity of the planned path and of its Fourier series, over the path's own time."""
+    s = np.linspace(0.0, plan.path.duration_s, SAMPLES)
+    curve = plan.trajectory.curve
+    planned = (plan.path.position(s), plan.path.velocity(s))
+    smoothed = (curve.position(s), curve.derivative(s, 1))
+    with drawing():
+        legend: list[Artist] = [
+            Line2D([], [], color=SMOOTHED, lw=2.4, label="smoothed"),
+            Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
+        ]
+        note = "Time of the steering law, before the time law that keeps the vehicle's limits."
+        figure, grid = _grid("Planned and smoothed path over time", 2, legend, note, "steering time, s")
+        for column in range(2):
+            for row, name in enumerate(("position, m", "velocity, m/s")):
+                axes = grid[row][column]
+                axes.plot(s, smoothed[row][:, column], color=SMOOTHED, lw=2.4, gid="smoothed")
+                axes.plot(s, planned[row][:, column], color=PLANNED, lw=1.0, gid="planned")
+                _name(axes, AXIS_NAMES[column], name)
+    return figure
+
+
+def tracked_states(plan: FlightPlan, record: Record) -> Figure:
+    """Figure 8: position and velocity asked for and reported, and the difference of the positions against the tube."""
+    tracking = tracking_of(record).thinned(MOST_DRAWN)
+    half_m = plan.certificate.tube_m
+    rows = (
+        ("position, m", tracking.position_m, tracking.asked_position_m),
+        ("velocity, m/s", tracking.velocity_m_s, tracking.asked_velocity_m_s),
+    )
+    with drawing():
+        legend: list[Artist] = [
+            Line2D([], [], color=FLOWN, lw=2.4, label="reported"),
+            Line2D([], [], color=PLANNED, lw=1.0, label="setpoint"),
+            Line2D([], [], color=VERMILLION, lw=1.0, label="error"),
+            Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"tube of the certificate, ±{half_m:.3g} m"),
+        ]
+        figure, grid = _grid("Tracked states", 3, legend, "", "time on the trajectory, s")
+        for column in range(2):
+            for row, (name, flown, asked) in enumerate(rows):
+                axes = grid[row][column]
+                axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
+                axes.plot(tracking.trajectory_s, asked[:, column], color=PLANNED, lw=1.0, gid="asked")
+                _name(axes, AXIS_NAMES[column], name)
+            axes = grid[2][column]
+            axes.plot(tracking.trajectory_s, tracking.error_m[:, column], color=VERMILLION, lw=1.0, gid="error")
+            for bound in (-half_m, half_m):
+                axes.axhline(bound, color=QUIET, lw=1.2, ls="--", gid="tube")
+            _name(axes, AXIS_NAMES[column], "error, m")
+    return figure
+
+
+def control_signals(plan: FlightPlan, record: Record) -> Figure:
+    """Figure 9: acceleration asked for and the one that the reported attitude gives; the tilt against its limit."""
+    tracking = tracking_of(record).thinned(MOST_DRAWN)
+    flown = horizontal_acceleration(tracking.attitude_rad)
+    limit_deg = float(np.rad2deg(plan.spec.limits.tilt_rad))
+    with drawing():
+        legend: list[Artist] = [
+            Line2D([], [], color=FLOWN, lw=2.4, label="from the reported attitude"),
+            Line2D([], [], color=PLANNED, lw=1.0, label="setpoint"),
+            Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"limit of the tilt, {limit_deg:.3g}°"),
+        ]
+        note = "In hover, an attitude tilted by α accelerates by g tan α."
+        figure, grid = _grid("Control signals", 2, legend, note, "time on the trajectory, s", wide_last=True)
+        for column in range(2):
+            axes = grid[0][column]
+            axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
+            asked = tracking.asked_acceleration_m_s2[:, column]
+            axes.plot(tracking.trajectory_s, asked, color=PLANNED, lw=1.0, gid="asked")
+            _name(axes, AXIS_NAMES[column], "acceleration, m/s²")
+        axes = grid[1][0]
+        axes.plot(tracking.trajectory_s, np.rad2deg(tilt(tracking.attitude_rad)), color=FLOWN, lw=2.0, gid="tilt")
+        axes.axhline(limit_deg, color=QUIET, lw=1.2, ls="--", gid="limit")
+        _name(axes, "", "tilt, °")
+        axes.set_ylim(bottom=0.0)
+    return figure
+
+
+def _grid(
+    title: str, rows: int, legend: Sequence[Artist], note: str, time: str, *, wide_last: bool = False
+) -> tuple[Figure, list[list[Axes]]]:
+    """Rows of two plots over a common time, the last row one wide plot if asked for; time is named at the bottom."""
+    top, bottom, left, right, between, above = (
+        62.0,
+        60.0 if note else 46.0,
+        58.0,
+        16.0,
+        56.0,
+        44.0 if wide_last else 30.0,
+    )
+    height = top + rows * ROW_PT + (rows - 1) * above + bottom
+    figure = new_figure(WIDTH_PT, height)
+    titled(figure, title, note)
+    figure.legend(
+        handles=list(legend),
+        loc="upper left",
+        bbox_to_anchor=(12 / WIDTH_PT, 1 - 28 / height),
+        ncols=len(legend),
+        borderpad=0,
+        borderaxespad=0,
+        handletextpad=0.5,
+        columnspacing=1.4,
+    )
+    half = 0.5 * (WIDTH_PT - left - right - between)
+    grid: list[list[Axes]] = []
+    for row in range(rows):
+        y = height - top - (row + 1) * ROW_PT - row * above
+        last = row == rows - 1
+        whole = wide_last and last
+        boxes = [(left, 2 * half + between)] if whole else [(left, half), (left + half + between, half)]
+        grid.append([])
+        for x, width in boxes:
+            axes = figure.add_axes((x / WIDTH_PT, y / height, width / WIDTH_PT, ROW_PT / height))
+            axes.grid(color=MESH, lw=0.4)
+            axes.set_axisbelow(True)
+            axes.margins(x=0.01)
+            axes.xaxis.set_major_locator(MaxNLocator(6 if not whole else 12))
+            axes.yaxis.set_major_locator(MaxNLocator(5))
+            axes.tick_params(labelbottom=last or wide_last)
+            if last:
+                axes.set_xlabel(time)
+            grid[-1].append(axes)
+    return figure, grid
+
+
+def _name(axes: Axes, direction: str, quantity: str) -> None:
+    """Say over the plot what it shows, where it takes no room from it."""
+    axes.text(
+        0.0,
+        1.03,
+        f"{direction} {quantity}".strip(),
+        transform=axes.transAxes,
+        fontsize=10.5,
+        color=BLACK,
+        gid="quantity",
+    )

@@ -1,0 +1,199 @@
+"""Figures 5, 7 and 10: the planned path, the smoothed path with its tube, and the flown path, on the partition."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, PathPatch
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+
+from mission.geometry.arrays import FloatArray
+from mission.plan import FlightPlan
+from mission.report.figures.canvas import drawing, text_size_em
+from mission.report.figures.chart import Chart, chart_of, draw_names, name_sizes, outline_of
+from mission.report.figures.fitting import place_names
+from mission.report.figures.palette import BLACK, FLOWN, LOOP, PLANNED, QUIET, SMOOTHED, TUBE, WHITE
+from mission.report.reading import Record
+from mission.steering.certificate import Certificate
+
+GeometryArray = NDArray[np.object_]
+SAMPLES = 2000
+PIECE = 40
+NAME_SIZES_PT = (13.0, 11.5, 10.0, 8.5)
+NUMBER_SIZES_PT = (8.5, 7.0)
+ARROW_EVERY_PT = 95.0
+MOST_NUMBERED = 60
+TUBE_ALPHA = 0.6
+FINE_PT = 1.0
+
+
+def planned_path(plan: FlightPlan) -> Figure:
+    """Figure 5: the steering path through the triangles of the run; the loop of a recurrent run in its own colour."""
+    chart = chart_of(plan)
+    times = _times(plan.path.duration_s, plan.path.knots_s)
+    position = plan.path.position(times)
+    loops = plan.run.recurrent
+    with drawing():
+        legend: list[Artist] = [Line2D([], [], color=PLANNED, lw=1.3, label="planned path")]
+        if loops:
+            legend.append(Line2D([], [], color=LOOP, lw=5.0, label="loop, repeated"))
+        states = plan.run.states
+        note = f"Run of {len(states)} states: " + _shortened([f"T{i}" for i in states])
+        figure, axes = chart.figure("Planned path, before smoothing", legend=legend + _end_handles(), note=note)
+        chart.draw_domain(axes)
+        loop = position[times >= plan.path.loop_from_s] if loops else position[:0]
+        if len(loop):
+            axes.plot(*loop.T, color=LOOP, lw=5.0, zorder=2.8, gid="loop")
+        axes.plot(*position.T, color=PLANNED, lw=1.3, zorder=3, gid="planned")
+        _draw_arrows(axes, position, chart.em_m, PLANNED)
+        _draw_ends(axes, position)
+        _draw_region_names(axes, chart, [position], numbers=sorted(set(states)))
+    return figure
+
+
+def smoothed_path(plan: FlightPlan) -> Figure:
+    """Figure 7: the smoothed path and the tube around it for which the certificate holds."""
+    chart = chart_of(plan)
+    curve = plan.trajectory.curve
+    position = curve.position(_times(plan.path.duration_s))
+    half_m = plan.certificate.tube_m
+    tube = tube_pieces(position, half_m) if half_m > 0.0 else np.empty(0, dtype=np.object_)
+    with drawing():
+        legend: list[Artist] = [Line2D([], [], color=SMOOTHED, lw=1.8, label="smoothed path")]
+        if len(tube):
+            label = f"tracking tube, ±{half_m:.3g} m"
+            legend.append(Patch(facecolor=(TUBE, TUBE_ALPHA), edgecolor=SMOOTHED, lw=0.5, label=label))
+        figure, axes = chart.figure(
+            "Smoothed path and its tube", legend=legend + _end_handles(), note=_proof(plan.certificate)
+        )
+        chart.draw_domain(axes)
+        if len(tube):
+            patch = PathPatch(outline_of(shapely.union_all(tube)), facecolor=(TUBE, TUBE_ALPHA), edgecolor=SMOOTHED)
+            patch.set(linewidth=0.5, zorder=2.5, gid="tube")
+            axes.add_patch(patch)
+        axes.plot(*position.T, color=SMOOTHED, lw=1.8, zorder=3, gid="smoothed")
+        _draw_arrows(axes, position, chart.em_m, SMOOTHED)
+        _draw_ends(axes, position)
+        _draw_region_names(axes, chart, [position], tube=list(tube))
+    return figure
+
+
+def flown_path(plan: FlightPlan, record: Record) -> Figure:
+    """Figure 10: where the vehicle said that it was, over the planned path."""
+    chart = chart_of(plan)
+    planned = plan.trajectory.position(_times(plan.trajectory.duration_s))
+    flown = record.track.position_m[:, :2]
+    flown = flown[np.isfinite(flown).all(axis=1)]
+    with drawing():
+        legend: list[Artist] = [
+            Line2D([], [], color=FLOWN, lw=3.2, label="flown, as reported"),
+            Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
+        ]
+        figure, axes = chart.figure("Flown and planned path", legend=legend + _end_handles())
+        chart.draw_domain(axes)
+        axes.plot(*flown.T, color=FLOWN, lw=3.2, zorder=3, gid="flown")
+        axes.plot(*planned.T, color=PLANNED, lw=1.0, zorder=3.2, gid="planned")
+        if len(flown):
+            _draw_arrows(axes, flown, chart.em_m, FLOWN)
+            _draw_ends(axes, flown)
+        _draw_region_names(axes, chart, [planned, flown] if len(flown) else [planned])
+    return figure
+
+
+def _proof(certificate: Certificate) -> str:
+    proved = "proved for every path in the tube" if certificate.holds else "NOT proved for the tube"
+    clearance = certificate.clearance_m
+    kept = "" if clearance is None else f"; the path keeps at least {clearance:.3g} m from restricted regions"
+    return f"{certificate.frequencies} frequencies; {proved}{kept}."
+
+
+def tube_pieces(position_m: FloatArray, half_m: float) -> GeometryArray:
+    """All points within ``half_m`` of a polyline on each axis, as one convex piece for each of its segments.
+
+    The tube's section is a square; between two samples it sweeps the convex hull of its two places.
+    """
+    boxes = position_m[:, None] + half_m * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    pieces: GeometryArray = shapely.convex_hull(shapely.multipoints(np.concatenate((boxes[:-1], boxes[1:]), axis=1)))
+    return pieces
+
+
+def _times(duration_s: float, knots_s: FloatArray | Sequence[float] = ()) -> FloatArray:
+    return np.union1d(np.linspace(0.0, duration_s, SAMPLES), np.asarray(knots_s, dtype=np.float64))
+
+
+def _shortened(words: list[str], most: int = 22) -> str:
+    if len(words) <= most:
+        return " ".join(words)
+    return " ".join(words[: most - 8]) + " … " + " ".join(words[-7:])
+
+
+def _draw_region_names(
+    axes: Axes,
+    chart: Chart,
+    lines: list[FloatArray],
+    *,
+    tube: Sequence[BaseGeometry] = (),
+    numbers: Sequence[int] = (),
+) -> None:
+    """Name the regions, then number some triangles, where that hides no line; numbers without room are left out."""
+    ways = [*tube]
+    for line in lines:
+        # In short pieces: a name is then compared only with those nearby.
+        pieces = [line[k : k + PIECE + 1] for k in range(0, len(line) - 1, PIECE)]
+        ways += [shapely.LineString(piece).simplify(0.3 * chart.em_m).buffer(3 * chart.em_m) for piece in pieces]
+        ways += [shapely.Point(end).buffer(8 * chart.em_m) for end in line[[0, -1]]]
+    placed = place_names(
+        name_sizes(chart.shapes), em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=ways, frame=chart.frame
+    )
+    draw_names(axes, placed)
+    if not 0 < len(numbers) <= MOST_NUMBERED:
+        return
+    taken = [*ways, *(name.box(chart.em_m) for name in placed)]
+    triangles = shapely.polygons(chart.partition.corners_m[list(numbers)])
+    texts = [f"T{i}" for i in numbers]
+    small = place_names(
+        [(text, shape, text_size_em(text)) for text, shape in zip(texts, triangles, strict=True)],
+        em_m=chart.em_m,
+        sizes_pt=NUMBER_SIZES_PT,
+        obstacles=taken,
+        frame=None,
+    )
+    draw_names(axes, small, colour=QUIET, bold=False, gid="number")
+
+
+def _draw_ends(axes: Axes, position: FloatArray) -> None:
+    (x0, y0), (x1, y1) = position[0].tolist(), position[-1].tolist()
+    axes.plot(x1, y1, marker="s", ms=11, mfc=BLACK, mec=WHITE, mew=1.2, ls="", color=BLACK, zorder=6, gid="end")
+    axes.plot(x0, y0, marker="o", ms=7, mfc=WHITE, mec=BLACK, mew=1.6, ls="", color=BLACK, zorder=6, gid="start")
+
+
+def _end_handles() -> list[Artist]:
+    return [
+        Line2D([], [], marker="o", ms=7, mfc=WHITE, mec=BLACK, mew=1.6, ls="", label="start"),
+        Line2D([], [], marker="s", ms=7, mfc=BLACK, mec=BLACK, ls="", label="end"),
+    ]
+
+
+def _draw_arrows(axes: Axes, position: FloatArray, em_m: float, colour: str) -> None:
+    """Small arrowheads along a line, evenly spaced in length."""
+    steps = np.hypot(*np.diff(position, axis=0).T)
+    along = np.concatenate(([0.0], np.cumsum(steps)))
+    count = int(along[-1] / (ARROW_EVERY_PT * em_m))
+    heads = []
+    for k in range(count):
+        at = (k + 0.5) * along[-1] / count
+        ends = np.array([at - FINE_PT * em_m, at + FINE_PT * em_m])
+        back, front = np.stack([np.interp(ends, along, position[:, axis]) for axis in (0, 1)], axis=-1)
+        length = float(np.hypot(*(front - back)))
+        if length < FINE_PT * em_m:  # it turns on the spot here
+            continue
+        ahead = (front - back) / length * em_m
+        aside = np.array([-ahead[1], ahead[0]])
+        heads.append(np.array([front + 6 * ahead, front - 4 * ahead + 4.2 * aside, front - 4 * ahead - 4.2 * aside]))
+    axes.add_collection(PolyCollection(heads, facecolors=colour, edgecolors=WHITE, linewidths=0.6, zorder=3.6))

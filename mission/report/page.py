@@ -1,0 +1,235 @@
+"""The report as one HTML page: no scripts, nothing fetched, good on paper. All text is escaped where it enters."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
+from typing import Any
+
+from mission.plan import FlightPlan
+from mission.report.figures import Picture
+from mission.report.reading import Entry, Record
+
+SEVERITIES = ("emergency", "alert", "critical", "error", "warning", "notice", "info", "debug")
+STYLE = """\
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; color: #111; background: #fff;
+  max-width: 60rem; margin: 2rem auto; padding: 0 1.25rem; }
+h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .25rem; }
+h2 { font-size: 1.2rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #bbb; padding-bottom: .2rem; }
+.verdict { border-left: .5rem solid #595959; background: #f4f4f4; padding: .7rem 1rem; margin: 1.2rem 0; }
+.verdict strong { font-size: 1.15rem; }
+.achieved { border-color: #009e73; }
+.failed { border-color: #d55e00; }
+pre, code { font-family: ui-monospace, "DejaVu Sans Mono", Consolas, monospace; font-size: .9rem; }
+pre { background: #f4f4f4; padding: .7rem 1rem; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .25rem .8rem .25rem 0; border-bottom: 1px solid #ddd;
+  overflow-wrap: anywhere; }
+tbody th { font-weight: normal; color: #444; width: 19rem; }
+td.number { white-space: nowrap; }
+figure { margin: 1.6rem 0; break-inside: avoid; }
+figure img { max-width: 100%; height: auto; display: block; margin: 0 auto; }
+figcaption { color: #333; margin-top: .5rem; }
+@media print { body { margin: 0; max-width: none; font-size: 11pt; } h2 { break-after: avoid; }
+  tr { break-inside: avoid; } }
+"""
+
+Row = tuple[str, str]
+
+
+def page(
+    plan: FlightPlan,
+    record: Record | None,
+    numbers: Mapping[str, Any],
+    pictures: Sequence[Picture],
+    *,
+    mission_text: str = "",
+) -> str:
+    """The report of a plan, and of its flight where there is a record.
+
+    Args:
+        plan: The plan.
+        record: The flight's record, if it was flown.
+        numbers: What ``summary`` gives for the two.
+        pictures: Those that lie in the page's folder.
+        mission_text: The mission file as the user wrote it, if it is to be shown.
+    """
+    spec = plan.spec
+    parts = [
+        f"<h1>{escape(spec.name)}</h1>",
+        f"<p>{escape(spec.description)}</p>" if spec.description else "",
+        _verdict(numbers["verdict"]),
+        "<h2>Mission</h2>",
+        f"<p>Specification ({escape(spec.semantics.value)} semantics):</p><pre>{escape(spec.formula)}</pre>",
+        f"<details><summary>Mission file</summary><pre>{escape(mission_text)}</pre></details>" if mission_text else "",
+        "<h2>Plan</h2>",
+        _facts(_planned_rows(numbers["planned"])),
+        "<h2>Certificate</h2>",
+        _facts(_certificate_rows(numbers["certificate"])),
+    ]
+    if record is not None:
+        parts += [
+            "<h2>Flight</h2>",
+            _facts(_flown_rows(numbers["flown"], numbers["certificate"])),
+            "<h2>Word flown</h2>",
+            _word(numbers["flown"]["word"]),
+            "<h2>Vehicle</h2>",
+            _facts([(name.replace("_", " "), _text(value)) for name, value in record.vehicle.items() if name != "t_s"]),
+            "<h2>Events and messages of the vehicle</h2>",
+            _log(record),
+        ]
+    parts += ["<h2>Pictures</h2>" if pictures else "", *map(_figure, pictures)]
+    title = f"{spec.name}: {'flight' if record is not None else 'plan'}"
+    return (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
+        f"<style>\n{STYLE}</style>\n</head>\n<body>\n" + "\n".join(filter(None, parts)) + "\n</body>\n</html>\n"
+    )
+
+
+def _verdict(verdict: Mapping[str, Any] | None) -> str:
+    if verdict is None:
+        return '<p class="verdict"><strong>Planned, not flown.</strong></p>'
+    kind, words = {
+        True: ("achieved", "The specification was achieved."),
+        False: ("failed", "The specification was not achieved."),
+    }.get(verdict["achieved"], ("", "There is no verdict."))
+    more = [
+        (name.replace("_", " "), _text(value))
+        for name, value in verdict.items()
+        if name not in ("achieved", "reason", "t_s") and value is not None
+    ]
+    reason = f"<br>{escape(str(verdict['reason']))}" if verdict["reason"] else ""
+    return f'<p class="verdict {kind}"><strong>{words}</strong>{reason}</p>' + (_facts(more) if more else "")
+
+
+def _planned_rows(planned: Mapping[str, Any]) -> list[Row]:
+    run = [f"T{state}" for state in planned["run"]]
+    start = planned["loop_from_state"]
+    loop = f"then again and again: {' '.join(run[start:])}" if planned["recurrent"] else f"then stay in {run[start]}"
+    return [
+        ("Transition system T", f"{planned['triangles']:,} triangles"),
+        ("Automaton A", f"{planned['automaton_states']:,} states, {planned['automaton_edges']:,} edges"),
+        (
+            "Product P",
+            f"{planned['product_states']:,} states, {planned['product_states_reachable']:,} of them reachable",
+        ),
+        ("Shortest runs", f"{planned['shortest_runs']:,}; number {planned['run_index']} (from 0) is flown"),
+        ("Run", f"{' '.join(run[:start])}, {loop}" if start else loop),
+        ("Controls", " ".join(f"u{control}" for control in planned["controls"])),
+        ("Length of the planned path", f"{planned['length_m']:.2f} m"),
+        ("Duration under the steering law", f"{planned['steering_duration_s']:.1f} s"),
+        ("Duration of the trajectory", f"{planned['duration_s']:.1f} s, at {planned['altitude_m']:g} m"),
+    ]
+
+
+def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
+    clearance = certificate["clearance_m"]
+    word = " → ".join(_letter(letter) for letter in certificate["word"])
+    return [
+        ("Result", f"{'proved' if certificate['holds'] else 'NOT proved'}: {certificate['reason']}"),
+        ("Frequencies of the Fourier series", f"{certificate['frequencies']}"),
+        ("Tube around the path, each axis", f"±{certificate['tube_m']:.3f} m"),
+        (
+            "Distance of the path to restricted regions",
+            "nothing is restricted" if clearance is None else f"at least {clearance:.3f} m",
+        ),
+        ("Word that it surely spells", word or "(empty)"),
+    ]
+
+
+def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> list[Row]:
+    rows = [
+        ("Largest tracking error", _metres(flown["largest_error_m"])),
+        (
+            "Largest error on one axis",
+            f"{_metres(flown['largest_error_per_axis_m'])} (the tube allows {certificate['tube_m']:.3f} m)",
+        ),
+        ("Tracking error, rms", _metres(flown["rms_error_m"])),
+        *(
+            (f"Smallest distance to {name}", _metres(distance))
+            for name, distance in flown["distance_to_restricted_m"].items()
+        ),
+        ("Length flown", _number(flown["length_m"], "m", 2)),
+        ("Time on the trajectory", _number(flown["duration_s"], "s", 1)),
+        ("Largest speed", _number(flown["largest_speed_m_s"], "m/s", 2)),
+        ("Largest tilt", _number(flown["largest_tilt_deg"], "°", 1)),
+        ("Positions reported", f"{flown['reports']:,}, {flown['reports_on_trajectory']:,} of them on the trajectory"),
+    ]
+    if flown["record_is_cut"]:
+        rows.append(("Record", "its last line is cut; everything before it was read"))
+    return rows
+
+
+def _word(word: Iterable[Mapping[str, Any]]) -> str:
+    rows = [
+        (_time(letter["t_s"]), _letter(letter["labels"]), " ".join(_triangle(i) for i in letter["triangles"]))
+        for letter in word
+    ]
+    return _table(("vehicle time, s", "labels", "triangles"), rows) if rows else "<p>No triangle was visited.</p>"
+
+
+def _log(record: Record) -> str:
+    def row(entry: Entry, kind: str) -> tuple[float, str, str, str]:
+        values = ", ".join(f"{name} {_text(value)}" for name, value in entry.values.items() if name != "severity")
+        return entry.t_s, kind, entry.text, values
+
+    entries = [row(entry, "event") for entry in record.events]
+    entries += [row(entry, _severity(entry.values.get("severity"))) for entry in record.texts]
+    entries.sort(key=lambda entry: entry[0])
+    rows = [(_time(t_s), kind, f"{text} ({values})" if values else text) for t_s, kind, text, values in entries]
+    return _table(("vehicle time, s", "", ""), rows) if rows else "<p>None.</p>"
+
+
+def _figure(picture: Picture) -> str:
+    return (
+        f'<figure><img src="{escape(picture.file)}" alt="{escape(picture.title)}">'
+        f"<figcaption><strong>{escape(picture.title)}.</strong> {escape(picture.caption)}</figcaption></figure>"
+    )
+
+
+def _facts(rows: Iterable[Row]) -> str:
+    lines = [f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td></tr>' for name, value in rows]
+    return "<table><tbody>\n" + "\n".join(lines) + "\n</tbody></table>" if lines else "<p>Nothing is known.</p>"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    top = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
+    lines = ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
+    return f"<table><thead><tr>{top}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table>"
+
+
+def _letter(labels: Sequence[str]) -> str:
+    return "{" + ", ".join(labels) + "}" if labels else "∅"
+
+
+def _triangle(triangle: int) -> str:
+    return "outside" if triangle < 0 else f"T{triangle}"
+
+
+def _severity(value: object) -> str:
+    return SEVERITIES[value] if isinstance(value, int) and 0 <= value < len(SEVERITIES) else "message"
+
+
+def _time(t_s: float | None) -> str:
+    return "" if t_s is None or math.isnan(t_s) else f"{t_s:.2f}"
+
+
+def _metres(value: float | None) -> str:
+    return _number(value, "m", 3)
+
+
+def _number(value: float | None, unit: str, digits: int) -> str:
+    return "not known" if value is None else f"{value:.{digits}f} {unit}"
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return " ".join(_text(part) for part in value)
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_text(part)}" for name, part in value.items())
+    return "not known" if value is None else str(value)

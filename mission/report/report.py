@@ -1,0 +1,41 @@
+"""Writes what a person reads after a plan or a flight: pictures, a page, and the numbers for machines."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from mission.plan import FlightPlan
+from mission.report.figures import save_all
+from mission.report.files import write_whole
+from mission.report.page import page
+from mission.report.reading import Record
+from mission.report.summary import summary
+
+PAGE_FILE = "report.html"
+SUMMARY_FILE = "summary.json"
+
+
+def write_report(
+    plan: FlightPlan, record: Record | None, folder: Path, *, pictures: bool = True, mission_text: str = ""
+) -> dict[str, Any]:
+    """Write ``report.html``, ``summary.json`` and the pictures into a folder; return the summary.
+
+    Args:
+        plan: The plan.
+        record: The record of its flight, or None for a plan that was not flown.
+        folder: Made if it is not there. Files of an earlier report are replaced, each as a whole.
+        pictures: Whether to draw the pictures; the page shows only those.
+        mission_text: The mission file as the user wrote it, shown on the page.
+
+    Raises:
+        OSError: The folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    numbers = summary(plan, record)
+    # The numbers first: they are there even if the drawing is interrupted.
+    write_whole(folder / SUMMARY_FILE, json.dumps(numbers, indent=2, allow_nan=False) + "\n")
+    drawn = save_all(plan, record, folder) if pictures else ()
+    # A vehicle may send half of a surrogate pair, which no page can hold.
+    html = page(plan, record, numbers, drawn, mission_text=mission_text).encode(errors="replace")
+    write_whole(folder / PAGE_FILE, html)
+    return numbers

@@ -1,0 +1,117 @@
+"""The numbers of a plan and of its flight, as JSON values; the report shows the same."""
+
+import math
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+import shapely
+
+from mission.plan import FlightPlan
+from mission.report.reading import Record, Visit
+from mission.report.tracking import distances_m, tilt, tracking_of
+from mission.spec.model import RegionKind
+
+
+def summary(plan: FlightPlan, record: Record | None) -> dict[str, Any]:
+    """What was planned, what was proved and what was flown.
+
+    Metres, seconds, ENU. ``verdict`` and ``flown`` are None without a record; a number that cannot be known is None.
+    """
+    return {
+        "mission": plan.spec.name,
+        "formula": plan.spec.formula,
+        "semantics": plan.spec.semantics.value,
+        "verdict": None if record is None else _verdict(record),
+        "planned": _planned(plan),
+        "certificate": _certificate(plan),
+        "flown": None if record is None else _flown(plan, record),
+    }
+
+
+def condensed(visits: Sequence[Visit]) -> list[tuple[Visit, list[int]]]:
+    """The word that was flown: the first visit of each stretch with equal labels, and the stretch's triangles."""
+    stretches = [list(group) for _, group in groupby(visits, key=lambda visit: (visit.triangle < 0, visit.labels))]
+    return [(stretch[0], [visit.triangle for visit in stretch]) for stretch in stretches]
+
+
+def _planned(plan: FlightPlan) -> dict[str, Any]:
+    return {
+        "triangles": plan.partition.size,
+        "automaton_states": plan.automaton.size,
+        "automaton_edges": plan.automaton.edge_count,
+        "product_states": plan.product_states,
+        "product_states_reachable": plan.product_states_reachable,
+        "shortest_runs": plan.shortest_runs,
+        "run_index": plan.run_index,
+        "run": list(plan.run.states),
+        "loop_from_state": len(plan.run.prefix),
+        "recurrent": plan.run.recurrent,
+        "controls": list(plan.run.controls),
+        "length_m": plan.path.length_m,
+        "steering_duration_s": plan.path.duration_s,
+        "duration_s": plan.trajectory.duration_s,
+        "altitude_m": plan.trajectory.altitude_m,
+    }
+
+
+def _certificate(plan: FlightPlan) -> dict[str, Any]:
+    certificate = plan.certificate
+    return {
+        "holds": certificate.holds,
+        "reason": certificate.reason,
+        "frequencies": certificate.frequencies,
+        "tube_m": certificate.tube_m,
+        "clearance_m": certificate.clearance_m,
+        "word": [sorted(letter) for letter in certificate.word],
+    }
+
+
+def _verdict(record: Record) -> dict[str, Any]:
+    if record.verdict is None:
+        return {"achieved": None, "reason": "the record ends before a verdict was reached"}
+    return {"achieved": None, "reason": "", **record.verdict}
+
+
+def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
+    tracking = tracking_of(record)
+    distance = tracking.distance_m
+    tracked = len(distance) > 0
+    steps = np.hypot(*np.diff(tracking.position_m, axis=0).T)
+    speeds = np.hypot(*tracking.velocity_m_s.T)
+    return {
+        "record_is_cut": record.cut,
+        "reports": len(record.track.t_s),
+        "reports_on_trajectory": len(distance),
+        "duration_s": float(tracking.t_s[-1] - tracking.t_s[0]) if tracked else None,
+        "length_m": float(steps.sum()) if tracked else None,
+        "largest_speed_m_s": _largest(speeds),
+        "largest_tilt_deg": _largest(np.rad2deg(tilt(tracking.attitude_rad))),
+        "largest_error_m": _largest(distance),
+        "largest_error_per_axis_m": _largest(np.abs(tracking.error_m).ravel()),
+        "rms_error_m": float(np.sqrt(np.mean(distance**2))) if tracked else None,
+        "distance_to_restricted_m": distances_m(record, _restricted_shapes(plan)),
+        "word": [
+            {
+                "t_s": visit.t_s if math.isfinite(visit.t_s) else None,
+                "labels": sorted(visit.labels),
+                "triangles": triangles,
+            }
+            for visit, triangles in condensed(record.visits)
+        ],
+    }
+
+
+def _restricted_shapes(plan: FlightPlan) -> dict[str, shapely.Geometry]:
+    triangles = shapely.polygons(plan.partition.corners_m)
+    return {
+        region.name: shapely.union_all(triangles[plan.labelling.triangles_of(region.name)])
+        for region in plan.spec.regions
+        if region.kind is RegionKind.RESTRICTED
+    }
+
+
+def _largest(values: np.ndarray[Any, np.dtype[np.float64]]) -> float | None:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else None

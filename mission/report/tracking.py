@@ -1,0 +1,126 @@
+"""What follows from a record: how well the trajectory was tracked, and how close to restricted regions it came."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from mission.geometry.arrays import FloatArray
+from mission.report.reading import Record
+
+GRAVITY_M_S2 = 9.80665
+
+
+@dataclass(frozen=True, eq=False)
+class Tracking:
+    """What was reported while the trajectory was flown, and what was asked for at the same moments.
+
+    All arrays have one row for each telemetry line between the first and the last setpoint of the trajectory that
+    holds a horizontal position; ENU in the domain's frame. Setpoints are interpolated between their times.
+
+    Attributes:
+        t_s: Vehicle time, shape (N,).
+        trajectory_s: Time on the trajectory, shape (N,).
+        position_m: As reported, shape (N, 2).
+        asked_position_m: Shape (N, 2).
+        velocity_m_s: As reported, shape (N, 2).
+        asked_velocity_m_s: Shape (N, 2).
+        asked_acceleration_m_s2: Shape (N, 2).
+        attitude_rad: Roll, pitch, yaw as reported, shape (N, 3).
+    """
+
+    t_s: FloatArray
+    trajectory_s: FloatArray
+    position_m: FloatArray
+    asked_position_m: FloatArray
+    velocity_m_s: FloatArray
+    asked_velocity_m_s: FloatArray
+    asked_acceleration_m_s2: FloatArray
+    attitude_rad: FloatArray
+
+    @property
+    def error_m(self) -> FloatArray:
+        """Reported less asked position, shape (N, 2)."""
+        return self.position_m - self.asked_position_m
+
+    @property
+    def distance_m(self) -> FloatArray:
+        """Horizontal distance from where it should be, shape (N,)."""
+        distance: FloatArray = np.hypot(*self.error_m.T)
+        return distance
+
+    def thinned(self, most: int) -> "Tracking":
+        """The same with at most ``most`` rows, evenly chosen, for drawing."""
+        step = max(1, -(-len(self.t_s) // most))
+        return replace(self, **{name: values[::step] for name, values in vars(self).items()})
+
+
+def tracking_of(record: Record) -> Tracking:
+    """Bring reports and setpoints of a flight to the same times; empty where no trajectory was flown."""
+    setpoints, track = record.setpoints, record.track
+    of_trajectory = np.isfinite(setpoints.trajectory_s) & np.isfinite(setpoints.t_s)
+    times = setpoints.t_s[of_trajectory]
+    known = np.isfinite(track.position_m[:, :2]).all(axis=1) & np.isfinite(track.t_s)
+    if len(times):
+        known &= (track.t_s >= times[0]) & (track.t_s <= times[-1])
+    else:
+        known[:] = False
+    at = track.t_s[known]
+
+    def asked(values: FloatArray) -> FloatArray:
+        if not len(times):
+            return np.zeros((0, 2))
+        east, north = values[of_trajectory, :2].T
+        return np.stack((np.interp(at, times, east), np.interp(at, times, north)), axis=-1)
+
+    return Tracking(
+        t_s=at,
+        trajectory_s=np.interp(at, times, setpoints.trajectory_s[of_trajectory]) if len(times) else times,
+        position_m=track.position_m[known, :2],
+        asked_position_m=asked(setpoints.position_m),
+        velocity_m_s=track.velocity_m_s[known, :2],
+        asked_velocity_m_s=asked(setpoints.velocity_m_s),
+        asked_acceleration_m_s2=asked(setpoints.acceleration_m_s2),
+        attitude_rad=track.attitude_rad[known],
+    )
+
+
+def horizontal_acceleration(attitude_rad: FloatArray) -> FloatArray:
+    """Acceleration, east and north, of a multicopter at these attitudes whose thrust just carries its weight.
+
+    The thrust acts along the body's -z axis, whose direction in NED is the third column of the rotation from roll,
+    pitch and yaw; its vertical part is g.
+
+    Args:
+        attitude_rad: Roll, pitch, yaw (NED body angles), shape (N, 3).
+
+    Returns:
+        Shape (N, 2), m/s^2.
+    """
+    roll, pitch, yaw = attitude_rad.T
+    lift = np.cos(roll) * np.cos(pitch)
+    north = np.cos(yaw) * np.sin(pitch) * np.cos(roll) + np.sin(yaw) * np.sin(roll)
+    east = np.sin(yaw) * np.sin(pitch) * np.cos(roll) - np.cos(yaw) * np.sin(roll)
+    acceleration: FloatArray = -GRAVITY_M_S2 * np.stack((east, north), axis=-1) / lift[:, None]
+    return acceleration
+
+
+def tilt(attitude_rad: FloatArray) -> FloatArray:
+    """Angle between the body's z axis and the vertical, shape (N,), rad."""
+    angle: FloatArray = np.arccos(np.clip(np.cos(attitude_rad[:, 0]) * np.cos(attitude_rad[:, 1]), -1.0, 1.0))
+    return angle
+
+
+def distances_m(record: Record, shapes: Mapping[str, BaseGeometry]) -> dict[str, float]:
+    """Smallest distance of the line through the reported positions to each shape; 0 where it meets it.
+
+    Empty where fewer than one position was reported.
+    """
+    positions = record.track.position_m[:, :2]
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    if not len(positions):
+        return {}
+    line = shapely.LineString(positions) if len(positions) > 1 else shapely.Point(positions[0])
+    return {name: float(shapely.distance(line, shape)) for name, shape in shapes.items()}
