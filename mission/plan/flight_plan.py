@@ -90,6 +90,11 @@ class FlightPlan:
         return compile_to_alphabet(self.refutation, self.labelling.letters)
 
 
+def tube_of(spec: MissionSpec) -> float:
+    """Half width of the tube on each axis, w tau^2: the bound of the tracking error of Eq. 12 under a disturbance w."""
+    return spec.flight.disturbance_m_s2 * spec.flight.time_constant_s**2
+
+
 def prover_of(
     spec: MissionSpec,
     partition: Partition,
@@ -97,14 +102,14 @@ def prover_of(
     refutation: CompiledAutomaton,
     restricted: BoolArray,
 ) -> Prover:
-    """The prover of a mission; its tube is w tau^2, which bounds the tracking error of Eq. 12 on each axis."""
+    """The prover of a mission with its tube."""
     return Prover(
         partition,
         labelling,
         refutation=refutation,
         semantics=spec.semantics,
         restricted=restricted,
-        tube_m=spec.flight.disturbance_m_s2 * spec.flight.time_constant_s**2,
+        tube_m=tube_of(spec),
     )
 
 

@@ -1,5 +1,8 @@
 """Where along the smoothed path the vehicle stands still inside the regions that ask for it."""
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
@@ -14,19 +17,36 @@ from mission.steering.smoothing import FourierCurve
 _SAMPLES_A_VISIT = 129
 
 
+@dataclass(frozen=True)
+class Stop:
+    """Where the vehicle loiters.
+
+    Attributes:
+        region: Name of the region.
+        s: Curve parameter.
+        seconds: How long it stands still.
+        depth_m: Distance from the outline of the region, negative outside.
+    """
+
+    region: str
+    s: float
+    seconds: float
+    depth_m: float
+
+
 def loiter_stops(
     path: SteeringPath, curve: FourierCurve, partition: Partition, labelling: Labelling, regions: tuple[Region, ...]
-) -> tuple[tuple[float, float], ...]:
+) -> tuple[Stop, ...]:
     """Find one stop for each time that the planned path enters a region with a loiter time.
 
     A region in which the path begins is not entered by that. The stop is the point of the smoothed curve that lies
     deepest inside the region during the visit, so that the vehicle stands well clear of the region's edges.
 
     Returns:
-        Pairs (curve parameter, seconds to stand still), ascending.
+        The stops in the order in which they are reached.
     """
     triangles = [segment.triangle for segment in path.segments]
-    stops: list[tuple[float, float]] = []
+    stops: list[Stop] = []
     for region in regions:
         if region.loiter_s <= 0.0:
             continue
@@ -37,12 +57,23 @@ def loiter_stops(
                 continue
             start_s = path.segments[first].start_s
             end_s = path.segments[last].start_s + path.segments[last].duration_s
-            stops.append((_deepest(curve, outline, start_s, end_s), region.loiter_s))
-    return tuple(sorted(stops))
+            s, depth_m = _deepest(curve, outline, start_s, end_s)
+            stops.append(Stop(region.name, s, region.loiter_s, depth_m))
+    return tuple(sorted(stops, key=lambda stop: stop.s))
 
 
-def _deepest(curve: FourierCurve, outline: BaseGeometry, start_s: float, end_s: float) -> float:
+def shallow_stop(stops: tuple[Stop, ...], tube_m: float) -> str:
+    """Which stop does not keep the whole tube inside its region, in words after "the smoothed path"; empty if none."""
+    needed = math.sqrt(2.0) * tube_m
+    for stop in stops:
+        if stop.depth_m <= needed:
+            return f"comes no deeper than {stop.depth_m:.2f} m into {stop.region}, where it is to loiter"
+    return ""
+
+
+def _deepest(curve: FourierCurve, outline: BaseGeometry, start_s: float, end_s: float) -> tuple[float, float]:
     s = np.linspace(start_s, end_s, _SAMPLES_A_VISIT)
     points = shapely.points(curve.position(s))
     depth = np.where(shapely.contains(outline, points), 1.0, -1.0) * shapely.distance(outline.boundary, points)
-    return float(s[int(np.argmax(depth))])
+    best = int(np.argmax(depth))
+    return float(s[best]), float(depth[best])

@@ -1,5 +1,7 @@
 """The stages of planning, one after the other; each is a function of what came before it."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mission.errors import Fault, NoPlanError, SpecError
@@ -8,8 +10,8 @@ from mission.logic.automaton import compile_to_alphabet
 from mission.logic.formula import Formula, negation
 from mission.logic.parser import parse_formula
 from mission.logic.translate import translate
-from mission.plan.flight_plan import FlightPlan, prover_of
-from mission.plan.loiter import loiter_stops
+from mission.plan.flight_plan import FlightPlan, prover_of, tube_of
+from mission.plan.loiter import Stop, loiter_stops, shallow_stop
 from mission.plan.visits import earnest_visits
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
@@ -19,7 +21,7 @@ from mission.spec.model import MissionSpec, Point
 from mission.steering.certificate import Prover
 from mission.steering.path import SteeringPath, build_path
 from mission.steering.proved_smoothing import ProvedCurve, smooth_with_proof
-from mission.steering.smoothing import fit_fourier
+from mission.steering.smoothing import FourierCurve, fit_fourier
 from mission.steering.timing import time_law
 from mission.steering.trajectory import Trajectory
 
@@ -71,8 +73,18 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         settle_in=earnest_visits(spec, partition, labelling, compiled, chosen),
     )
     prover = prover_of(spec, partition, labelling, compile_to_alphabet(refutation, labelling.letters), restricted)
-    smooth = _smoothed(spec, path, prover, path.loop_from_s if chosen.recurrent else None)
-    stops = loiter_stops(path, smooth.curve, partition, labelling, spec.regions)
+
+    def stops_of(curve: FourierCurve) -> tuple[Stop, ...]:
+        return loiter_stops(path, curve, partition, labelling, spec.regions)
+
+    smooth = _smoothed(
+        spec,
+        path,
+        prover,
+        loop_from_s=path.loop_from_s if chosen.recurrent else None,
+        refuses=lambda curve: shallow_stop(stops_of(curve), tube_of(spec)),
+    )
+    stops = tuple((stop.s, stop.seconds) for stop in stops_of(smooth.curve))
     law = time_law(
         smooth.curve,
         speed_m_s=spec.limits.speed_m_s,
@@ -116,16 +128,25 @@ def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) ->
     return triangle
 
 
-def _smoothed(spec: MissionSpec, path: SteeringPath, prover: Prover, loop_from_s: float | None) -> ProvedCurve:
+def _smoothed(
+    spec: MissionSpec,
+    path: SteeringPath,
+    prover: Prover,
+    *,
+    loop_from_s: float | None,
+    refuses: Callable[[FourierCurve], str],
+) -> ProvedCurve:
     """Smooth a path and prove it, with as many frequencies as the mission asks for."""
     extension, frequencies = spec.smoothing.extension, spec.smoothing.frequencies
     if frequencies == "auto":
-        return smooth_with_proof(path, prover, extension=extension, loop_from_s=loop_from_s)
+        return smooth_with_proof(path, prover, extension=extension, loop_from_s=loop_from_s, refuses=refuses)
     curve = fit_fourier(path, frequencies, extension)
     certificate = prover.certify(curve, loop_from_s)
-    if not certificate.holds:
+    fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
+    fault = fault or refuses(curve)
+    if fault:
         raise NoPlanError(
-            f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: the tube of "
-            f"{certificate.tube_m:g} m around it {certificate.reason}; ask for more frequencies, or for `auto`"
+            f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: {fault}; "
+            f"ask for more frequencies, or for `auto`"
         )
     return ProvedCurve(curve, certificate)

@@ -13,6 +13,7 @@ from scipy.optimize import brentq
 from mission.geometry.arrays import FloatArray
 
 _TERMS = 16  # the last term kept is below 0.5^16 / 17!, far under rounding
+_ROUNDING = 1e-14
 _SHORT = 0.5  # the norm below which the series is summed
 
 
@@ -109,7 +110,7 @@ def exit_time(
     """When and where the flow from ``x0_m`` leaves a triangle through its exit facet.
 
     Under an exit field the outward rate across the facet is positive everywhere in the triangle, so the distance to it
-    falls strictly and has one root, which lies between the distance over the fastest and over the slowest rate.
+    falls strictly and has one root, no later than the distance over the slowest rate.
 
     Args:
         F: Shape (2, 2), 1/s.
@@ -133,14 +134,15 @@ def exit_time(
     if rates.min() <= 0.0:
         raise ValueError("the field has points from which it does not lead out through the facet")
     distance = float(normal @ (tail - start))
-    if distance <= 0.0:  # rounding: the start lies on the facet
+    if distance <= _ROUNDING * (length + float(np.abs(corners_m).max())):  # the start lies on the facet
         return 0.0, start
-    edges = (distance / float(rates.max()), distance / float(rates.min()))
 
     def remaining(t: float) -> float:
         return float(normal @ (tail - flow(F, g, start, t)[0]))
 
-    early, late = edges[0] * (1.0 - 1e-9), edges[1] * (1.0 + 1e-9)
+    early, late = 0.0, distance / float(rates.min())
+    while remaining(late) > 0.0:  # by rounding only
+        early, late = late, 1.01 * late
     time = float(brentq(remaining, early, late, xtol=1e-15 * late, rtol=8.9e-16))
     share = float(np.clip((flow(F, g, start, time)[0] - tail) @ along / length**2, 0.0, 1.0))
     return time, tail + share * along

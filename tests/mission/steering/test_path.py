@@ -1,0 +1,85 @@
+"""The planned path: the paper's figures, continuity, and the triangles it runs through."""
+
+import numpy as np
+import pytest
+
+from mission.geometry.location import Locator
+from mission.geometry.simplices import Partition
+from mission.geometry.triangulation import triangulate_nodes
+from mission.planning.run import Run
+from mission.steering.path import SteeringPath, build_path
+
+# Seed of these numbers: the paper, Figs. 1 to 3 and Sec. 6.
+NODES = [[0, 0], [0, 10], [15, 10], [15, 0], [6, 10], [9, 10], [11, 0], [2, 8], [8, 7], [11, 2], [5, 5]]
+STATES = (0, 8, 11, 12, 4, 5, 7, 3, 1, 5, 4, 12, 10)
+RUN = Run(STATES[:-1], STATES[-1:], (1, 3, 3, 1, 1, 3, 1, 2, 2, 2, 3, 2, 0))
+LOOP = Run((), (5, 7, 3, 1), (3, 1, 2, 2))
+
+
+@pytest.fixture(scope="module")
+def partition() -> Partition:
+    return triangulate_nodes(np.array(NODES, dtype=np.float64))
+
+
+def paper_path(
+    partition: Partition, final_stay_s: float = 100.0, settle_in: frozenset[int] = frozenset()
+) -> SteeringPath:
+    return build_path(
+        partition, RUN, start_m=(11.0, 9.5), speed_m_s=0.05, final_stay_s=final_stay_s, laps=1, settle_in=settle_in
+    )
+
+
+def test_the_papers_run_takes_743_s_and_33_8_m_before_the_stay(partition: Partition) -> None:
+    path = paper_path(partition)
+    stay = path.segments[-1]
+    assert stay.control == 0
+    assert stay.duration_s == 100.0
+    assert stay.start_s == pytest.approx(743.0, abs=0.5)
+    assert paper_path(partition, 1e-9).length_m == pytest.approx(33.8, abs=0.05)
+    assert path.length_m == pytest.approx(35.2, abs=0.05)
+    assert path.loop_segment == len(path.segments) - 1
+
+
+def test_length_is_that_of_a_fine_polygon(partition: Partition) -> None:
+    path = paper_path(partition)
+    fine = path.position(np.linspace(0.0, path.duration_s, 400_001))
+    assert np.linalg.norm(np.diff(fine, axis=0), axis=1).sum() == pytest.approx(path.length_m, rel=1e-7)
+
+
+@pytest.mark.parametrize("settle_in", [frozenset[int](), frozenset({7})])
+def test_the_path_is_continuous_and_runs_through_its_triangles(partition: Partition, settle_in: frozenset[int]) -> None:
+    path = paper_path(partition, settle_in=settle_in)
+    locator = Locator(partition)
+    passed = [segment.triangle for segment in path.segments]
+    assert [t for i, t in enumerate(passed) if i == 0 or t != passed[i - 1]] == list(STATES)
+    for before, after in zip(path.segments[:-1], path.segments[1:], strict=True):
+        assert after.start_s == pytest.approx(before.start_s + before.duration_s, abs=1e-9)
+        ends = path.position([after.start_s - 1e-9, after.start_s])
+        np.testing.assert_allclose(ends[0], ends[1], atol=1e-8)
+    for segment in path.segments:
+        middle = path.position([segment.start_s + 0.5 * segment.duration_s])
+        assert locator.triangle_at(middle)[0] == segment.triangle
+
+
+def test_settling_goes_well_inside(partition: Partition) -> None:
+    settled = paper_path(partition, settle_in=frozenset({7}))
+    inside = [segment for segment in settled.segments if segment.triangle == 3]
+    assert [segment.control for segment in inside] == [0, 2]
+    deepest = partition.barycentric(np.array([3]), np.array([inside[1].entry_m])).min()
+    assert deepest > 0.15
+    assert settled.duration_s > paper_path(partition).duration_s
+
+
+def test_a_recurrent_run_flies_its_laps_and_ends_inside(partition: Partition) -> None:
+    path = build_path(partition, LOOP, start_m=(3.0, 6.5), speed_m_s=1.0, final_stay_s=5.0, laps=3)
+    assert [segment.triangle for segment in path.segments] == [*LOOP.suffix * 3, 5]
+    assert path.loop_segment == 8
+    assert path.loop_from_s == path.segments[8].start_s
+    assert partition.barycentric(np.array([5]), path.position([path.duration_s])).min() > 0.05
+
+
+@pytest.mark.parametrize("wrong", [{"speed_m_s": 0.0}, {"final_stay_s": 0.0}, {"laps": 0}])
+def test_senseless_arguments_are_refused(partition: Partition, wrong: dict[str, float]) -> None:
+    arguments = {"speed_m_s": 1.0, "final_stay_s": 1.0, "laps": 1} | wrong
+    with pytest.raises(ValueError, match="must be positive"):
+        build_path(partition, RUN, start_m=(11.0, 9.5), **arguments)  # type: ignore[arg-type] # one of each kind
