@@ -37,6 +37,7 @@ class Pacer:
         if not speed > 0.0:
             raise ValueError("the speed is a positive multiple of real time")
         self._interval_s = step_s / speed
+        self._most_lag_s = _MOST_LAG_S + self._interval_s  # a step that is not due yet is no lag
         self._speed = speed
         self._begun_s = now_s
         self._start_s = now_s
@@ -46,9 +47,9 @@ class Pacer:
     def due(self, now_s: float) -> int:
         """Return how many steps are due now."""
         lag_s = now_s - self._start_s - self._made * self._interval_s
-        if lag_s > _MOST_LAG_S:
-            self._start_s += lag_s - _MOST_LAG_S
-            lag_s = _MOST_LAG_S
+        if lag_s > self._most_lag_s:
+            self._start_s += lag_s - self._most_lag_s
+            lag_s = self._most_lag_s
             self._judge(now_s)
         return max(int(lag_s / self._interval_s), 0)
 

@@ -7,7 +7,7 @@ so is accepted.
 from math import isfinite, isnan, radians
 from typing import TYPE_CHECKING, Final, NamedTuple
 
-from vehicle_sim.autopilot import Autopilot, Mode, Outcome, Severity, SpeedAxis
+from vehicle_sim.autopilot import Autopilot, Outcome, Severity, SpeedAxis
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message, mavlink
@@ -195,17 +195,9 @@ class CommandService:
         return Outcome.DENIED if place is None else self._autopilot.set_home(place)
 
     def _pause_continue(self, request: Request) -> Outcome:
-        """Stop on the spot, or go on: ArduPilot inside GUIDED, PX4 by changing to Hold and back to the mission."""
-        pauses = request.params[0] == 0.0
-        if not pauses and request.params[0] != 1.0:
-            return Outcome.DENIED
-        if self._host.table.flavour is Flavour.PX4:
-            return self._autopilot.hold() if pauses else self._autopilot.set_mode(Mode.AUTO)
-        if self._autopilot.mode is not Mode.GUIDED:
-            return Outcome.DENIED
-        if pauses:
-            self._autopilot.halt()
-        return Outcome.ACCEPTED
+        if request.params[0] == 0.0:
+            return self._autopilot.pause()
+        return self._autopilot.resume() if request.params[0] == 1.0 else Outcome.DENIED
 
     def _terminate(self, request: Request) -> Outcome:
         if request.params[0] > 0.5:  # noqa: PLR2004 - the command's own threshold between a flag's 0 and 1

@@ -1,7 +1,7 @@
 """The MAVLink dialect that the vehicle speaks: the one place that names a pymavlink module.
 
 `ardupilotmega` contains all of `common`, so it serves both flavours. pymavlink ships no type information; `Message` is
-an alias that says what is meant.
+an alias that says what is meant. The number of a message is `get_msgId()`: its `id` is a field of some messages.
 """
 
 from typing import TypeAlias

@@ -131,7 +131,7 @@ class Endpoint:
             decision = self._router.decide(message, came_by, tuple(self._links.values()))
             for other in decision.forward_to:
                 other.forward(bytes(message.get_msgbuf()))
-            handler = self._handlers.get(message.id) if decision.is_ours else None
+            handler = self._handlers.get(message.get_msgId()) if decision.is_ours else None
             if handler is not None:
                 self._built.clear()
                 handler(Sender(came_by, message.get_srcSystem(), message.get_srcComponent()), message)

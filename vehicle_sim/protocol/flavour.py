@@ -6,7 +6,7 @@ ArduPilot `GCS_Common.cpp`, `GCS_MAVLink_Copter.cpp`, `mode.h`; PX4 `mavlink_mai
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum, auto
+from enum import Enum, IntFlag, auto
 from typing import Final
 
 from vehicle_sim.autopilot import Mode, Outcome
@@ -18,6 +18,26 @@ _STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
 _GUIDED = mavlink.MAV_MODE_FLAG_GUIDED_ENABLED
 _AUTO = mavlink.MAV_MODE_FLAG_AUTO_ENABLED
 _STICKS = mavlink.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+
+
+class Capability(IntFlag):
+    """MAV_PROTOCOL_CAPABILITY; pymavlink has renamed some of them over time."""
+
+    MISSION_FLOAT = 1
+    PARAM_FLOAT = 2
+    MISSION_INT = 4
+    COMMAND_INT = 8
+    PARAM_ENCODE_BYTEWISE = 16
+    FTP = 32
+    SET_ATTITUDE_TARGET = 64
+    SET_POSITION_TARGET_LOCAL_NED = 128
+    SET_POSITION_TARGET_GLOBAL_INT = 256
+    TERRAIN = 512
+    FLIGHT_TERMINATION = 2048
+    COMPASS_CALIBRATION = 4096
+    MAVLINK2 = 8192
+    MISSION_FENCE = 16384
+    MISSION_RALLY = 32768
 
 
 class Rates(Enum):
@@ -34,7 +54,7 @@ class FlavourTable:
 
     Attributes:
         autopilot: MAV_AUTOPILOT of the heartbeat.
-        capabilities: MAV_PROTOCOL_CAPABILITY bits of AUTOPILOT_VERSION.
+        capabilities: What AUTOPILOT_VERSION says that it understands.
         software_version: major << 24 | minor << 16 | patch << 8 | release type.
         custom_modes: The number that stands for each mode.
         base_modes: Flags of the heartbeat's base_mode in each mode, without the armed bit.
@@ -56,7 +76,7 @@ class FlavourTable:
 
     flavour: Flavour
     autopilot: int
-    capabilities: int
+    capabilities: Capability
     software_version: int
     custom_modes: Mapping[Mode, int]
     base_modes: Mapping[Mode, int]
@@ -85,13 +105,6 @@ def _px4_mode(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
 
-def _capabilities(*names: str) -> int:
-    bits = 0
-    for name in names:
-        bits |= getattr(mavlink, f"MAV_PROTOCOL_CAPABILITY_{name}")
-    return bits
-
-
 def _rates(**hertz: float) -> Mapping[int, float]:
     return {getattr(mavlink, f"MAVLINK_MSG_ID_{name}"): rate for name, rate in hertz.items()}
 
@@ -103,21 +116,21 @@ def _messages(*names: str) -> tuple[int, ...]:
 _ARDUPILOT: Final = FlavourTable(
     flavour=Flavour.ARDUPILOT,
     autopilot=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
-    capabilities=_capabilities(
-        "MISSION_FLOAT",
-        "PARAM_FLOAT",
-        "MISSION_INT",
-        "COMMAND_INT",
-        "FTP",
-        "SET_ATTITUDE_TARGET",
-        "SET_POSITION_TARGET_LOCAL_NED",
-        "SET_POSITION_TARGET_GLOBAL_INT",
-        "TERRAIN",
-        "COMPASS_CALIBRATION",
-        "MAVLINK2",
-        "MISSION_FENCE",
-        "MISSION_RALLY",
-        "FLIGHT_TERMINATION",
+    capabilities=(
+        Capability.MISSION_FLOAT
+        | Capability.PARAM_FLOAT
+        | Capability.MISSION_INT
+        | Capability.COMMAND_INT
+        | Capability.FTP
+        | Capability.SET_ATTITUDE_TARGET
+        | Capability.SET_POSITION_TARGET_LOCAL_NED
+        | Capability.SET_POSITION_TARGET_GLOBAL_INT
+        | Capability.TERRAIN
+        | Capability.COMPASS_CALIBRATION
+        | Capability.MAVLINK2
+        | Capability.MISSION_FENCE
+        | Capability.MISSION_RALLY
+        | Capability.FLIGHT_TERMINATION
     ),
     software_version=0x04070000,
     custom_modes={
@@ -175,19 +188,19 @@ _BY_ITSELF = _CUSTOM | _STABILIZED | _GUIDED | _AUTO
 _PX4: Final = FlavourTable(
     flavour=Flavour.PX4,
     autopilot=mavlink.MAV_AUTOPILOT_PX4,
-    capabilities=_capabilities(
-        "MISSION_FLOAT",
-        "PARAM_FLOAT",
-        "MISSION_INT",
-        "COMMAND_INT",
-        "PARAM_ENCODE_BYTEWISE",
-        "FTP",
-        "SET_ATTITUDE_TARGET",
-        "SET_POSITION_TARGET_LOCAL_NED",
-        "FLIGHT_TERMINATION",
-        "MAVLINK2",
-        "MISSION_FENCE",
-        "MISSION_RALLY",
+    capabilities=(
+        Capability.MISSION_FLOAT
+        | Capability.PARAM_FLOAT
+        | Capability.MISSION_INT
+        | Capability.COMMAND_INT
+        | Capability.PARAM_ENCODE_BYTEWISE
+        | Capability.FTP
+        | Capability.SET_ATTITUDE_TARGET
+        | Capability.SET_POSITION_TARGET_LOCAL_NED
+        | Capability.FLIGHT_TERMINATION
+        | Capability.MAVLINK2
+        | Capability.MISSION_FENCE
+        | Capability.MISSION_RALLY
     ),
     software_version=0x011001FF,
     custom_modes={

@@ -150,7 +150,7 @@ def autopilot_version(host: Host) -> Message | None:
     table = host.table
     eight_zeros = (0,) * 8
     return mavlink.MAVLink_autopilot_version_message(
-        table.capabilities,
+        int(table.capabilities),
         table.software_version,
         table.software_version if table.flavour is Flavour.PX4 else 0,
         0,

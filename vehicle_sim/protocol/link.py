@@ -104,7 +104,7 @@ class Link:
         mav = self._mav
         if not self._speaks_v1:
             frame = message.pack(mav)
-        elif message.id <= LAST_V1_ID:
+        elif message.get_msgId() <= LAST_V1_ID:
             frame = _without_extensions(message, message.pack(mav, force_mavlink1=True))
         else:
             return
@@ -136,7 +136,7 @@ class Link:
 
 def _without_extensions(message: Message, frame: bytes) -> bytes:
     """Cut a MAVLink 1 frame, as pymavlink packs it, to the fields that MAVLink 1 knows."""
-    length = V1_PAYLOAD_LENGTHS.get(message.id, frame[1])
+    length = V1_PAYLOAD_LENGTHS.get(message.get_msgId(), frame[1])
     if frame[1] <= length:
         return frame
     covered = bytes((length,)) + frame[2 : _V1_HEADER + length]

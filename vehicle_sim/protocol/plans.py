@@ -205,7 +205,7 @@ class PlanService:
         item = items[message.seq]
         current = int(kind is PlanKind.MISSION and message.seq == self.store.current)
         head = (sender.system_id, sender.component_id, message.seq, item.frame, item.command, current)
-        if message.id == mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT:
+        if message.get_msgId() == mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT:
             reply = mavlink.MAVLink_mission_item_int_message(
                 *head, item.autocontinue, *item.params, item.x, item.y, item.z, kind
             )
@@ -287,7 +287,7 @@ def _kind(mission_type: int) -> PlanKind | None:
 
 def _item(message: Message) -> PlanItem | None:
     """Return the item of either message; None where a number of the float form is none."""
-    if message.id == mavlink.MAVLINK_MSG_ID_MISSION_ITEM_INT:
+    if message.get_msgId() == mavlink.MAVLINK_MSG_ID_MISSION_ITEM_INT:
         x, y = message.x, message.y
     else:
         scale = E7 if message.frame in GLOBAL_FRAMES else 1.0

@@ -20,6 +20,7 @@ class StreamSchedule:
     def __init__(self) -> None:
         self._intervals_us: dict[int, int] = {}
         self._due: list[tuple[int, int, int]] = []
+        self._fresh: set[int] = set()
         self.next_due_us = NEVER_US
 
     def interval_us(self, message_id: int) -> int | None:
@@ -38,18 +39,21 @@ class StreamSchedule:
             return
         self.stop(message_id)
         self._intervals_us[message_id] = interval_us
+        self._fresh.add(message_id)
         heappush(self._due, (now_us, message_id, interval_us))
         self.next_due_us = self._due[0][0]
 
     def stop(self, message_id: int) -> None:
         """Stop a stream; one that does not run is stopped already."""
         if self._intervals_us.pop(message_id, None) is not None:
+            self._fresh.discard(message_id)
             self._due = sorted(entry for entry in self._due if entry[1] != message_id)
             self.next_due_us = self._due[0][0] if self._due else NEVER_US
 
     def clear(self) -> None:
         """Stop all streams."""
         self._intervals_us.clear()
+        self._fresh.clear()
         self._due.clear()
         self.next_due_us = NEVER_US
 
@@ -62,6 +66,9 @@ class StreamSchedule:
         queue = self._due
         while queue and queue[0][0] <= now_us:
             due_us, message_id, interval_us = heappop(queue)
+            if message_id in self._fresh:
+                self._fresh.discard(message_id)
+                due_us = now_us  # the first one sets the phase
             following_us = due_us + interval_us
             if following_us <= now_us:
                 following_us = now_us + interval_us

@@ -1,0 +1,104 @@
+"""Everything that a ground station asks for gets an answer: clocks, texts, files, logs."""
+
+from struct import pack
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from tests.support.station import Station, endpoint_of
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.statustext import CHUNK, TextChunker
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_timesync_is_answered_at_once_in_nanoseconds(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.run(1.23)
+    station.send(mavlink.MAVLink_timesync_message(0, 123_456_789))
+    answer = station.last("TIMESYNC")
+    assert (answer.tc1, answer.ts1) == (1_230_000_000, 123_456_789)
+    station.forget()
+    station.send(mavlink.MAVLink_timesync_message(5, 6))
+    assert station.heard == []
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_ping_is_answered_by_px4_only(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.send(mavlink.MAVLink_ping_message(77, 5, 0, 0))
+    answers = [(m.time_usec, m.seq, m.target_system, m.target_component) for m in station.of("PING")]
+    assert answers == ([(77, 5, 255, 190)] if flavour is Flavour.PX4 else [])
+
+
+@pytest.mark.parametrize(
+    ("opcode", "answer", "error"),
+    [(1, 128, None), (2, 128, None), (3, 129, 6), (4, 129, 10), (15, 129, 10), (9, 129, 7)],
+)
+def test_files_there_are_none(opcode: int, answer: int, error: int | None) -> None:
+    station = Station(endpoint_of(Flavour.PX4))
+    request = pack("<HBBBBBxI", 65535, 3, opcode, 5, 0, 0, 0) + b"/fs/x"
+    station.send(mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, request.ljust(251, b"\0")))
+    reply = station.last("FILE_TRANSFER_PROTOCOL")
+    assert (reply.target_system, reply.target_component) == (255, 190)
+    payload = bytes(reply.payload)
+    assert payload[:6] == bytes([0, 0, 3, answer, 0 if error is None else 1, opcode])
+    assert error is None or payload[12] == error
+
+
+def test_answers_to_files_are_not_answered() -> None:
+    station = Station(endpoint_of(Flavour.PX4))
+    for opcode in (128, 129):
+        reply = pack("<HBBBBBxI", 1, 3, opcode, 0, 0, 0, 0)
+        station.send(mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, reply.ljust(251, b"\0")))
+    assert station.heard == []
+
+
+def test_logs_there_are_none() -> None:
+    station = Station(endpoint_of(Flavour.ARDUPILOT))
+    station.send(mavlink.MAVLink_log_request_list_message(1, 1, 0, 65535))
+    assert station.last("LOG_ENTRY").num_logs == 0
+    station.send(mavlink.MAVLink_log_request_data_message(1, 1, 4, 90, 90))
+    data = station.last("LOG_DATA")
+    assert (data.id, data.ofs, data.count) == (4, 90, 0)
+
+
+def test_an_origin_that_is_asked_for_is_told() -> None:
+    station = Station(endpoint_of(Flavour.ARDUPILOT))
+    station.send(mavlink.MAVLink_set_gps_global_origin_message(1, 0, 0, 0))
+    assert station.heard == []
+    station.wait_for_position()
+    station.forget()
+    station.send(mavlink.MAVLink_set_gps_global_origin_message(1, 0, 0, 0))
+    assert station.last("GPS_GLOBAL_ORIGIN").latitude != 0
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_sticks_are_ignored_cleanly(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.wait_for_position()
+    station.forget()
+    station.send(mavlink.MAVLink_manual_control_message(1, 1000, 1000, 1000, 1000, 0xFFFF))
+    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, *(2000,) * 8))
+    assert station.heard == []
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=400))
+def test_chunks_of_a_text_spell_it(text: str) -> None:
+    chunker = TextChunker()
+    for number in (1, 2):
+        messages = chunker.messages(4, text)
+        assert "".join(message.text for message in messages) == text
+        if len(text) <= CHUNK:
+            assert [(message.id, message.chunk_seq) for message in messages] == [(0, 0)]
+        else:
+            assert [message.chunk_seq for message in messages] == list(range(len(messages)))
+            assert {message.id for message in messages} == {number}
+            assert len(messages[-1].text) < CHUNK  # a full last chunk would ask for another
+
+
+def test_texts_are_ascii() -> None:
+    (message,) = TextChunker().messages(4, "höher")
+    assert message.text == "h?her"
