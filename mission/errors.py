@@ -58,6 +58,12 @@ class FormulaSyntaxError(MissionError):
         super().__init__(f"{message} (column {column})")
 
 
+class AutomatonSizeError(MissionError):
+    """A formula, or the automaton that it asks for, is too large to be built; the message says which bound it meets."""
+
+    exit_code = 2
+
+
 class GeometryError(MissionError):
     """A domain, a region or a place on Earth that the geometry cannot work with; the message says which and why."""
 

@@ -18,6 +18,10 @@ LEAF: Final = 1 << 60
 """The ``variable`` of a leaf: after every variable."""
 
 
+class TooLargeError(Exception):
+    """What is being built grew beyond the size that it was allowed."""
+
+
 class Diagrams:
     """A pool of diagrams; diagrams of different pools have nothing to do with each other."""
 

@@ -9,9 +9,8 @@ atoms are the same state, so that there are finitely many.
 from collections.abc import Sequence
 from typing import Final
 
-from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.formula import Formula, Operator, postorder
-from mission.logic.tableau import TooLargeError
 
 MAX_ATOMS: Final = 300
 """Atoms that a formula may have: the depth of a diagram."""

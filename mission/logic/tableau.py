@@ -7,7 +7,7 @@ linear temporal logic" (1999), on the clauses of Gastin and Oddoux, "Fast LTL to
 Each eventuality is one acceptance set: the transitions that do not put it off.
 """
 
-from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.formula import Formula, Operator, postorder
 from mission.logic.structure import Moves, Structure
 
@@ -16,10 +16,6 @@ Clauses = tuple[Clause, ...]
 
 _PROMISES = frozenset({Operator.EVENTUALLY, Operator.UNTIL, Operator.STRONG_RELEASE})
 _REPEATING = frozenset({Operator.ALWAYS, Operator.RELEASE, Operator.STRONG_RELEASE})
-
-
-class TooLargeError(Exception):
-    """An automaton grew beyond the size that it was allowed."""
 
 
 class Tableau:

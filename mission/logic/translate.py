@@ -1,84 +1,192 @@
-"""From formulas to small Büchi automata."""
+"""From formulas to small Büchi automata.
 
-from collections.abc import Iterator
+An obligation has a smallest deterministic automaton, which is found directly. For every other formula there are
+candidates: the tableau made small by simulation, and, where one exists on the structure of what can remain of the
+formula, a deterministic automaton. Each is brought to accepting states in several ways, and the smallest result wins;
+among those of one size a deterministic one, then the one with fewest edges. Nothing depends on chance, on hashes or on
+time.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from itertools import islice, permutations
+from typing import Final, TypeVar
 
-from mission.logic.automaton import BuchiAutomaton
+from mission.errors import AutomatonSizeError
+from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.degeneralisation import degeneralised, with_few_mixed_states
 from mission.logic.deterministic import accepting_like
-from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.formula import Formula, negation, proposition_order
 from mission.logic.progression import Progression
 from mission.logic.rewriting import simplified
 from mission.logic.simulation import reduced
-from mission.logic.structure import Structure, pruned, state_based
-from mission.logic.tableau import Tableau, TooLargeError
-from mission.logic.weak import is_obligation, refined, weak_structure
+from mission.logic.structure import Structure, pruned, state_based, transition_based
+from mission.logic.tableau import Tableau
+from mission.logic.weak import is_obligation, refined, renamed, weak_structure
+
+MAX_STATES: Final = 20_000
+"""States of an automaton under construction at which the translation gives up."""
+
+MAX_DEPTH: Final = 200
+"""Depth of a formula that is translated."""
+
+MAX_PROPOSITIONS: Final = 200
+"""Propositions of a formula that is translated."""
+
+_LIMIT_OF_EXTRAS: Final = 1_000  # states of automata that serve only to find a smaller one
+_LIMIT_OF_PRODUCTS: Final = 10_000
+_LARGE: Final = 16  # states of a minimal automaton from which on a nondeterministic one may be worth while
+_CYCLES: Final = 400
+
+_T = TypeVar("_T")
 
 
 def translate(formula: Formula) -> BuchiAutomaton:
-    """A Büchi automaton that accepts exactly the words that satisfy ``formula``."""
-    short = simplified(formula)
-    names = proposition_order(formula)
-    diagrams = Diagrams()
-    if is_obligation(short):
-        progression = Progression(diagrams, names)
-        return state_based(pruned(weak_structure(progression, diagrams, names, short, 100_000)))
-    return _general(short, names, diagrams)
+    """A Büchi automaton that accepts exactly the words that satisfy ``formula``.
+
+    Raises:
+        AutomatonSizeError: The formula or its automaton is too large to be built.
+    """
+    return _Translation(formula).state_based()
 
 
-def _general(short: Formula, names: tuple[str, ...], diagrams: Diagrams) -> BuchiAutomaton:
-    tableau = Tableau(diagrams, names)
-    positive = reduced(tableau.structure(short, 100_000))
-    candidates = [positive]
-    try:
-        negative = reduced(Tableau(diagrams, names).structure(simplified(negation(short)), 2000))
-        progression = Progression(diagrams, names)
-        states, rows = progression.explore(progression.state(short), 1000)
-    except TooLargeError:
-        pass
-    else:
-        for guess in _guesses(progression, diagrams, states, rows):
-            found = accepting_like(guess, positive, negative, 10000)
-            if found is not None:
-                candidates.append(reduced(found))
-                break
-    best = [state_based(small) for candidate in candidates for small in _state_based_forms(candidate)]
-    return min(best, key=lambda automaton: (automaton.size, not automaton.deterministic, automaton.edge_count))
+def translate_generalised(formula: Formula) -> GeneralisedBuchi:
+    """The same as a generalised Büchi automaton with marked transitions, often much smaller.
+
+    Raises:
+        AutomatonSizeError: The formula or its automaton is too large to be built.
+    """
+    return _Translation(formula).generalised()
 
 
-def _guesses(
-    progression: Progression, diagrams: Diagrams, states: list[Diagram], rows: list[Diagram]
-) -> Iterator[list[Diagram]]:
-    """Deterministic structures, from small to large, whose states may be the languages that can remain."""
-    letters = sorted({cube[0] for row in rows for cube, _ in islice(diagrams.paths(row), 64)})[:64]
-    singles = [(letter,) for letter in letters]
-    pairs = list(islice(permutations(letters, 2), 256))
-    previous = 0
-    for cycles in (singles, singles + pairs, None):
-        if cycles is None:
-            classes = list(range(len(states)))
-        else:
-            truths = [progression.truth_on_cycle(cycle) for cycle in cycles]
-            classes = refined(
-                diagrams, rows, [tuple(diagrams.evaluate(state, truth) for truth in truths) for state in states]
-            )
-        size = len(set(classes))
-        if size > previous:
-            previous = size
-            known: dict[Diagram, Diagram] = {}
+@dataclass
+class _Translation:
+    """The translation of one formula, over one pool of diagrams."""
+
+    formula: Formula
+
+    def __post_init__(self) -> None:
+        self._names = proposition_order(self.formula)
+        if self.formula.depth > MAX_DEPTH:
+            raise AutomatonSizeError(f"the formula is nested deeper than {MAX_DEPTH}")
+        if len(self._names) > MAX_PROPOSITIONS:
+            raise AutomatonSizeError(f"the formula has more than {MAX_PROPOSITIONS} propositions")
+        self._diagrams = Diagrams()
+        self._short = simplified(self.formula)
+
+    def state_based(self) -> BuchiAutomaton:
+        best: tuple[tuple[int, bool, int], BuchiAutomaton] | None = None
+        for candidate in self._candidates():
+            if best is not None and candidate.size > best[0][0]:
+                continue
+            for form in _state_based_forms(candidate):
+                if best is None or form.size <= best[0][0]:
+                    automaton = state_based(form)
+                    rank = (automaton.size, not automaton.deterministic, automaton.edge_count)
+                    if best is None or rank < best[0]:
+                        best = rank, automaton
+        if best is None:
+            raise AutomatonSizeError("the formula has no automaton of a size that can be built")
+        return best[1]
+
+    def generalised(self) -> GeneralisedBuchi:
+        candidates = [transition_based(candidate) for candidate in self._candidates()]
+        if not candidates:
+            raise AutomatonSizeError("the formula has no automaton of a size that can be built")
+        return min(candidates, key=lambda automaton: (automaton.size, automaton.sets, len(automaton.edges)))
+
+    def _candidates(self) -> list[Structure]:
+        """Small generalised automata of the formula, smallest first."""
+        if is_obligation(self._short):
+            return self._obligation()
+        try:
+            positive = self._tableau(self._short, MAX_STATES)
+        except TooLargeError:
+            return []
+        found = [positive]
+        if positive.size > 1:
+            deterministic = self._deterministic(positive)
+            found.extend([] if deterministic is None else [deterministic])
+        return sorted(found, key=lambda structure: structure.size)
+
+    def _obligation(self) -> list[Structure]:
+        progression = Progression(self._diagrams, self._names)
+        try:
+            minimal = pruned(weak_structure(progression, self._diagrams, self._names, self._short, MAX_STATES))
+        except TooLargeError:
+            minimal = None
+        found = [] if minimal is None else [minimal]
+        # A nondeterministic automaton can be exponentially smaller, as for F (a & X X X X b).
+        if minimal is None or minimal.size > _LARGE:
+            limit = MAX_STATES if minimal is None else minimal.size // 2
+            with suppress(TooLargeError):
+                found.append(self._tableau(self._short, limit))
+        return sorted(found, key=lambda structure: structure.size)
+
+    def _tableau(self, formula: Formula, limit: int) -> Structure:
+        return reduced(Tableau(self._diagrams, self._names).structure(formula, limit))
+
+    def _deterministic(self, positive: Structure) -> Structure | None:
+        """A deterministic automaton on a structure of what can remain of the formula, if one is found."""
+        progression = Progression(self._diagrams, self._names)
+        try:
+            negative = self._tableau(simplified(negation(self._short)), _LIMIT_OF_EXTRAS)
+            states, rows = progression.explore(progression.state(self._short), _LIMIT_OF_EXTRAS)
+        except TooLargeError:
+            return None
+        for classes in self._guesses(progression, states, rows):
             first: dict[int, int] = {}
             for state, number in enumerate(classes):
                 first.setdefault(number, state)
-            yield [diagrams.transform(rows[state], classes.__getitem__, known) for state in first.values()]
+            merged = renamed(self._diagrams, [rows[state] for state in first.values()], classes)
+            found = accepting_like(merged, positive, negative, _LIMIT_OF_PRODUCTS)
+            if found is not None:
+                return reduced(found)
+        return None
+
+    def _guesses(
+        self, progression: Progression, states: Sequence[Diagram], rows: Sequence[Diagram]
+    ) -> Iterator[list[int]]:
+        """Classes of states that may be of one language each, from few to many.
+
+        States of one class agree on all words that repeat some short cycles, whatever comes before these.
+        """
+        diagrams = self._diagrams
+        letters = list(dict.fromkeys(cube[0] for row in rows for cube, _ in islice(diagrams.paths(row), _CYCLES)))
+        budget = max(8, min(_CYCLES, 100_000 // len(states)))
+        singles = [(letter,) for letter in _spread(letters, budget)]
+        pairs = list(permutations(_spread(letters, 16), 2))
+        known = 0
+        for cycles in (singles, singles + _spread(pairs, budget)):
+            truths = [progression.truth_on_cycle(cycle) for cycle in cycles]
+            agreed = [tuple(diagrams.evaluate(state, truth) for truth in truths) for state in states]
+            classes = refined(diagrams, rows, agreed)
+            if max(classes) > known:
+                known = max(classes)
+                yield classes
+        if len(states) > known + 1:
+            yield list(range(len(states)))
+
+
+def _spread(values: Sequence[_T], number: int) -> list[_T]:
+    """At most ``number`` of the values, evenly spread over them."""
+    step = max(1, -(-len(values) // number))
+    return list(values[::step])
 
 
 def _state_based_forms(structure: Structure) -> Iterator[Structure]:
-    for order in islice(permutations(range(structure.sets)), 6):
+    """Equivalent structures whose states accept, found in several ways."""
+    if structure.sets < 4:  # noqa: PLR2004 - six orders
+        orders = list(permutations(range(structure.sets)))
+    else:
+        orders = [tuple(range(structure.sets)), tuple(range(structure.sets))[::-1]]
+    for order in orders:
         current = structure
         if structure.sets != 1:
             current = reduced(degeneralised(structure, order))
             yield current
         if current.sets == 1:
-            for light in (range(current.size), range(current.size)[::-1]):
-                yield reduced(degeneralised(with_few_mixed_states(current, light), (0,)))
+            for states in (range(current.size), range(current.size)[::-1]):
+                yield reduced(degeneralised(with_few_mixed_states(current, states), (0,)))

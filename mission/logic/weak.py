@@ -69,13 +69,13 @@ def weak_structure(
     states, rows = progression.explore(progression.state(formula), limit)
     accepting = [colour % 2 == 0 for colour in _colours(progression, diagrams, states, rows)]
     classes = refined(diagrams, rows, accepting)
-    renamed = _renamed(diagrams, rows, classes)
+    merged = renamed(diagrams, rows, classes)
     first: dict[int, int] = {}
     for state, number in enumerate(classes):
         first.setdefault(number, state)
     known: tuple[dict[Diagram, Diagram], ...] = ({}, {})
     moves = tuple(
-        diagrams.transform(renamed[state], partial(_marked, accepting[state]), known[accepting[state]])
+        diagrams.transform(merged[state], partial(_marked, accepting[state]), known[accepting[state]])
         for state in first.values()
     )
     return Structure(diagrams, propositions, 0, moves, 1)
@@ -138,13 +138,14 @@ def refined(diagrams: Diagrams, rows: Sequence[Diagram], start: Sequence[Hashabl
     """
     classes = _numbered(start)
     while True:
-        finer = _numbered(list(zip(classes, _renamed(diagrams, rows, classes), strict=True)))
+        finer = _numbered(list(zip(classes, renamed(diagrams, rows, classes), strict=True)))
         if finer == classes:
             return classes
         classes = finer
 
 
-def _renamed(diagrams: Diagrams, rows: Sequence[Diagram], classes: Sequence[int]) -> list[Diagram]:
+def renamed(diagrams: Diagrams, rows: Sequence[Diagram], classes: Sequence[int]) -> list[Diagram]:
+    """Diagrams with the class of a state on each leaf instead of the state."""
     known: dict[Diagram, Diagram] = {}
     return [diagrams.transform(row, classes.__getitem__, known) for row in rows]
 
