@@ -235,7 +235,7 @@ class Violations:
 
     @cached_property
     def _bad_nodes(self) -> frozenset[Node]:
-        """Nodes of the loop from which an accepting state and the progress of the flight recur for ever."""
+        """Nodes of the loop from which an accepting state, letters and the progress of the flight recur for ever."""
         head = self._layers.head
         places = [(layer, t) for layer in range(head, self._layers.last + 1) for t in self._layers.triangles[layer]]
         if not any(self._reach[layer][t] for layer, t in places):
@@ -243,38 +243,40 @@ class Violations:
         states = self._refutation.states
         base = {place: index * states for index, place in enumerate(places)}
         present = np.concatenate([_array(self._reach[layer][t], states) for layer, t in places])
-        sources, targets, progress = self._edges(base)
-        kept = present[sources]
-        sources, targets, progress = sources[kept], targets[kept], progress[kept]
+        edges = self._edges(base)
+        kept = present[edges[0]]
+        sources, targets, progress, spelling = edges[0][kept], edges[1][kept], edges[2][kept], edges[3][kept]
         shape = (len(present), len(present))
         matrix = coo_array((np.ones(len(sources), dtype=np.int8), (sources, targets)), shape=shape)
         _, component = connected_components(matrix.tocsr(), directed=True, connection="strong")
         inner = component[sources] == component[targets]
-        moving = np.zeros(len(present), dtype=np.bool_)
+        moving, worded = np.zeros((2, len(present)), dtype=np.bool_)
         moving[component[sources[inner & progress]]] = True
+        worded[component[sources[inner & spelling]]] = True  # a lap that spells nothing adds nothing to the word
         accepting = np.zeros(len(present), dtype=np.bool_)
         accepting[component[present & np.tile(self._refutation.accepting, len(places))]] = True
-        bad = np.flatnonzero(present & (moving & accepting)[component])
+        bad = np.flatnonzero(present & (moving & worded & accepting)[component])
         return frozenset((*places[index // states], index % states) for index in bad.tolist())
 
-    def _edges(self, base: dict[tuple[int, int], int]) -> tuple[IntArray, IntArray, BoolArray]:
-        """Edges of the loop: sources, targets, and whether one of them recurs only if time goes on."""
+    def _edges(self, base: dict[tuple[int, int], int]) -> tuple[IntArray, IntArray, BoolArray, BoolArray]:
+        """Edges of the loop: sources, targets, whether one recurs only if time goes on, whether it spells a letter."""
         letters = self._refutation.letters
         rows = {
             letter: (self._refutation.sources[letters == letter], self._refutation.targets[letters == letter])
             for letter in set(self._letters.values())
         }
         every = np.arange(self._refutation.states)
-        parts: list[tuple[IntArray, IntArray, bool]] = []
+        parts: list[tuple[IntArray, IntArray, bool, bool]] = []
         for (layer, triangle), start in base.items():
             for place, spells, progress in self._ways_on(layer, triangle):
                 read, reached = rows[self._letters[place[1]]] if spells else (every, every)
-                parts.append((start + read, base[place] + reached, progress))
-        flags = np.repeat([progress for *_, progress in parts], [len(read) for read, *_ in parts])
+                parts.append((start + read, base[place] + reached, progress, spells))
+        counts = [len(read) for read, *_ in parts]
         return (
             np.concatenate([read for read, *_ in parts]).astype(np.int64),
-            np.concatenate([reached for _, reached, _ in parts]).astype(np.int64),
-            flags.astype(np.bool_),
+            np.concatenate([reached for _, reached, *_ in parts]).astype(np.int64),
+            np.repeat([progress for *_, progress, _ in parts], counts).astype(np.bool_),
+            np.repeat([spells for *_, spells in parts], counts).astype(np.bool_),
         )
 
     def _ways_on(self, layer: int, triangle: int) -> Iterator[tuple[tuple[int, int], bool, bool]]:
