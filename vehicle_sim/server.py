@@ -73,33 +73,29 @@ class Server:
     """Runs an endpoint over its ports until told to stop."""
 
     def __init__(self, endpoint: Endpoint, ports: Sequence[Port], *, clock: Clock, notify: Notify) -> None:
-        """Serve `endpoint`; `notify` takes sentences for whoever runs the program."""
+        """Serve `endpoint`; `notify` takes sentences for whoever runs the program. Who opened the ports closes them."""
         self._endpoint, self._ports = endpoint, tuple(ports)
         self._clock, self._notify = clock, notify
 
     def run(self, speed: float, stopping: Callable[[], bool]) -> None:
-        """Let vehicle time pass at `speed` times real time until `stopping` returns true; close all ports then."""
+        """Let vehicle time pass at `speed` times real time until `stopping` returns true."""
         step_s = self._endpoint.vehicle.config.step_s
         batch = max(round(_BATCH_S / step_s), 1)
         pacer = Pacer(step_s=step_s, speed=speed, now_s=self._clock.now_s())
         told = False
-        try:
-            while not stopping():
-                steps = min(pacer.due(self._clock.now_s()), batch)
-                for _ in range(steps):
-                    self._endpoint.advance()
-                pacer.made(steps)
-                self._flush()
-                if pacer.slowed_to is not None and not told:
-                    told = True
-                    self._notify(
-                        f"this machine cannot keep up {speed:g} times real time: "
-                        f"vehicle time runs at about {pacer.slowed_to:.3g} times"
-                    )
-                self._poll(pacer.wait_s(self._clock.now_s()))
-        finally:
-            for port in self._ports:
-                port.close()
+        while not stopping():
+            steps = min(pacer.due(self._clock.now_s()), batch)
+            for _ in range(steps):
+                self._endpoint.advance()
+            pacer.made(steps)
+            self._flush()
+            if pacer.slowed_to is not None and not told:
+                told = True
+                self._notify(
+                    f"this machine cannot keep up {speed:g} times real time: "
+                    f"vehicle time runs at about {pacer.slowed_to:.3g} times"
+                )
+            self._poll(pacer.wait_s(self._clock.now_s()))
 
     def _flush(self) -> None:
         for port in self._ports:

@@ -22,7 +22,7 @@ PROGRAM = [sys.executable, "-m", "vehicle_sim"]
 def running(*options: str) -> Iterator[tuple["subprocess.Popen[str]", list[str]]]:
     """Start the program on free ports; give the process and the addresses that it announces."""
     process = subprocess.Popen(  # noqa: S603 - this project's own program
-        [*PROGRAM, "--announce", "--quiet", "--no-ground-station", *options],
+        [*PROGRAM, "--announce", "--quiet", *options],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -126,7 +126,17 @@ def test_links_without_options_are_those_that_users_know() -> None:
 
 
 def test_it_announces_its_ports_answers_there_and_ends_on_a_signal() -> None:
-    options = ["--listen", "udpin:127.0.0.1:0", "--listen", "tcpin:127.0.0.1:0", "--sysid", "9", "--speed", "10"]
+    options = [
+        "--no-ground-station",
+        "--listen",
+        "udpin:127.0.0.1:0",
+        "--listen",
+        "tcpin:127.0.0.1:0",
+        "--sysid",
+        "9",
+        "--speed",
+        "10",
+    ]
     with running(*options) as (process, addresses):
         assert [address.partition(":")[0] for address in addresses] == ["udpin", "tcpin"]
         parser = mavlink.MAVLink(None)
@@ -141,19 +151,27 @@ def test_it_announces_its_ports_answers_there_and_ends_on_a_signal() -> None:
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT cannot be sent to one process there")
 def test_ctrl_c_ends_it_cleanly() -> None:
-    with running("--listen", "udpin:127.0.0.1:0") as (process, _addresses):
+    with running("--no-ground-station", "--listen", "udpin:127.0.0.1:0") as (process, _addresses):
         process.send_signal(signal.SIGINT)
         assert process.wait(20.0) == 0
         assert process.stderr is not None
         assert process.stderr.read() == ""
 
 
-def test_it_ends_with_its_parent() -> None:
-    with running("--listen", "udpin:127.0.0.1:0", "--exit-with-parent") as (process, _addresses):
-        assert process.stdin is not None
-        process.stdin.close()
-        assert process.wait(20.0) == 0
-        process.stdin = None
+def test_a_ground_station_sees_it_and_it_ends_with_its_parent() -> None:
+    with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as station:
+        station.bind(("127.0.0.1", 0))
+        station.settimeout(20.0)
+        where = f"udpout:127.0.0.1:{station.getsockname()[1]}"
+        options = ["--listen", "udpin:127.0.0.1:0", "--ground-station", where, "--exit-with-parent"]
+        with running(*options) as (process, _addresses):
+            assert mavlink.MAVLink(None).parse_buffer(station.recv(4096))[0].get_type() == "HEARTBEAT"
+            assert process.stdin is not None
+            process.stdin.close()
+            assert process.wait(20.0) == 0
+            assert process.stderr is not None
+            assert process.stderr.read() == ""
+            process.stdin = None
 
 
 def test_a_taken_port_that_was_asked_for_is_a_fault(capsys: pytest.CaptureFixture[str]) -> None:
