@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,20 +91,25 @@ class BuchiAutomaton:
     @cached_property
     def deterministic(self) -> bool:
         """Whether there is one initial state and no state has two transitions for the same letter."""
-        return len(self.initial) == 1 and not any(
-            first.guard.overlaps(second.guard) for group in self.outgoing for first, second in combinations(group, 2)
-        )
+        if len(self.initial) > 1:
+            return False
+        diagrams = Diagrams()
+        for group in self.outgoing:
+            seen = diagrams.false
+            for edge in group:
+                letters = diagrams.any_of(map(diagrams.cube, edge.guard.cubes))
+                if diagrams.both(seen, letters) != diagrams.false:
+                    return False
+                seen = diagrams.either(seen, letters)
+        return True
 
     @cached_property
     def complete(self) -> bool:
         """Whether every state has a transition for every letter."""
         diagrams = Diagrams()
         for group in self.outgoing:
-            allowed = diagrams.false
-            for edge in group:
-                for holds, fails in edge.guard.cubes:
-                    allowed = diagrams.either(allowed, diagrams.cube((holds, fails)))
-            if allowed != diagrams.true:
+            letters = diagrams.any_of(diagrams.cube(cube) for edge in group for cube in edge.guard.cubes)
+            if letters != diagrams.true:
                 return False
         return True
 

@@ -192,10 +192,22 @@ class Diagrams:
                 pending.extend((self.high[node], self.low[node]))
         return tuple(found)
 
-    def indicator(self, diagram: Diagram, leaf: Diagram) -> Diagram:
-        """Where ``diagram`` has the value of ``leaf``, as a Boolean function."""
-        wanted = self.value[leaf]
-        return self.transform(diagram, lambda value: bool(value == wanted), {})
+    def regions(self, diagram: Diagram, known: dict[Diagram, dict[Diagram, Diagram]]) -> dict[Diagram, Diagram]:
+        """For each leaf where ``diagram`` ends in it, as a Boolean function; ``known`` remembers results."""
+        result = known.get(diagram)
+        if result is None:
+            variable = self.variable[diagram]
+            if variable == LEAF:
+                result = {diagram: self.true}
+            else:
+                low = self.regions(self.low[diagram], known)
+                high = self.regions(self.high[diagram], known)
+                leaves = dict.fromkeys((*low, *high))
+                result = {
+                    leaf: self.test(variable, low.get(leaf, self.false), high.get(leaf, self.false)) for leaf in leaves
+                }
+            known[diagram] = result
+        return result
 
     def evaluate(self, diagram: Diagram, holds: int) -> Hashable:
         """The value where exactly the variables of the bits ``holds`` hold."""
@@ -210,7 +222,24 @@ class Diagrams:
 
         Source: Minato, "Fast generation of irredundant sum-of-products forms from binary decision diagrams" (1992).
         """
-        return self._cover(diagram, diagram, {})[0]
+        cube = self._single_cube(diagram)
+        return self._cover(diagram, diagram, {})[0] if cube is None else (cube,)
+
+    def _single_cube(self, diagram: Diagram) -> Cube | None:
+        holds = fails = 0
+        while diagram != self.true:
+            if diagram == self.false:
+                return None
+            low, high = self.low[diagram], self.high[diagram]
+            if low == self.false:
+                holds |= 1 << self.variable[diagram]
+                diagram = high
+            elif high == self.false:
+                fails |= 1 << self.variable[diagram]
+                diagram = low
+            else:
+                return None
+        return holds, fails
 
     def _cover(
         self, lower: Diagram, upper: Diagram, known: dict[tuple[Diagram, Diagram], tuple[tuple[Cube, ...], Diagram]]

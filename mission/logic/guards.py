@@ -45,14 +45,6 @@ class Guard:
         """The same for a letter given as the bits of what holds."""
         return any(not holds & ~bits and not fails & bits for holds, fails in self.cubes)
 
-    def overlaps(self, other: "Guard") -> bool:
-        """Whether some letter is allowed by both; ``other`` is over the same propositions."""
-        return any(
-            not (holds & other_fails or fails & other_holds)
-            for holds, fails in self.cubes
-            for other_holds, other_fails in other.cubes
-        )
-
     def formula(self) -> Formula:
         """The guard as a formula without temporal operators; literals that all cubes share stand in front."""
         if not self.cubes:

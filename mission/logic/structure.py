@@ -7,7 +7,7 @@ infinitely often.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 from mission.logic.automaton import BuchiAutomaton, Edge, GeneralisedBuchi, MarkedEdge
 from mission.logic.components import backward_reachable, strong_components
@@ -84,10 +84,28 @@ class Structure:
             lambda moves: tuple((number[target], marks) for target, marks in moves if target in number)
         )
 
+    @cached_property
     def deterministic(self) -> bool:
         """Whether no state has two moves for the same letter."""
         value = self.diagrams.value
         return all(len(value[leaf]) <= 1 for diagram in set(self.moves) for leaf in self.diagrams.leaves(diagram))
+
+    @cached_property
+    def edge_count(self) -> int:
+        """Number of pairs of states with a move from the one to the other."""
+        return sum(map(len, self.successors()))
+
+    @cached_property
+    def accepting_by_state(self) -> bool:
+        """Whether all moves of a state that stay in its component are in the same sets, and there is at most one."""
+        if self.sets > 1:
+            return False
+        parts = components(self)
+        for state, moves in enumerate(self.transitions()):
+            home = parts.of_state[state]
+            if len({marks for target, marks in moves if parts.of_state[target] == home}) > 1:
+                return False
+        return True
 
 
 @dataclass(frozen=True)
@@ -192,10 +210,11 @@ def state_based(structure: Structure) -> BuchiAutomaton:
     order = _breadth_first(structure)
     parts = components(structure)
     number = {state: index for index, state in enumerate(order)}
+    known: dict[Diagram, dict[Diagram, Diagram]] = {}
     edges: list[Edge] = []
     accepting: set[int] = set()
     for state in order:
-        guards = _guards(structure, state)
+        guards = _guards(structure, state, known)
         if parts.accepting[parts.of_state[state]] and (not structure.sets or any(marks for _, marks in guards)):
             accepting.add(number[state])
         edges.extend(Edge(number[state], guard, number[target]) for (target, _), guard in guards.items())
@@ -207,10 +226,11 @@ def transition_based(structure: Structure) -> GeneralisedBuchi:
     """A structure as a value; states are numbered in the order in which a breadth-first search meets them."""
     order = _breadth_first(structure)
     number = {state: index for index, state in enumerate(order)}
+    known: dict[Diagram, dict[Diagram, Diagram]] = {}
     edges = [
         MarkedEdge(number[state], guard, number[target], _listed(marks))
         for state in order
-        for (target, marks), guard in _guards(structure, state).items()
+        for (target, marks), guard in _guards(structure, state, known).items()
     ]
     edges.sort(key=lambda edge: (edge.source, edge.target, edge.marks))
     return GeneralisedBuchi(structure.propositions, len(order), (0,), structure.sets, tuple(edges))
@@ -231,12 +251,11 @@ def _breadth_first(structure: Structure) -> list[int]:
     return list(order)
 
 
-def _guards(structure: Structure, state: int) -> dict[Move, Guard]:
+def _guards(structure: Structure, state: int, known: dict[Diagram, dict[Diagram, Diagram]]) -> dict[Move, Guard]:
     """The moves of a state, each with the letters that it is made for."""
     diagrams = structure.diagrams
     letters: dict[Move, Diagram] = {}
-    for leaf in diagrams.leaves(structure.moves[state]):
-        here = diagrams.indicator(structure.moves[state], leaf)
+    for leaf, here in diagrams.regions(structure.moves[state], known).items():
         for move in diagrams.value[leaf]:
             letters[move] = diagrams.either(letters.get(move, diagrams.false), here)
     return {move: Guard(structure.propositions, diagrams.cover(where)) for move, where in letters.items()}

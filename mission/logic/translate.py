@@ -77,19 +77,17 @@ class _Translation:
         self._short = simplified(self.formula)
 
     def state_based(self) -> BuchiAutomaton:
-        best: tuple[tuple[int, bool, int], BuchiAutomaton] | None = None
+        best: tuple[tuple[int, bool, int], Structure] | None = None
         for candidate in self._candidates():
             if best is not None and candidate.size > best[0][0]:
                 continue
             for form in _state_based_forms(candidate):
-                if best is None or form.size <= best[0][0]:
-                    automaton = state_based(form)
-                    rank = (automaton.size, not automaton.deterministic, automaton.edge_count)
-                    if best is None or rank < best[0]:
-                        best = rank, automaton
+                rank = (form.size, not form.deterministic, form.edge_count)
+                if best is None or rank < best[0]:
+                    best = rank, form
         if best is None:
             raise AutomatonSizeError("the formula has no automaton of a size that can be built")
-        return best[1]
+        return state_based(best[1])
 
     def generalised(self) -> GeneralisedBuchi:
         candidates = [transition_based(candidate) for candidate in self._candidates()]
@@ -178,6 +176,10 @@ def _spread(values: Sequence[_T], number: int) -> list[_T]:
 
 def _state_based_forms(structure: Structure) -> Iterator[Structure]:
     """Equivalent structures whose states accept, found in several ways."""
+    if structure.accepting_by_state:
+        yield structure
+        if structure.deterministic:
+            return
     if structure.sets < 4:  # noqa: PLR2004 - six orders
         orders = list(permutations(range(structure.sets)))
     else:
