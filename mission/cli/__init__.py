@@ -66,9 +66,7 @@ def _parser() -> argparse.ArgumentParser:
     fly.add_argument(
         "--run", type=_natural, metavar="I", help="take the I-th shortest run, from 0 (default: as the file)"
     )
-    fly.add_argument(
-        "--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)"
-    )
+    fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
     bundled = fly.add_argument_group("the bundled vehicle (not with --connect)")
     bundled.add_argument("--speed", type=_positive, metavar="X", help="multiples of real time (default: 20)")
