@@ -1,0 +1,54 @@
+"""A vehicle flown in lock-step, without links: waits are in vehicle time and say what they last saw."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from vehicle_sim.autopilot import LandedState, Mode, Outcome
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.signals import Setpoint
+from vehicle_sim.vehicle import Vehicle, VehicleConfig
+
+
+def run(vehicle: Vehicle, seconds: float, setpoint: Setpoint | None = None) -> None:
+    """Let vehicle time pass; a setpoint is repeated at 20 Hz."""
+    steps = round(seconds / vehicle.config.step_s)
+    for _ in range(steps):
+        if setpoint is not None and vehicle.steps % 5 == 0:
+            vehicle.autopilot.setpoint(setpoint)
+        vehicle.step()
+
+
+def wait_until(vehicle: Vehicle, predicate: Callable[[Vehicle], bool], *, within_s: float) -> float:
+    """Step until `predicate` holds and return the vehicle time; fail with what was last seen."""
+    deadline_s = vehicle.time_s + within_s
+    while not predicate(vehicle):
+        if vehicle.time_s >= deadline_s:
+            autopilot = vehicle.autopilot
+            raise AssertionError(
+                f"not within {within_s} s; at {vehicle.time_s:.2f} s: {autopilot.mode}, armed {autopilot.armed}, "
+                f"{autopilot.landed_state!r}, {vehicle.estimate}, texts {list(autopilot.texts)}"
+            )
+        vehicle.step()
+    return vehicle.time_s
+
+
+def booted(flavour: Flavour = Flavour.ARDUPILOT, *, seed: int = 1, wind_m_s: float = 0.0) -> Vehicle:
+    """Return a vehicle that has waited for its position; wind comes with gusts of a quarter of its speed."""
+    config = replace(VehicleConfig(flavour=flavour, seed=seed), wind_m_s=wind_m_s, gust_m_s=0.25 * wind_m_s)
+    vehicle = Vehicle(config)
+    wait_until(vehicle, lambda v: v.estimate.status.position_ok and v.autopilot.home is not None, within_s=20.0)
+    return vehicle
+
+
+def hovering(
+    flavour: Flavour = Flavour.ARDUPILOT, *, height_m: float = 10.0, seed: int = 1, wind_m_s: float = 0.0
+) -> Vehicle:
+    """Return a vehicle that has taken off and hovers."""
+    vehicle = booted(flavour, seed=seed, wind_m_s=wind_m_s)
+    autopilot = vehicle.autopilot
+    if flavour is Flavour.ARDUPILOT:
+        assert autopilot.set_mode(Mode.GUIDED) is Outcome.ACCEPTED
+    assert autopilot.arm() is Outcome.ACCEPTED
+    assert autopilot.takeoff(height_m) is Outcome.ACCEPTED
+    wait_until(vehicle, lambda v: v.autopilot.landed_state is LandedState.IN_AIR, within_s=30.0)
+    return vehicle

@@ -1,0 +1,165 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from tests.support.bare_vehicle import booted, hovering, run, wait_until
+from vehicle_sim.estimator import Estimator, EstimatorTuning
+from vehicle_sim.geodesy import geodetic_at, ned_offset_m
+from vehicle_sim.sensors import SensorErrors, Sensors
+from vehicle_sim.signals import EstimatorFlag, GpsReading, Setpoint
+from vehicle_sim.vehicle import Vehicle, VehicleConfig
+
+
+def flown_error(vehicle: Vehicle) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Error of position and velocity (6), both counted from the estimator's own origin."""
+    estimate = vehicle.estimate
+    assert estimate.origin is not None
+    place = ned_offset_m(estimate.origin, vehicle.true_place)
+    return np.array([*place, *vehicle.truth.velocity_ned_m_s]) - [
+        *estimate.position_ned_m,
+        *estimate.velocity_ned_m_s,
+    ]
+
+
+def test_no_position_before_the_origin_and_no_trust_before_it_has_settled() -> None:
+    vehicle = Vehicle(VehicleConfig())
+    assert vehicle.estimate.origin is None
+    aligned_s = wait_until(vehicle, lambda v: v.estimate.status.attitude_ok, within_s=5.0)
+    assert vehicle.estimate.status.flags == EstimatorFlag.ATTITUDE | EstimatorFlag.CONSTANT_POSITION
+    origin_s = wait_until(vehicle, lambda v: v.estimate.origin is not None, within_s=15.0)
+    assert not vehicle.estimate.status.position_ok
+    trusted_s = wait_until(vehicle, lambda v: v.estimate.status.position_ok, within_s=5.0)
+    assert (aligned_s, origin_s, trusted_s) == pytest.approx((2.0, 8.0, 9.5), abs=0.15)
+
+
+def test_the_origin_is_what_the_gps_said_then_not_the_truth() -> None:
+    vehicle = Vehicle(VehicleConfig(seed=4))
+    wait_until(vehicle, lambda v: v.estimate.origin is not None, within_s=15.0)
+    gps = vehicle.readings.gps
+    assert gps is not None
+    assert vehicle.estimate.origin == gps.position
+    off = ned_offset_m(vehicle.config.home, gps.position)
+    assert 0.01 < np.hypot(off[0], off[1]) < 2.0
+
+
+def test_errors_are_as_large_as_the_filter_says() -> None:
+    """Normalised estimation error squared of position and velocity over independent flights (Bar-Shalom, 5.4.2)."""
+    squares = []
+    for seed in range(24):
+        vehicle = hovering(seed=100 + seed, wind_m_s=4.0)
+        n, e, d = vehicle.estimate.position_ned_m
+        run(vehicle, 6.0, Setpoint(position_ned_m=(n + 8.0, e - 5.0, d), velocity_ned_m_s=(0.0, 0.0, 0.0)))
+        # The estimate is read where the filter has just been updated, so that its covariance is that of the moment.
+        wait_until(vehicle, lambda v: v.steps % 10 == 0, within_s=0.1)
+        navigation = vehicle._estimator.navigation
+        assert navigation is not None
+        error = flown_error(vehicle)
+        squares.append(float(error @ np.linalg.solve(navigation.covariance[:6, :6], error)))
+    assert chi2.ppf(0.0005, 6 * len(squares)) < sum(squares) < chi2.ppf(0.9995, 6 * len(squares))
+
+
+def test_innovations_are_as_large_as_the_filter_says() -> None:
+    vehicle = hovering(seed=9)
+    navigation = vehicle._estimator.navigation
+    assert navigation is not None
+    gates, degrees = (27.6, 23.9, 30.7, 23.9), (2, 1, 3, 1)
+    rows = []
+    for _ in range(600):
+        run(vehicle, 0.1)
+        rows.append([ratio**2 * gate for ratio, gate in zip(navigation.ratios, gates, strict=True)])
+    for mean, count in zip(np.mean(rows, axis=0), degrees, strict=True):
+        total = mean * len(rows)
+        assert chi2.ppf(0.0005, count * len(rows)) < total < chi2.ppf(0.9995, count * len(rows))
+
+
+def test_hovering_is_known_to_a_third_of_a_metre() -> None:
+    errors = []
+    for seed in range(8):
+        vehicle = hovering(seed=seed)
+        run(vehicle, 5.0)
+        errors.append(flown_error(vehicle))
+    rms = np.sqrt(np.mean(np.square(errors), axis=0))
+    assert np.hypot(rms[0], rms[1]) < 0.5
+    assert np.all(rms[3:] < 0.1)
+
+
+def shifted(gps: GpsReading, north_m: float) -> GpsReading:
+    return gps._replace(position=geodetic_at(gps.position, (north_m, 0.0, 0.0)))
+
+
+class Bench:
+    """Sensors and estimator on a table: readings can be tampered with on their way."""
+
+    def __init__(self, seed: int = 1) -> None:
+        self.vehicle = Vehicle(VehicleConfig(seed=seed))
+        self.sensors = Sensors(SensorErrors(), seed=seed, home=self.vehicle.config.home, step_s=0.01)
+        self.estimator = Estimator(EstimatorTuning(), step_s=0.01)
+        self.steps = 0
+
+    def run(self, seconds: float, *, gps_north_m: float | None = 0.0) -> None:
+        """Let time pass with the GPS shifted to the north, or silent."""
+        for _ in range(round(seconds * 100)):
+            self.steps += 1
+            time_s = self.steps * 0.01
+            self.sensors.sample(self.steps, time_s, self.vehicle.truth)
+            due = self.steps % 10 == 0
+            gps = self.sensors.gps if due and gps_north_m is not None else None
+            self.estimator.step(
+                time_s,
+                self.sensors.imu,
+                gps if gps is None or not gps_north_m else shifted(gps, gps_north_m),
+                self.sensors.baro if due else None,
+                self.sensors.compass if due else None,
+            )
+
+
+def test_outliers_are_refused_and_leave_the_estimate_alone() -> None:
+    bench = Bench()
+    bench.run(15.0)
+    before = bench.estimator.estimate.position_ned_m
+    bench.run(1.0, gps_north_m=30.0)
+    estimate = bench.estimator.estimate
+    assert estimate.status.gps_glitch
+    assert estimate.status.position_ok
+    assert np.allclose(estimate.position_ned_m, before, atol=0.4)
+    bench.run(0.5)
+    assert not bench.estimator.estimate.status.gps_glitch
+
+
+def test_a_position_that_insists_is_believed_in_the_end() -> None:
+    bench = Bench()
+    bench.run(15.0)
+    bench.run(20.0, gps_north_m=30.0)
+    estimate = bench.estimator.estimate
+    assert estimate.position_ned_m[0] == pytest.approx(30.0, abs=1.5)
+    assert estimate.status.position_ok
+
+
+def test_without_gps_the_position_is_no_longer_vouched_for() -> None:
+    bench = Bench()
+    bench.run(15.0)
+    bench.run(4.0, gps_north_m=None)
+    assert bench.estimator.estimate.status.position_ok
+    bench.run(2.0, gps_north_m=None)
+    status = bench.estimator.estimate.status
+    assert not status.position_ok
+    assert status.height_ok
+    bench.run(2.0)
+    assert bench.estimator.estimate.status.position_ok
+
+
+def test_a_tilt_error_is_found_while_flying() -> None:
+    errors = replace(SensorErrors(), accelerometer_bias_m_s2=0.2)
+    vehicle = Vehicle(VehicleConfig(seed=3, sensor_errors=errors))
+    wait_until(vehicle, lambda v: v.estimate.status.position_ok, within_s=20.0)
+    run(vehicle, 20.0)
+    # Standing level, the tilt that explains the bias of the accelerometers is the best that any filter can find.
+    assert abs(vehicle.estimate.acceleration_ned_m_s2[0]) < 0.2
+    assert np.hypot(*vehicle.estimate.velocity_ned_m_s[:2]) < 0.1
+
+
+def test_equal_seeds_give_equal_estimates() -> None:
+    assert booted(seed=5).estimate == booted(seed=5).estimate
+    assert booted(seed=5).estimate != booted(seed=6).estimate
