@@ -1,0 +1,17 @@
+"""The flight: one loop around clock, link, session, monitor and record; and the bundled vehicle as a process."""
+
+from mission.fly.interruption import StopSignals
+from mission.fly.loop import FlightOptions, fly
+from mission.fly.result import FlightResult, Progress
+from mission.fly.vehicle_process import BundledVehicle, VehicleOptions, home_for
+
+__all__ = [
+    "BundledVehicle",
+    "FlightOptions",
+    "FlightResult",
+    "Progress",
+    "StopSignals",
+    "VehicleOptions",
+    "fly",
+    "home_for",
+]

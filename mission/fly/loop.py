@@ -1,0 +1,261 @@
+"""The one flight loop: clock, transport, session, plan, monitor and record, in lock-step or in real time alike."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from mission.clock import Clock
+from mission.errors import LinkError, MissionError, VehicleError
+from mission.fly.placing import anchored_at_start, check_stand, placed
+from mission.fly.result import FlightResult, Progress
+from mission.fly.watch import FlightWatch, RecordWriter
+from mission.link.contact import LinkOptions
+from mission.link.course import Course
+from mission.link.session import Ending, Session
+from mission.link.steps import Stage
+from mission.link.transport import Transport
+from mission.monitor.failsafe import Decision, Situation, decide
+from mission.plan import FlightPlan, plan_mission
+
+_STRAY_M = 10.0
+_STRAY_FOR_S = 5.0
+_UNTRUSTED_FOR_S = 2.0
+_PROGRESS_S = 0.1
+_INTERRUPTED = "interrupted by the user"
+
+
+@dataclass(frozen=True)
+class FlightOptions:
+    """How a flight is conducted.
+
+    Attributes:
+        link: Ids and patience on the link.
+        land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot. Otherwise the
+            vehicle is left holding, for its pilot to decide: what lies under a real one is not known here.
+        stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
+    """
+
+    link: LinkOptions = field(default_factory=LinkOptions)
+    land_when_stopped: bool = False
+    stray_m: float = _STRAY_M
+
+
+def fly(
+    plan: FlightPlan,
+    transport: Transport,
+    clock: Clock,
+    record: RecordWriter,
+    *,
+    options: FlightOptions | None = None,
+    run: int | None = None,
+    on_progress: Callable[[Progress], None] | None = None,
+    vehicle_failure: Callable[[], str] | None = None,
+    stop_reason: Callable[[], str] | None = None,
+) -> FlightResult:
+    """Fly a plan.
+
+    A mission with a place on Earth is planned anew from where the vehicle stands; any other is anchored so that the
+    vehicle stands at its start.
+
+    Args:
+        plan: What to fly, planned from the mission's own start.
+        transport: The link to the vehicle; it is left open.
+        clock: Paces repetitions on the link. The trajectory goes by the vehicle's own clock.
+        record: Where everything is written down as it happens.
+        options: How the flight is conducted.
+        run: Which of the shortest runs to fly, where it is planned anew; the mission's choice by default.
+        on_progress: Called some times a second.
+        vehicle_failure: Says why the vehicle can no longer be there, empty while it can.
+        stop_reason: Says why to give the flight up, empty while there is no reason.
+
+    Raises:
+        LinkError: The vehicle could not be found, or was lost; the record is complete up to there.
+        VehicleError: It refused, failed, or did not do what it accepted.
+        NoPlanError: It stands where this mission cannot be flown from.
+    """
+    flight = _Flight(plan, clock, record, options or FlightOptions(), run)
+    try:
+        return _loop(flight, transport, on_progress, vehicle_failure or _nothing, stop_reason or _nothing)
+    except MissionError as error:
+        flight.write_failure(str(error))
+        raise
+
+
+def _nothing() -> str:
+    return ""
+
+
+def _loop(
+    flight: "_Flight",
+    transport: Transport,
+    on_progress: Callable[[Progress], None] | None,
+    vehicle_failure: Callable[[], str],
+    stop_reason: Callable[[], str],
+) -> FlightResult:
+    shown_s = -math.inf
+    while True:
+        try:
+            flight.turn(transport, stop_reason)
+            if flight.session.ending is not None:
+                return flight.result()
+            if failure := vehicle_failure():
+                raise LinkError(failure)
+            now_s = flight.clock.now_s()
+            if on_progress is not None and now_s - shown_s >= _PROGRESS_S:
+                shown_s = now_s
+                on_progress(flight.watch.progress(flight.session))
+        except KeyboardInterrupt:
+            if flight.interrupted:
+                raise
+            flight.stop(_INTERRUPTED, interrupted=True)
+
+
+class _Flight:
+    """One flight's parts, and what holds them together."""
+
+    def __init__(
+        self, plan: FlightPlan, clock: Clock, record: RecordWriter, options: FlightOptions, run: int | None
+    ) -> None:
+        self.plan, self.clock, self.record, self.options = plan, clock, record, options
+        self.session = Session(needs_origin=plan.spec.origin is not None, options=options.link)
+        self.watch = FlightWatch(plan, record)
+        self.interrupted = False
+        self._run = run
+        self._began_s = clock.now_s()
+        self._trusted_s = self._near_s = -math.inf
+
+    @property
+    def newest_s(self) -> float | None:
+        """The vehicle's time."""
+        return self.session.vehicle.clock.newest_s
+
+    def turn(self, transport: Transport, stop_reason: Callable[[], str]) -> None:
+        """One turn of the loop: listen, think, speak."""
+        session, clock = self.session, self.clock
+        for data in transport.receive(session.wait_s(clock.now_s())):
+            session.receive(data, clock.now_s())
+        session.advance(clock.now_s())
+        self.take_events()
+        if session.stage is Stage.STANDBY:
+            self.depart()
+        self.look_after()
+        if reason := stop_reason():
+            self.stop(reason, interrupted=True)
+        for frame in session.outgoing():
+            transport.send(frame)
+
+    def take_events(self) -> None:
+        """Pass on what the session has to tell."""
+        for event in self.session.events():
+            self.watch.take(event)
+
+    def depart(self) -> None:
+        """Plan for where the vehicle stands, and go."""
+        vehicle, spec = self.session.vehicle, self.plan.spec
+        if spec.origin is None:
+            anchoring = anchored_at_start(self.plan.start_m)
+        else:
+            stands_m, anchoring = placed(spec.origin, vehicle)
+            check_stand(self.plan, stands_m)
+            self.plan = plan_mission(spec, start_m=stands_m, run=self._run)
+            name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
+            self.watch.vehicle = name
+        self.record.write(
+            "event",
+            self.newest_s,
+            name="planned",
+            start_m=self.plan.start_m,
+            run=self.plan.run.states,
+            duration_s=self.plan.trajectory.duration_s,
+            tube_m=self.plan.certificate.tube_m,
+        )
+        heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
+        self.session.depart(Course(self.plan.trajectory, heading), anchoring)
+
+    def look_after(self) -> None:
+        """Give the flight up where going on would be wrong."""
+        session, now_s = self.session, self.newest_s
+        if session.stage is not Stage.FLY or now_s is None or self.watch.began_s is None:
+            return
+        vehicle, tracking = session.vehicle, self.watch.tracking
+        if vehicle.estimate_trusted and now_s - vehicle.position_at_s < _UNTRUSTED_FOR_S:
+            self._trusted_s = now_s
+        ruling = decide(
+            Situation(
+                telemetry_age_s=0.0,  # the session looks after silence, and after whoever else flies
+                mode_expected="",
+                mode_reported="",
+                estimate_healthy=now_s - max(self._trusted_s, self.watch.began_s) < _UNTRUSTED_FOR_S,
+                battery_critical=vehicle.battery_critical,
+                violation=self.watch.violation(),
+                verdict=self.watch.monitor.verdict,
+                excess_s=0.0,  # beyond the tube nothing is proved, but the reported word still decides
+                error_m=tracking.error_m,
+                tube_m=self.plan.certificate.tube_m,
+            )
+        )
+        if tracking.error_m <= self.options.stray_m:
+            self._near_s = now_s
+        if ruling.decision is Decision.HOLD_AND_LAND:
+            self.stop(ruling.reason, interrupted=False)
+        elif now_s - max(self._near_s, self.watch.began_s) > _STRAY_FOR_S:
+            self.stop(f"the vehicle does not follow: it is {tracking.error_m:.1f} m off", interrupted=False)
+
+    def stop(self, reason: str, *, interrupted: bool) -> None:
+        """Give the flight up, once."""
+        if not self.interrupted and self.session.ending is None:
+            self.interrupted |= interrupted
+            self.record.write("event", self.newest_s, name="stop", reason=reason)
+            self.session.stop(reason, self.clock.now_s(), land=self.options.land_when_stopped)
+
+    def result(self) -> FlightResult:
+        """The verdict on the flight, written down.
+
+        Raises:
+            VehicleError: A failsafe of the vehicle ended the flight.
+        """
+        self.take_events()
+        session, watch = self.session, self.watch
+        ending = session.ending or Ending.LANDED
+        if ending is Ending.FAILSAFE:
+            raise VehicleError(session.ending_reason)
+        achieved, reason = False, session.ending_reason
+        if ending is Ending.LANDED:
+            outcome = watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent)
+            achieved, reason = outcome.achieved, outcome.reason
+        result = FlightResult(
+            plan=self.plan,
+            achieved=achieved,
+            reason=reason,
+            ending=ending,
+            interrupted=self.interrupted,
+            vehicle=watch.vehicle,
+            began_s=watch.began_s,
+            ended_s=self.newest_s,
+            elapsed_s=self.clock.now_s() - self._began_s,
+            largest_error_m=watch.tracking.largest_m,
+            largest_distance_m=watch.largest_distance_m,
+            beyond_tube_s=watch.beyond_tube_s,
+            word=watch.monitor.word,
+            laps=watch.monitor.laps,
+            violations=watch.monitor.violations,
+        )
+        self.record.write(
+            "verdict",
+            self.newest_s,
+            achieved=achieved,
+            reason=reason,
+            ending=ending.name.lower(),
+            interrupted=self.interrupted,
+            largest_error_m=result.largest_error_m,
+            largest_distance_m=result.largest_distance_m,
+            beyond_tube_s=result.beyond_tube_s,
+            word=[sorted(letter) for letter in result.word],
+            laps=result.laps,
+        )
+        return result
+
+    def write_failure(self, reason: str) -> None:
+        """Write down why the flight could not be brought to an end."""
+        self.take_events()
+        self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="failed")

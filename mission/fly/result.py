@@ -1,0 +1,91 @@
+"""What a flight came to, and how far it is while it lasts."""
+
+from dataclasses import dataclass
+
+from mission.link.session import Ending
+from mission.link.steps import Stage
+from mission.monitor.monitor import Violation
+from mission.monitor.verdict import Verdict
+from mission.plan import FlightPlan
+
+
+@dataclass(frozen=True)
+class Progress:
+    """One moment of a flight, for whoever watches.
+
+    Attributes:
+        stage: Where the flight is.
+        waiting_for: What the vehicle is waited for, in plain words; empty where nothing is.
+        t_s: Vehicle time; None before the vehicle has told it.
+        trajectory_s: Time on the trajectory; 0 before it, its duration after it.
+        duration_s: Duration of the trajectory.
+        leg: Which triangle of the path is flown, from 0.
+        legs: How many there are.
+        done: Letters that brought the automaton nearer to where it accepts for ever.
+        total: How many of them the whole way takes at least.
+        awaited: Region names that would bring it nearer.
+        laps: How often the loop of a recurrent run has been flown.
+        verdict: What is known of the word flown so far.
+    """
+
+    stage: Stage
+    waiting_for: str
+    t_s: float | None
+    trajectory_s: float
+    duration_s: float
+    leg: int
+    legs: int
+    done: int
+    total: int
+    awaited: tuple[str, ...]
+    laps: int
+    verdict: Verdict
+
+    @property
+    def left_s(self) -> float:
+        """What is left of the trajectory."""
+        return self.duration_s - self.trajectory_s
+
+
+@dataclass(frozen=True, eq=False)
+class FlightResult:
+    """A flight that came to its end.
+
+    Attributes:
+        plan: What was to be flown, planned anew where the mission has a place.
+        achieved: Whether the word that the vehicle reported satisfies the specification, without a violation.
+        reason: Why, in plain words.
+        ending: How it ended.
+        interrupted: Whether the user ended it.
+        vehicle: Which autopilot flew it.
+        began_s: Vehicle time at which the trajectory began; None where it never did.
+        ended_s: Vehicle time at the end.
+        elapsed_s: How long the whole took on the clock here.
+        largest_error_m: Largest distance on an axis from the trajectory; the certificate's tube is about this.
+        largest_distance_m: Largest horizontal distance from the trajectory.
+        beyond_tube_s: Longest time without a break that the error was beyond the tube.
+        word: The letters that were flown.
+        laps: How often the loop of a recurrent run was flown.
+        violations: Departures from the domain and entries into restricted regions.
+    """
+
+    plan: FlightPlan
+    achieved: bool
+    reason: str
+    ending: Ending
+    interrupted: bool
+    vehicle: str
+    began_s: float | None
+    ended_s: float | None
+    elapsed_s: float
+    largest_error_m: float
+    largest_distance_m: float
+    beyond_tube_s: float
+    word: tuple[frozenset[str], ...]
+    laps: int
+    violations: tuple[Violation, ...]
+
+    @property
+    def exit_code(self) -> int:
+        """What a program that flies ends with: 0 achieved, 1 flown but not achieved."""
+        return 0 if self.achieved else 1

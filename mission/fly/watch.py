@@ -1,0 +1,188 @@
+"""Turns what the session tells into the record, the monitor's view of the flight, and progress."""
+
+import math
+from bisect import bisect_right
+from typing import Protocol
+
+import numpy as np
+
+from mission.fly.result import Progress
+from mission.geometry.location import OUTSIDE
+from mission.link.events import (
+    Anchored,
+    Answered,
+    Asked,
+    Event,
+    Identified,
+    Moved,
+    Said,
+    SetpointSent,
+    StageEntered,
+    VersionTold,
+)
+from mission.link.session import Session
+from mission.link.steps import Stage
+from mission.monitor.monitor import Monitor
+from mission.monitor.tracking import TrackingWatch
+from mission.plan import FlightPlan
+
+_WATCHED = (Stage.FLY, Stage.ARRIVE, Stage.HOLD, Stage.LAND, Stage.TOUCH_DOWN)
+
+
+class RecordWriter(Protocol):
+    """Where the flight is written down, a line at a time."""
+
+    def write(self, kind: str, t_s: float | None, **values: object) -> None:
+        """Write one line, at a vehicle time."""
+        ...
+
+
+class FlightWatch:
+    """Watches one flight of one plan.
+
+    The word begins when the trajectory does, at its start, and ends on the ground; what a standing vehicle's position
+    estimate does before take-off is not the flight.
+
+    Attributes:
+        monitor: The word flown so far.
+        tracking: The distance from the trajectory.
+        largest_distance_m: Largest horizontal distance from the trajectory.
+        beyond_tube_s: Longest time without a break that the vehicle was beyond the certified tube.
+        began_s: Vehicle time at which the trajectory began; None before.
+        vehicle: Name of the autopilot; empty before it is known.
+    """
+
+    def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
+        """Watch from the ground."""
+        self.plan = plan
+        self.monitor = Monitor(
+            plan.locator,
+            plan.labelling,
+            formula=plan.formula,
+            automaton=plan.compiled,
+            refutation=plan.compiled_refutation,
+            semantics=plan.spec.semantics,
+            restricted=plan.restricted,
+            suffix=plan.run.suffix if plan.run.recurrent else (),
+            laps=plan.spec.flight.laps,
+        )
+        self.tracking = TrackingWatch(plan.certificate.tube_m)
+        self.largest_distance_m = 0.0
+        self.beyond_tube_s = 0.0
+        self.began_s: float | None = None
+        self.vehicle = ""
+        self._record = record
+        self._stage = Stage.CONNECT
+        self._visits_written = self._violations_written = 0
+        starts_s = [segment.start_s for segment in plan.path.segments]
+        self._leg_starts_s = plan.trajectory.law.time_at(np.array(starts_s)).tolist()
+
+    def take(self, event: Event) -> None:
+        """Write an event down and draw the consequences."""
+        if isinstance(event, Moved):
+            self._moved(event)
+        elif isinstance(event, SetpointSent):
+            reference = event.reference
+            self._record.write(
+                "setpoint",
+                event.t_s,
+                position_m=reference.position_m,
+                velocity_m_s=reference.velocity_m_s,
+                acceleration_m_s2=reference.acceleration_m_s2,
+                yaw_rad=event.yaw_rad,
+                trajectory_s=event.trajectory_s,
+            )
+        elif isinstance(event, StageEntered):
+            self._stage = event.stage
+            if event.stage is Stage.FLY:
+                self.began_s = event.t_s
+            self._record.write("event", event.t_s, name="stage", stage=event.stage)
+        else:
+            self._write_down(event)
+
+    def progress(self, session: Session) -> Progress:
+        """Where the flight is now."""
+        guidance, newest_s = session.guidance, session.vehicle.clock.newest_s
+        duration_s = self.plan.trajectory.duration_s
+        left_s = duration_s if guidance is None or newest_s is None else max(guidance.left_s(newest_s), 0.0)
+        counted = self.monitor.progress
+        flown_s = duration_s - left_s
+        return Progress(
+            stage=session.stage,
+            waiting_for=session.waiting_for,
+            t_s=newest_s,
+            trajectory_s=flown_s,
+            duration_s=duration_s,
+            leg=max(bisect_right(self._leg_starts_s, flown_s) - 1, 0),
+            legs=len(self._leg_starts_s),
+            done=counted.done,
+            total=counted.total,
+            awaited=counted.awaited,
+            laps=self.monitor.laps,
+            verdict=self.monitor.verdict,
+        )
+
+    def violation(self) -> str:
+        """What has happened that must not, in plain words; empty where nothing has."""
+        violations = self.monitor.violations
+        if not violations:
+            return ""
+        first = violations[0]
+        names = f" {', '.join(first.names)}" if first.names else ""
+        return f"the vehicle {first.kind}{names}"
+
+    def _moved(self, event: Moved) -> None:
+        self._record.write(
+            "telemetry",
+            event.t_s,
+            position_m=event.position_m,
+            velocity_m_s=event.velocity_m_s,
+            attitude_rad=event.attitude_rad,
+        )
+        place = (event.position_m[0], event.position_m[1])
+        if event.trajectory_s is not None:
+            planned = (event.planned_m[0], event.planned_m[1])
+            self.tracking.observe(event.t_s, place, planned)
+            self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
+            self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
+        if self._stage in _WATCHED and self.began_s is not None and self.monitor.observe(event.t_s, place):
+            self._write_visits(event.t_s)
+
+    def _write_visits(self, t_s: float) -> None:
+        visits, violations = self.monitor.visits, self.monitor.violations
+        for violation in violations[self._violations_written :]:
+            self._record.write(
+                "event",
+                violation.time_s,
+                name="violation",
+                violation=violation.kind,
+                names=violation.names,
+                position_m=violation.position_m,
+            )
+            if not violation.names:
+                self._record.write("visit", t_s, triangle=OUTSIDE, labels=())
+        for visit in visits[self._visits_written :]:
+            labels = self.plan.labelling.label(visit.triangle)
+            self._record.write("visit", visit.entered_s, triangle=visit.triangle, labels=labels)
+        self._visits_written, self._violations_written = len(visits), len(violations)
+
+    def _write_down(self, event: Event) -> None:
+        if isinstance(event, Said):
+            self._record.write("text", event.t_s, severity=event.severity, text=event.text)
+        elif isinstance(event, Asked):
+            self._record.write("event", event.t_s, name="command", command=event.command, attempt=event.attempt)
+        elif isinstance(event, Answered):
+            self._record.write("event", event.t_s, name="answer", command=event.command, result=event.result)
+        elif isinstance(event, Anchored):
+            self._record.write("event", event.t_s, name="anchored", origin_ned_m=event.origin_ned_m)
+        elif isinstance(event, VersionTold):
+            self._record.write("event", None, name="firmware", firmware=event.firmware)
+        elif isinstance(event, Identified):
+            self.vehicle = event.autopilot
+            self._record.write(
+                "vehicle",
+                None,
+                autopilot=event.autopilot,
+                vehicle_type=event.vehicle_type,
+                system_id=event.system_id,
+            )

@@ -1,0 +1,81 @@
+"""ArduCopter: GUIDED first, then arm, then take off inside GUIDED; setpoints need no other mode.
+
+Observed on ArduCopter 4.7: a take-off is counted from home, which is where it was armed; it fails while disarmed and
+for some seconds after arming becomes possible, until the position is usable; setpoints during the climb would end it.
+LOITER obeys the throttle stick, so without a pilot the mode that holds is BRAKE.
+"""
+
+from typing import Final
+
+from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
+from mission.link.messages import AUTOPILOT_ARDUPILOT, Stream, arm, change_mode, land, take_off
+from mission.link.steps import Scene, Stage, Step, arm_steps, change_mode_step, climb_step
+from mission.link.values import Command
+
+_GUIDED, _BRAKE, _LAND = 4, 17, 9
+_MODE_NAMES: Final = {
+    0: "STABILIZE",
+    1: "ACRO",
+    2: "ALT_HOLD",
+    3: "AUTO",
+    4: "GUIDED",
+    5: "LOITER",
+    6: "RTL",
+    7: "CIRCLE",
+    9: "LAND",
+    11: "DRIFT",
+    13: "SPORT",
+    14: "FLIP",
+    15: "AUTOTUNE",
+    16: "POSHOLD",
+    17: "BRAKE",
+    18: "THROW",
+    19: "AVOID_ADSB",
+    20: "GUIDED_NOGPS",
+    21: "SMART_RTL",
+    22: "FLOWHOLD",
+    23: "FOLLOW",
+    24: "ZIGZAG",
+    27: "AUTO_RTL",
+}
+_HERE = 0.0
+
+
+def _take_off(scene: Scene) -> Command:
+    """Take off to the altitude above where the vehicle stands; the command counts from home."""
+    place = scene.vehicle.place
+    return take_off((place.height_above_home_m if place else 0.0) + scene.altitude_m, _HERE)
+
+
+def _departure(altitude_m: float) -> tuple[Step, ...]:
+    guided = frozenset({_GUIDED})
+    return (
+        change_mode_step(Stage.MODE, change_mode("GUIDED", _GUIDED), _GUIDED, "GUIDED", None),
+        *arm_steps(arm(), guided),
+        Step(
+            stage=Stage.TAKE_OFF,
+            command=_take_off,
+            confirmed=lambda scene: scene.airborne,
+            missing="did not leave the ground",
+            limit_s=25.0,
+            patience_s=15.0,
+            repeat_s=8.0,
+            modes=guided,
+            armed=True,
+        ),
+        climb_step(guided, altitude_m, _GUIDED),
+    )
+
+
+ARDUPILOT: Final = Autopilot(
+    name="ArduPilot",
+    number=AUTOPILOT_ARDUPILOT,
+    mode_names=_MODE_NAMES,
+    offboard_mode=_GUIDED,
+    hold_mode=_BRAKE,
+    land_mode=_LAND,
+    hold=change_mode("BRAKE", _BRAKE),
+    land=land(_HERE),
+    rates_hz={**COMMON_RATES_HZ, Stream.EKF_STATUS_REPORT: 2.0},
+    departure=_departure,
+)

@@ -1,0 +1,111 @@
+"""From the first byte to a vehicle that is known and talks: find it, identify it, ask it for telemetry."""
+
+from typing import TYPE_CHECKING, Final
+
+from mission.errors import VehicleError
+from mission.link.ardupilot import ARDUPILOT
+from mission.link.autopilot import Autopilot
+from mission.link.messages import (
+    AUTOPILOT_COMPONENT,
+    AUTOPILOT_NONE,
+    MULTICOPTERS,
+    Stream,
+    autopilot_name,
+    request_message,
+    set_message_interval,
+    vehicle_type_name,
+)
+from mission.link.px4 import PX4
+from mission.link.values import (
+    Attitude,
+    Battery,
+    Body,
+    Command,
+    EstimatorReport,
+    GlobalPosition,
+    Health,
+    Heartbeat,
+    Home,
+    Landing,
+    LocalPosition,
+    Origin,
+    Received,
+    Target,
+    Version,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+AUTOPILOTS: Final = {kind.number: kind for kind in (ARDUPILOT, PX4)}
+_BODIES: Final[dict[Stream, type[Body]]] = {
+    Stream.SYS_STATUS: Health,
+    Stream.ATTITUDE: Attitude,
+    Stream.LOCAL_POSITION_NED: LocalPosition,
+    Stream.GLOBAL_POSITION_INT: GlobalPosition,
+    Stream.GPS_GLOBAL_ORIGIN: Origin,
+    Stream.POSITION_TARGET_LOCAL_NED: Target,
+    Stream.BATTERY_STATUS: Battery,
+    Stream.EKF_STATUS_REPORT: EstimatorReport,
+    Stream.ESTIMATOR_STATUS: EstimatorReport,
+    Stream.HOME_POSITION: Home,
+    Stream.EXTENDED_SYS_STATE: Landing,
+    Stream.AUTOPILOT_VERSION: Version,
+}
+
+
+def is_vehicle(received: Received) -> bool:
+    """Whether a message is the heartbeat of an autopilot, and not of a ground station, a camera or a companion."""
+    body = received.body
+    return (
+        isinstance(body, Heartbeat)
+        and received.component_id == AUTOPILOT_COMPONENT
+        and body.autopilot != AUTOPILOT_NONE
+        and received.system_id != 0
+    )
+
+
+def autopilot_of(heartbeat: Heartbeat) -> Autopilot:
+    """The autopilot that a heartbeat comes from.
+
+    Raises:
+        VehicleError: It is one that is not known here, or no multicopter.
+    """
+    kind = AUTOPILOTS.get(heartbeat.autopilot)
+    if kind is None:
+        known = " and ".join(autopilot.name for autopilot in AUTOPILOTS.values())
+        raise VehicleError(
+            f"the vehicle's autopilot is {autopilot_name(heartbeat.autopilot)}; how to bring it into offboard flight "
+            f"is known of {known} only"
+        )
+    if heartbeat.vehicle_type not in MULTICOPTERS:
+        raise VehicleError(f"the vehicle is a {vehicle_type_name(heartbeat.vehicle_type)}, not a multicopter")
+    return kind
+
+
+class StreamRequests:
+    """Asks for each message at its rate, and again for those that do not come."""
+
+    def __init__(self, autopilot: Autopilot) -> None:
+        """Ask for what this autopilot sends."""
+        self._rates_hz = autopilot.rates_hz
+        self._turn = 0
+        self._first: Iterator[Command] = iter(
+            [
+                *(set_message_interval(stream, rate) for stream, rate in autopilot.rates_hz.items()),
+                request_message(Stream.AUTOPILOT_VERSION),
+            ]
+        )
+
+    def next(self) -> Command | None:
+        """The next command of the first round; None after it."""
+        return next(self._first, None)
+
+    def again(self, heard: set[type[Body]]) -> Command | None:
+        """The command of a message that has not come though it was asked for, in turn; None where all have come."""
+        missing = [stream for stream in self._rates_hz if _BODIES[stream] not in heard]
+        if not missing:
+            return None
+        self._turn += 1
+        stream = missing[self._turn % len(missing)]
+        return set_message_interval(stream, self._rates_hz[stream])

@@ -1,0 +1,209 @@
+"""The vehicle on the other side of a link: found, identified, listened to, asked, without I/O.
+
+We are a ground station (MAV_TYPE_GCS) with system id 255: ArduPilot's ground-station failsafe counts no other id, and
+PX4's counts the type, so a vehicle that is set to return when its ground station is lost does so when this program
+dies. The component id differs from those of QGroundControl and MAVProxy, which share 255, so that answers to one of
+us are not taken for answers to the other.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from mission.errors import LinkError, VehicleError
+from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
+from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
+from mission.link.messages import AUTOPILOT_COMPONENT, Codec, vehicle_type_name
+from mission.link.requests import Answer, RequestChannel
+from mission.link.texts import Text
+from mission.link.values import Acknowledgement, Body, Heartbeat, LocalSetpoint, Received, Version
+from mission.link.vehicle_state import VehicleState
+
+if TYPE_CHECKING:
+    from mission.link.autopilot import Autopilot
+
+_BEAT_S: Final = 1.0
+_ASK_AGAIN_S: Final = 2.0
+_READY_FOR_S: Final = 1.0
+
+
+@dataclass(frozen=True)
+class LinkOptions:
+    """Who we are on the link and how patient.
+
+    Attributes:
+        system_id: Our MAVLink system id.
+        component_id: Our component id.
+        connect_s: How long to wait for a vehicle, on the clock here.
+        lost_s: After this long without a message from the vehicle, on the clock here, the link is lost.
+        ready_s: How long to wait for position and health, on the clock here.
+        setpoint_s: Vehicle time between two setpoints.
+    """
+
+    system_id: int = 255
+    component_id: int = 191
+    connect_s: float = 30.0
+    lost_s: float = 5.0
+    ready_s: float = 180.0
+    setpoint_s: float = 1.0 / 30.0
+
+
+class Contact:
+    """What is known of the other side, and what goes there.
+
+    Attributes:
+        options: Ids and patience.
+        vehicle: What the vehicle has said.
+        autopilot: Which kind it is; None before it was heard.
+        waiting_for: What is waited for before the vehicle can be flown, in plain words; empty where nothing is.
+        events: What has happened, oldest first; whoever reads it empties it.
+        out: Frames to send, likewise.
+    """
+
+    def __init__(self, options: LinkOptions, *, needs_origin: bool) -> None:
+        """Wait for a vehicle; ``needs_origin``: one that knows where on Earth it is."""
+        self.options = options
+        self.vehicle = VehicleState()
+        self.autopilot: Autopilot | None = None
+        self.waiting_for = "no heartbeat yet"
+        self.events: deque[Event] = deque()
+        self.out: deque[bytes] = deque()
+        self._needs_origin = needs_origin
+        self._codec = Codec(options.system_id, options.component_id)
+        self.channel = RequestChannel(options.system_id, options.component_id)
+        self._streams: StreamRequests | None = None
+        self._system_id = 0
+        self._heard_s = -math.inf
+        self._began_s: float | None = None
+        self._beat_s = self._beat_vehicle_s = -math.inf
+        self._ask_again_s = -math.inf
+        self._ready_from_s = math.inf
+
+    def receive(self, data: bytes, now_s: float) -> list[Body]:
+        """What the vehicle's autopilot says in these bytes; everyone else on the link is left out.
+
+        Raises:
+            VehicleError: It is no vehicle that can be flown from here.
+        """
+        said: list[Body] = []
+        for received in self._codec.decode(data):
+            if self.autopilot is None and is_vehicle(received):
+                self._meet(received)
+            known = self.autopilot is not None and received.system_id == self._system_id
+            if known and received.component_id == AUTOPILOT_COMPONENT:
+                self._heard_s = now_s
+                said.append(received.body)
+        return said
+
+    def take(self, body: Body, now_s: float) -> Answer | None:
+        """Take note of what the vehicle says; returns the answer to the command under way, if this is it."""
+        if isinstance(body, Acknowledgement):
+            answer = self.channel.take(body, now_s)
+            if answer is not None:
+                self._note_answer(answer, now_s)
+            return answer
+        self._note_texts(self.vehicle.take(body, now_s), now_s)
+        if isinstance(body, Version):
+            self.events.append(VersionTold(".".join(map(str, body.firmware))))
+        return None
+
+    def advance(self, now_s: float) -> Answer | None:
+        """Send our heartbeat and look whether the vehicle is still there; returns a command given up for lost.
+
+        Raises:
+            LinkError: The vehicle was never heard, or has fallen silent.
+            VehicleError: It was restarted.
+        """
+        if self._began_s is None:
+            self._began_s = now_s
+        self._note_texts(self.vehicle.overdue_texts(now_s), now_s)
+        self._beat(now_s)
+        if self.autopilot is None:
+            if now_s - self._began_s > self.options.connect_s:
+                raise LinkError(f"no vehicle was heard within {self.options.connect_s:.0f} s")
+            return None
+        if now_s - self._heard_s > self.options.lost_s:
+            raise LinkError(f"nothing was heard from the vehicle for {now_s - self._heard_s:.1f} s")
+        if self.vehicle.clock.restarted:
+            raise VehicleError("the vehicle was restarted")
+        answer = self.channel.unanswered(now_s)
+        if answer is not None:
+            self._note_answer(answer, now_s)
+        return answer
+
+    def ask_for_streams(self, now_s: float) -> bool:
+        """Go on asking for telemetry, once for each message and again for what does not come; True after once."""
+        if self._streams is None or self.channel.busy:
+            return False
+        command = self._streams.next()
+        if command is not None:
+            self.channel.ask(command, now_s)
+            return False
+        if now_s >= self._ask_again_s:
+            first, self._ask_again_s = math.isinf(self._ask_again_s), now_s + _ASK_AGAIN_S
+            missing = None if first else self._streams.again(self.vehicle.heard_kinds)
+            if missing is not None:
+                self.channel.ask(missing, now_s)
+        return True
+
+    def ready(self, now_s: float) -> bool:
+        """Whether position and health have been good enough to fly for a while.
+
+        Raises:
+            VehicleError: The vehicle is armed already, or has not become ready in time.
+        """
+        if self.vehicle.armed:
+            raise VehicleError("the vehicle is armed already; a mission begins on the ground, with motors off")
+        self.waiting_for = self.vehicle.unready(absolute=self._needs_origin)
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        if self.waiting_for or vehicle_s is None:
+            self._ready_from_s = math.inf
+            if self._began_s is not None and now_s - self._began_s > self.options.ready_s:
+                why = f"the vehicle is not ready after {self.options.ready_s:.0f} s: {self.waiting_for}"
+                raise VehicleError(self.explained(why, -math.inf))
+            return False
+        self._ready_from_s = min(self._ready_from_s, vehicle_s)
+        return vehicle_s - self._ready_from_s >= _READY_FOR_S
+
+    def send_command(self, now_s: float) -> None:
+        """Send the command under way, if it is due for the first time or again."""
+        due = self.channel.due(now_s)
+        if due is not None:
+            command, attempt = due
+            self.out.append(self._codec.command(self._system_id, command, attempt))
+            self.events.append(Asked(self.vehicle.clock.now_s(now_s), command.name, attempt))
+
+    def send_setpoint(self, setpoint: LocalSetpoint) -> None:
+        """Send a setpoint."""
+        self.out.append(self._codec.setpoint(self._system_id, setpoint))
+
+    def explained(self, what: str, since_s: float) -> str:
+        """``what`` with the vehicle's own words since a time of the clock here."""
+        words = self.vehicle.words_since(since_s)
+        return f"{what}; it says: {words}" if words else what
+
+    def _meet(self, received: Received) -> None:
+        heartbeat = received.body
+        if isinstance(heartbeat, Heartbeat):
+            self.autopilot = autopilot_of(heartbeat)
+            self._system_id = received.system_id
+            self._streams = StreamRequests(self.autopilot)
+            self.waiting_for = "no telemetry yet"
+            kind = vehicle_type_name(heartbeat.vehicle_type)
+            self.events.append(Identified(self.autopilot.name, kind, received.system_id))
+
+    def _beat(self, now_s: float) -> None:
+        """Our own heartbeat, once a second on either clock: the vehicle counts by its own."""
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        if now_s - self._beat_s >= _BEAT_S or (vehicle_s is not None and vehicle_s - self._beat_vehicle_s >= _BEAT_S):
+            self._beat_s = now_s
+            self._beat_vehicle_s = -math.inf if vehicle_s is None else vehicle_s
+            self.out.append(self._codec.heartbeat())
+
+    def _note_answer(self, answer: Answer, now_s: float) -> None:
+        result = "no answer" if answer.result is None else answer.result.name.lower().replace("_", " ")
+        self.events.append(Answered(self.vehicle.clock.now_s(now_s), answer.command.name, result))
+
+    def _note_texts(self, texts: list[Text], now_s: float) -> None:
+        self.events.extend(Said(self.vehicle.clock.now_s(now_s), *text) for text in texts)

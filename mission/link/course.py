@@ -1,0 +1,118 @@
+"""What the vehicle is asked to do at each time of a trajectory, in the domain's frame.
+
+The trajectory is evaluated in blocks, on a grid of ``_STEP_S``; between two points of the grid runs the polynomial of
+degree 5 that has position, velocity and acceleration of both. Where the trajectory is smooth it is off by h^6 / 46080
+times the sixth derivative, which is rounding; at a jump of the jerk J, by less than h^3 J / 100, a hundredth of a
+micrometre at 1 m/s^3.
+"""
+
+import math
+from typing import Final, NamedTuple, Protocol
+
+import numpy as np
+
+from mission.geometry.arrays import FloatArray
+from mission.link.frames import Vector, heading_of, wrapped
+
+_TURN_RAD_S: Final = 0.5
+_MOVING_M_S: Final = 0.01
+_STEP_S: Final = 0.01
+_BLOCK: Final = 128
+_MOST_BLOCKS: Final = 4
+
+
+class Reference(NamedTuple):
+    """A point of the trajectory: ENU, metres and seconds, height above the take-off point."""
+
+    position_m: Vector
+    velocity_m_s: Vector
+    acceleration_m_s2: Vector
+
+
+class Flown(Protocol):
+    """A trajectory in the plane at one altitude, at rest at both ends and beyond them."""
+
+    @property
+    def duration_s(self) -> float:
+        """Time from start to end."""
+        ...
+
+    @property
+    def altitude_m(self) -> float:
+        """Height above the take-off point."""
+        ...
+
+    def state(self, t_s: FloatArray, /) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Position, velocity and acceleration at the times (P,), each of shape (P, 2)."""
+        ...
+
+
+class Course:
+    """A trajectory with the heading that goes with it: the direction of flight, taken up without haste.
+
+    Attributes:
+        heading_rad: The heading asked for last, clockwise from north.
+    """
+
+    def __init__(self, trajectory: Flown, heading_rad: float) -> None:
+        """Begin with the heading that the vehicle has."""
+        self._trajectory = trajectory
+        self.heading_rad = heading_rad
+        self._turned_s: float | None = None
+        self._blocks: dict[int, list[list[float]]] = {}
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the start of the trajectory to its end."""
+        return self._trajectory.duration_s
+
+    @property
+    def altitude_m(self) -> float:
+        """Height above the take-off point."""
+        return self._trajectory.altitude_m
+
+    def reference(self, t_s: float) -> Reference:
+        """The point of the trajectory at a time; at rest before its start and after its end."""
+        within_s = min(max(t_s, 0.0), self.duration_s)
+        point = int(within_s / _STEP_S)
+        number, row = divmod(point, _BLOCK)
+        nodes = self._block(number)
+        x, y = (_between(nodes[row][axis::2], nodes[row + 1][axis::2], within_s / _STEP_S - point) for axis in (0, 1))
+        return Reference((x[0], y[0], self.altitude_m), (x[1], y[1], 0.0), (x[2], y[2], 0.0))
+
+    def _block(self, number: int) -> list[list[float]]:
+        """x, y, vx, vy, ax, ay at the points of one block of the grid."""
+        found = self._blocks.get(number)
+        if found is None:
+            times = np.arange(number * _BLOCK, (number + 1) * _BLOCK + 1, dtype=np.float64) * _STEP_S
+            found = np.concatenate(self._trajectory.state(times), axis=1).tolist()
+            while len(self._blocks) >= _MOST_BLOCKS:
+                del self._blocks[next(iter(self._blocks))]
+            self._blocks[number] = found
+        return found
+
+    def turn(self, reference: Reference, now_s: float) -> float:
+        """The heading at ``now_s``, on the way to the direction of flight of ``reference``."""
+        elapsed = 0.0 if self._turned_s is None else max(now_s - self._turned_s, 0.0)
+        self._turned_s = now_s
+        if math.hypot(*reference.velocity_m_s) > _MOVING_M_S:
+            most = _TURN_RAD_S * elapsed
+            off = wrapped(heading_of(reference.velocity_m_s) - self.heading_rad)
+            self.heading_rad = wrapped(self.heading_rad + min(max(off, -most), most))
+        return self.heading_rad
+
+
+def _between(start: list[float], end: list[float], share: float) -> tuple[float, float, float]:
+    """Position, velocity and acceleration on the quintic between two points of the grid, on one axis."""
+    h = _STEP_S
+    c0, c1, c2 = start[0], h * start[1], 0.5 * h * h * start[2]
+    d = end[0] - c0 - c1 - c2
+    v = h * end[1] - c1 - 2.0 * c2
+    a = h * h * end[2] - 2.0 * c2
+    c3, c4, c5 = 10.0 * d - 4.0 * v + 0.5 * a, -15.0 * d + 7.0 * v - a, 6.0 * d - 3.0 * v + 0.5 * a
+    u = share
+    return (
+        c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
+        (c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
+        (2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h),
+    )

@@ -1,0 +1,95 @@
+"""What a session tells those who record and show the flight; vectors in the domain's frame (ENU, metres)."""
+
+from dataclasses import dataclass
+
+from mission.link.course import Reference
+from mission.link.frames import Vector
+from mission.link.steps import Stage
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """Which vehicle it is."""
+
+    autopilot: str
+    vehicle_type: str
+    system_id: int
+
+
+@dataclass(frozen=True, slots=True)
+class VersionTold:
+    """Which firmware it runs."""
+
+    firmware: str
+
+
+@dataclass(frozen=True, slots=True)
+class StageEntered:
+    """The session went on to another stage."""
+
+    t_s: float | None
+    stage: Stage
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A text of the vehicle; severity as in syslog, 0 the gravest."""
+
+    t_s: float | None
+    severity: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A command was sent; ``attempt`` counts from 0."""
+
+    t_s: float | None
+    command: str
+    attempt: int
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """A command was answered, or given up."""
+
+    t_s: float | None
+    command: str
+    result: str
+
+
+@dataclass(frozen=True, slots=True)
+class Anchored:
+    """From now on positions are in the domain: where its origin lies in the vehicle's local frame (NED)."""
+
+    t_s: float
+    origin_ned_m: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Moved:
+    """The vehicle reported where it is; attitude is roll, pitch, yaw against NED, None before the first.
+
+    ``planned_m`` is where it should have been then; ``trajectory_s`` is the time on the trajectory, None before its
+    start and after its end.
+    """
+
+    t_s: float
+    position_m: Vector
+    velocity_m_s: Vector
+    attitude_rad: Vector | None
+    planned_m: Vector
+    trajectory_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class SetpointSent:
+    """A setpoint was sent; ``trajectory_s`` as in ``Moved``."""
+
+    t_s: float
+    reference: Reference
+    yaw_rad: float
+    trajectory_s: float | None
+
+
+Event = Identified | VersionTold | StageEntered | Said | Asked | Answered | Anchored | Moved | SetpointSent

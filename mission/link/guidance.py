@@ -1,0 +1,96 @@
+"""Setpoints along a course, at the vehicle's own time and in its own frame."""
+
+import math
+from typing import Final
+
+from mission.link.course import Course, Reference
+from mission.link.frames import Anchor, Vector, ned_from_enu
+from mission.link.values import LocalSetpoint
+
+_STEADY_M: Final = 0.3
+_STEADY_M_S: Final = 0.3
+
+
+class Guidance:
+    """Leads the vehicle: to the start of the course, along it, and at its end.
+
+    Attributes:
+        course: What is flown.
+        anchor: Ties the domain to the vehicle's local frame.
+    """
+
+    def __init__(self, course: Course, anchor: Anchor, period_s: float) -> None:
+        """Ask for the start of the course, every ``period_s`` of vehicle time, until ``begin``."""
+        self.course = course
+        self.anchor = anchor
+        self._period_s = period_s
+        self._next_s = -math.inf
+        self._from_s = math.inf
+        self._until_s = math.inf
+        self._off_m = math.inf
+        self._steady_from_s = math.inf
+
+    @property
+    def next_s(self) -> float:
+        """Vehicle time of the next setpoint."""
+        return self._next_s
+
+    @property
+    def off_m(self) -> float:
+        """Horizontal distance of the last report from the setpoint; infinite before the first."""
+        return self._off_m
+
+    def begin(self, vehicle_s: float) -> None:
+        """Let the trajectory begin now."""
+        self._from_s = vehicle_s
+
+    def end(self, vehicle_s: float) -> None:
+        """Lead no further: the trajectory is given up."""
+        self._until_s = min(self._until_s, vehicle_s)
+
+    def trajectory_s(self, at_s: float) -> float | None:
+        """Time on the trajectory at a vehicle time; None before its start and after its end."""
+        elapsed = at_s - self._from_s
+        flown = 0.0 <= elapsed <= self.course.duration_s and at_s <= self._until_s
+        return elapsed if flown else None
+
+    def left_s(self, at_s: float) -> float:
+        """What is left of the trajectory at a vehicle time."""
+        return self.course.duration_s - max(at_s - self._from_s, 0.0)
+
+    def reference(self, at_s: float) -> Reference:
+        """The point to be at, at a vehicle time."""
+        return self.course.reference(min(max(at_s - self._from_s, 0.0), self.course.duration_s))
+
+    def observe(self, at_s: float, position_m: Vector, velocity_m_s: Vector) -> Vector:
+        """Take a report: how far the vehicle is off, and since when it has been still where it should be.
+
+        Returns:
+            Where it should have been.
+        """
+        wanted = self.reference(at_s).position_m
+        self._off_m = math.hypot(position_m[0] - wanted[0], position_m[1] - wanted[1])
+        still = self._off_m <= _STEADY_M and math.hypot(*velocity_m_s) <= _STEADY_M_S
+        if not still or abs(position_m[2] - wanted[2]) > 2.0 * _STEADY_M:
+            self._steady_from_s = math.inf
+        elif math.isinf(self._steady_from_s):
+            self._steady_from_s = at_s
+        return wanted
+
+    def steady_s(self, at_s: float) -> float:
+        """How long the vehicle has been still at the setpoint."""
+        return max(at_s - self._steady_from_s, 0.0)
+
+    def due(self, vehicle_s: float) -> tuple[Reference, LocalSetpoint] | None:
+        """The setpoint to send now; None where the last one is not old enough, or nothing is led any more."""
+        if vehicle_s < self._next_s or vehicle_s > self._until_s:
+            return None
+        self._next_s = max(self._next_s + self._period_s, vehicle_s + 0.5 * self._period_s)
+        reference = self.reference(vehicle_s)
+        return reference, LocalSetpoint(
+            time_boot_ms=round(vehicle_s * 1000.0),
+            position_ned_m=self.anchor.to_vehicle(reference.position_m),
+            velocity_ned_m_s=ned_from_enu(reference.velocity_m_s),
+            acceleration_ned_m_s2=ned_from_enu(reference.acceleration_m_s2),
+            yaw_rad=self.course.turn(reference, vehicle_s),
+        )

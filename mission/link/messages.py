@@ -1,0 +1,220 @@
+"""MAVLink in and out as typed values: the only module of the planner that knows the dialect.
+
+Message definitions: https://mavlink.io/en/messages/common.html and ardupilotmega.html; the latter contains the former,
+so one dialect serves every vehicle. Frames go out as MAVLink 2, and are understood in either version.
+"""
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from typing import Any, Final
+
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from mission.link.values import (
+    Acknowledgement,
+    Attitude,
+    Battery,
+    Body,
+    Command,
+    Estimates,
+    EstimatorReport,
+    GlobalPosition,
+    Health,
+    Heartbeat,
+    Home,
+    LandedState,
+    Landing,
+    LocalPosition,
+    LocalSetpoint,
+    Origin,
+    Received,
+    Result,
+    Sensors,
+    Target,
+    Version,
+    Words,
+)
+
+AUTOPILOT_COMPONENT: Final = 1
+_E7: Final = 1e-7
+_MM: Final = 1e-3
+
+
+class Stream(IntEnum):
+    """Messages that the planner asks for."""
+
+    SYS_STATUS = mavlink.MAVLINK_MSG_ID_SYS_STATUS
+    ATTITUDE = mavlink.MAVLINK_MSG_ID_ATTITUDE
+    LOCAL_POSITION_NED = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
+    GLOBAL_POSITION_INT = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
+    GPS_GLOBAL_ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
+    POSITION_TARGET_LOCAL_NED = mavlink.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED
+    BATTERY_STATUS = mavlink.MAVLINK_MSG_ID_BATTERY_STATUS
+    EKF_STATUS_REPORT = mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT
+    ESTIMATOR_STATUS = mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS
+    HOME_POSITION = mavlink.MAVLINK_MSG_ID_HOME_POSITION
+    EXTENDED_SYS_STATE = mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE
+    AUTOPILOT_VERSION = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
+
+
+_WHOLE_BUT_YAW_RATE: Final = mavlink.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
+"""ArduPilot takes position, velocity and acceleration each whole or not at all; the yaw rate alone is left free."""
+
+_CRITICAL_CHARGES: Final = (
+    mavlink.MAV_BATTERY_CHARGE_STATE_CRITICAL,
+    mavlink.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
+    mavlink.MAV_BATTERY_CHARGE_STATE_FAILED,
+)
+
+_READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
+    "HEARTBEAT": lambda m: Heartbeat(m.type, m.autopilot, m.base_mode, m.custom_mode, m.system_status),
+    "STATUSTEXT": lambda m: Words(m.severity, m.text, m.id, m.chunk_seq),
+    "COMMAND_ACK": lambda m: Acknowledgement(m.command, Result(m.result), m.target_system, m.target_component),
+    "LOCAL_POSITION_NED": lambda m: LocalPosition(m.time_boot_ms, (m.x, m.y, m.z), (m.vx, m.vy, m.vz)),
+    "GLOBAL_POSITION_INT": lambda m: GlobalPosition(
+        m.time_boot_ms, m.lat * _E7, m.lon * _E7, m.alt * _MM, m.relative_alt * _MM
+    ),
+    "ATTITUDE": lambda m: Attitude(m.time_boot_ms, (m.roll, m.pitch, m.yaw)),
+    "GPS_GLOBAL_ORIGIN": lambda m: Origin(m.latitude * _E7, m.longitude * _E7, m.altitude * _MM),
+    "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7, m.altitude * _MM, (m.x, m.y, m.z)),
+    "SYS_STATUS": lambda m: Health(
+        Sensors(m.onboard_control_sensors_present & m.onboard_control_sensors_enabled),
+        Sensors(m.onboard_control_sensors_health),
+        m.battery_remaining,
+    ),
+    "BATTERY_STATUS": lambda m: Battery(m.charge_state in _CRITICAL_CHARGES),
+    "EKF_STATUS_REPORT": lambda m: EstimatorReport(Estimates(m.flags)),
+    "ESTIMATOR_STATUS": lambda m: EstimatorReport(Estimates(m.flags)),
+    "EXTENDED_SYS_STATE": lambda m: Landing(LandedState(m.landed_state)),
+    "POSITION_TARGET_LOCAL_NED": lambda m: Target(m.time_boot_ms, (m.x, m.y, m.z)),
+    "AUTOPILOT_VERSION": lambda m: Version(
+        (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
+    ),
+}
+
+
+class Codec:
+    """Turns bytes of one link into values, and values into frames that carry our own ids."""
+
+    def __init__(self, system_id: int, component_id: int) -> None:
+        """Speak as component ``component_id`` of system ``system_id``."""
+        self.system_id, self.component_id = system_id, component_id
+        self._mav = mavlink.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
+        self._mav.robust_parsing = True  # noise is skipped instead of raised
+
+    def decode(self, data: bytes) -> list[Received]:
+        """The messages in what has arrived, as far as the planner knows them; noise and all else is left out."""
+        received = []
+        for message in self._mav.parse_buffer(data) or ():
+            reader = _READERS.get(message.get_type())
+            if reader is not None:
+                received.append(Received(message.get_srcSystem(), message.get_srcComponent(), reader(message)))
+        return received
+
+    def heartbeat(self) -> bytes:
+        """The HEARTBEAT of a ground station."""
+        return self._packed(
+            mavlink.MAVLink_heartbeat_message(
+                mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
+            )
+        )
+
+    def command(self, target_system: int, command: Command, attempt: int) -> bytes:
+        """A COMMAND_LONG to the autopilot of a system; ``attempt`` counts from 0."""
+        parameters = (*command.parameters, *(0.0,) * (7 - len(command.parameters)))
+        return self._packed(
+            mavlink.MAVLink_command_long_message(
+                target_system, AUTOPILOT_COMPONENT, command.number, min(attempt, 255), *parameters
+            )
+        )
+
+    def setpoint(self, target_system: int, setpoint: LocalSetpoint) -> bytes:
+        """A SET_POSITION_TARGET_LOCAL_NED to the autopilot of a system."""
+        return self._packed(
+            mavlink.MAVLink_set_position_target_local_ned_message(
+                setpoint.time_boot_ms & 0xFFFFFFFF,
+                target_system,
+                AUTOPILOT_COMPONENT,
+                mavlink.MAV_FRAME_LOCAL_NED,
+                _WHOLE_BUT_YAW_RATE,
+                *setpoint.position_ned_m,
+                *setpoint.velocity_ned_m_s,
+                *setpoint.acceleration_ned_m_s2,
+                setpoint.yaw_rad,
+                0.0,
+            )
+        )
+
+    def _packed(self, message: Any) -> bytes:  # noqa: ANN401 - pymavlink ships no types
+        frame = bytes(message.pack(self._mav))
+        self._mav.seq = (self._mav.seq + 1) & 0xFF
+        return frame
+
+
+def set_message_interval(stream: Stream, hertz: float) -> Command:
+    """Ask for a message that often."""
+    name = f"set the rate of {stream.name}"
+    return Command(name, mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, (float(stream), 1e6 / hertz))
+
+
+def request_message(stream: Stream) -> Command:
+    """Ask for a message once."""
+    return Command(f"send {stream.name}", mavlink.MAV_CMD_REQUEST_MESSAGE, (float(stream),))
+
+
+def arm() -> Command:
+    """Arm the motors; never by force."""
+    return Command("arm", mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+
+
+def disarm() -> Command:
+    """Disarm the motors; never by force."""
+    return Command("disarm", mavlink.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+
+
+def take_off(height_m: float, here: float) -> Command:
+    """Take off on the spot; where the height counts from, and what means "here", differ between autopilots."""
+    return Command("take off", mavlink.MAV_CMD_NAV_TAKEOFF, (0.0, 0.0, 0.0, here, here, here, height_m))
+
+
+def land(here: float) -> Command:
+    """Land on the spot; what means "here" differs between autopilots."""
+    return Command("land", mavlink.MAV_CMD_NAV_LAND, (0.0, 0.0, 0.0, here, here, here, 0.0))
+
+
+def change_mode(name: str, main_mode: int, sub_mode: int = 0) -> Command:
+    """Change the flight mode, by the autopilot's own numbers."""
+    flag = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
+    return Command(f"change to {name}", mavlink.MAV_CMD_DO_SET_MODE, (flag, float(main_mode), float(sub_mode)))
+
+
+AUTOPILOT_ARDUPILOT: Final = int(mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA)
+AUTOPILOT_PX4: Final = int(mavlink.MAV_AUTOPILOT_PX4)
+AUTOPILOT_NONE: Final = int(mavlink.MAV_AUTOPILOT_INVALID)
+MULTICOPTERS: Final = frozenset(
+    int(kind)
+    for kind in (
+        mavlink.MAV_TYPE_QUADROTOR,
+        mavlink.MAV_TYPE_COAXIAL,
+        mavlink.MAV_TYPE_HEXAROTOR,
+        mavlink.MAV_TYPE_OCTOROTOR,
+        mavlink.MAV_TYPE_TRICOPTER,
+        mavlink.MAV_TYPE_DODECAROTOR,
+        mavlink.MAV_TYPE_DECAROTOR,
+    )
+)
+
+
+def autopilot_name(number: int) -> str:
+    """The name of a MAV_AUTOPILOT."""
+    return _enum_name("MAV_AUTOPILOT", number)
+
+
+def vehicle_type_name(number: int) -> str:
+    """The name of a MAV_TYPE."""
+    return _enum_name("MAV_TYPE", number)
+
+
+def _enum_name(enum: str, number: int) -> str:
+    entry = mavlink.enums[enum].get(number)
+    return str(number) if entry is None else str(entry.name).removeprefix(f"{enum}_")

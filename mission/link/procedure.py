@@ -1,0 +1,114 @@
+"""Takes a vehicle through steps, one after the other, without I/O."""
+
+from collections.abc import Callable
+from typing import Final
+
+from mission.errors import LinkError, VehicleError
+from mission.link.requests import Answer, RequestChannel
+from mission.link.steps import Scene, Step
+from mission.link.values import Result
+
+_WORDS_WITHIN_S: Final = 0.5
+"""How long, on the clock here, an explanation may follow a refusal."""
+
+_AGAIN_S: Final = 1.0
+_PASSING: Final = (Result.TEMPORARILY_REJECTED, Result.FAILED)
+"""Refusals that may be about something that passes."""
+
+
+class Procedure:
+    """The steps that are left, the present one first.
+
+    Attributes:
+        entered: Counts the steps entered, so that a change can be seen.
+    """
+
+    def __init__(self, steps: tuple[Step, ...], channel: RequestChannel, words_since: Callable[[float], str]) -> None:
+        """Begin; ``words_since`` gives what the vehicle has said since a time of the clock here."""
+        self._steps = list(steps)
+        self._channel = channel
+        self._words_since = words_since
+        self._started_s: float | None = None
+        self._ask_at_s = 0.0
+        self._refused: tuple[Answer, float] | None = None
+        self._began_local_s = 0.0
+        self.entered = 0
+
+    @property
+    def step(self) -> Step | None:
+        """The present step; None after the last."""
+        return self._steps[0] if self._steps else None
+
+    @property
+    def started_s(self) -> float | None:
+        """When the present step began, vehicle time; None before it did."""
+        return self._started_s
+
+    def take(self, answer: Answer, vehicle_s: float, local_s: float) -> None:
+        """Take the answer to the present step's command."""
+        step = self.step
+        if step is None or self._started_s is None:
+            return
+        if answer.result is Result.ACCEPTED:
+            self._ask_at_s = vehicle_s + step.repeat_s
+        elif answer.result in _PASSING and vehicle_s - self._started_s < step.patience_s:
+            self._ask_at_s = vehicle_s + _AGAIN_S
+        else:
+            self._refused = (answer, local_s)
+
+    def advance(self, scene_at: Callable[[float], Scene], vehicle_s: float, local_s: float) -> None:
+        """Go on as far as telemetry shows.
+
+        Args:
+            scene_at: What is known now, for a step that has lasted so long.
+            vehicle_s: The vehicle's time.
+            local_s: The time here.
+
+        Raises:
+            VehicleError: The vehicle refused, or did not do what it accepted; with its own words.
+            LinkError: It never answered.
+        """
+        while (step := self.step) is not None:
+            if self._started_s is None:
+                self._enter(step, vehicle_s, local_s)
+            scene = scene_at(vehicle_s - (self._started_s or vehicle_s))
+            if not step.confirmed(scene):
+                break
+            self._leave()
+        if step is None:
+            return
+        if self._refused is not None:
+            self._judge_refusal(local_s)
+        elif scene.in_step_s > step.limit_s:
+            if not step.suffices(scene):
+                raise VehicleError(self._explained(f"the vehicle {step.missing} within {step.limit_s:.0f} s"))
+            self._leave()
+        elif step.command is not None and not self._channel.busy and vehicle_s >= self._ask_at_s:
+            self._ask_at_s = float("inf")  # until it is answered
+            self._channel.ask(step.command(scene), local_s)
+
+    def _enter(self, step: Step, vehicle_s: float, local_s: float) -> None:
+        self._started_s = vehicle_s
+        self._began_local_s = local_s
+        self._ask_at_s = vehicle_s + step.wait_s
+        self._refused = None
+        self.entered += 1
+
+    def _leave(self) -> None:
+        self._channel.forget()
+        self._steps.pop(0)
+        self._started_s = None
+
+    def _judge_refusal(self, local_s: float) -> None:
+        if self._refused is None:
+            return
+        answer, heard_s = self._refused
+        if answer.result is None:
+            raise LinkError(self._explained(f"the vehicle never answered the command to {answer.command.name}"))
+        if local_s - heard_s >= _WORDS_WITHIN_S:
+            refusal = answer.result.name.lower().replace("_", " ")
+            raise VehicleError(self._explained(f"the vehicle refused to {answer.command.name} ({refusal})"))
+
+    def _explained(self, what: str) -> str:
+        words = self._words_since(self._began_local_s - _WORDS_WITHIN_S)
+        return f"{what}; it says: {words}" if words else what

@@ -1,0 +1,334 @@
+"""A flight over MAVLink as a state machine without I/O: bytes and the time go in, bytes and events come out.
+
+CONNECT -> STREAMS -> READY -> STANDBY, then, once ``depart`` is called, the steps of the autopilot's own departure,
+SETTLE, FLY, ARRIVE, LAND, TOUCH_DOWN, DISARM -> DONE. Two clocks run: the one here paces repetitions on the link, the
+vehicle's own (``vehicle_clock``) paces everything that the vehicle does, the trajectory above all.
+
+Someone who flies the vehicle otherwise, a pilot or a failsafe, is never fought: two heartbeats in another mode end
+the session's part at once.
+"""
+
+import math
+from collections.abc import Callable
+from enum import Enum, auto
+from typing import Final
+
+from mission.errors import LinkError, MissionError, VehicleError
+from mission.link.contact import Contact, LinkOptions
+from mission.link.course import Course
+from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEntered
+from mission.link.frames import Anchor, Vector, enu_from_ned
+from mission.link.guidance import Guidance
+from mission.link.procedure import Procedure
+from mission.link.steps import Scene, Stage, Step, change_mode_step, disarm_step, flight_steps, landing_steps
+from mission.link.values import Body, Heartbeat, LocalPosition, Origin
+from mission.link.vehicle_state import VehicleState
+
+Anchoring = Callable[[Vector], Anchor]
+"""Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""
+
+_LOOK_S: Final = 0.05
+_HEARTBEATS: Final = 2
+_WORDS_S: Final = 5.0
+_ORIGIN_MOVED_DEG: Final = 5e-6
+_LANDING: Final = (Stage.LAND, Stage.TOUCH_DOWN, Stage.DISARM)
+
+
+class Ending(Enum):
+    """How a session came to its end."""
+
+    LANDED = auto()
+    HANDED_OVER = auto()
+    FAILSAFE = auto()
+    STOPPED = auto()
+
+
+class Session:
+    """One flight.
+
+    Attributes:
+        contact: The vehicle on the other side.
+        stage: Where the flight is.
+        ending: How it ended; None while it lasts.
+        ending_reason: Why, in plain words.
+        guidance: What leads the vehicle; None before it is armed.
+    """
+
+    def __init__(self, *, needs_origin: bool, options: LinkOptions | None = None) -> None:
+        """Wait for a vehicle.
+
+        Args:
+            needs_origin: Whether the mission lies at a place on Earth, so that the vehicle must know where it is.
+            options: Ids and patience.
+        """
+        self.contact = Contact(options or LinkOptions(), needs_origin=needs_origin)
+        self.stage = Stage.CONNECT
+        self.ending: Ending | None = None
+        self.ending_reason = ""
+        self.guidance: Guidance | None = None
+        self._departure: tuple[Course, Anchoring] | None = None
+        self._origin: Origin | None = None
+        self._ground_down_m: float | None = None
+        self._procedure = self._procedure_of()
+        self._disarmed_from_s = math.inf
+        self._outcome: tuple[Ending, str] = (Ending.LANDED, "the vehicle has landed")
+        self._failure: MissionError | None = None
+
+    # What the flight loop calls.
+
+    @property
+    def vehicle(self) -> VehicleState:
+        """What the vehicle has said."""
+        return self.contact.vehicle
+
+    @property
+    def waiting_for(self) -> str:
+        """What is waited for before the vehicle can be flown, in plain words; empty where nothing is."""
+        return self.contact.waiting_for if self.stage in (Stage.CONNECT, Stage.STREAMS, Stage.READY) else ""
+
+    @property
+    def altitude_m(self) -> float:
+        """Height above the take-off point that is reported; 0 before take-off."""
+        position, ground = self.vehicle.position, self._ground_down_m
+        return 0.0 if position is None or ground is None else ground - position.position_ned_m[2]
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Take what has arrived.
+
+        Raises:
+            VehicleError: It is no vehicle that can be flown from here, or moved its origin in flight.
+        """
+        for body in self.contact.receive(data, now_s):
+            if self.stage is not Stage.DONE:
+                self._take(body, now_s)
+
+    def advance(self, now_s: float) -> None:
+        """Do what is due.
+
+        Raises:
+            LinkError: The vehicle is not there, or has fallen silent, or does not answer.
+            VehicleError: It refused, or did not do what it accepted, or is in no state to be flown.
+        """
+        if self.stage is Stage.DONE:
+            return
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        answer = self.contact.advance(now_s)
+        if answer is not None and vehicle_s is not None:
+            self._procedure.take(answer, vehicle_s, now_s)
+        if self.stage is Stage.CONNECT and self.contact.autopilot is not None:
+            self._enter(Stage.STREAMS, vehicle_s)
+        if self.stage in (Stage.STREAMS, Stage.READY):
+            self._prepare(vehicle_s, now_s)
+        elif self.stage is not Stage.STANDBY and vehicle_s is not None:
+            self._proceed(vehicle_s, now_s)
+        self.contact.send_command(now_s)
+
+    def depart(self, course: Course, anchoring: Anchoring) -> None:
+        """Fly: from STANDBY to the ground again.
+
+        Raises:
+            RuntimeError: The session is not standing by.
+        """
+        kind = self.contact.autopilot
+        if self.stage is not Stage.STANDBY or kind is None:
+            raise RuntimeError(f"cannot depart while {self.stage}")
+        self._departure = (course, anchoring)
+        self._origin = self.vehicle.origin
+        offboard = frozenset({kind.offboard_mode})
+        self._procedure = self._procedure_of(
+            *kind.departure(course.altitude_m),
+            *flight_steps(offboard, course.duration_s),
+            *landing_steps(kind.land, kind.land_mode, offboard, course.altitude_m),
+        )
+        self._enter(Stage.MODE, self.vehicle.clock.newest_s)
+
+    def stop(self, reason: str, now_s: float, *, land: bool) -> None:
+        """Give the mission up: hold, and land on the spot if asked to; on the ground, disarm. A landing goes on."""
+        if self.stage is Stage.DONE or self.stage in _LANDING:
+            return
+        self._outcome = (Ending.STOPPED, reason)
+        if not self._retreat(now_s, land=land):
+            self._end(*self._outcome)
+
+    def outgoing(self) -> list[bytes]:
+        """Frames to send, oldest first; they are forgotten here."""
+        frames = list(self.contact.out)
+        self.contact.out.clear()
+        return frames
+
+    def events(self) -> list[Event]:
+        """What has happened since the last call, oldest first."""
+        events = list(self.contact.events)
+        self.contact.events.clear()
+        return events
+
+    def wait_s(self, now_s: float) -> float:
+        """How long to wait for messages before ``advance`` is due again, on the clock here."""
+        waits = [_LOOK_S, self.contact.channel.wait_s(now_s)]
+        step = self._procedure.step
+        if self.guidance is not None and step is not None and step.streaming:
+            waits.append(self.vehicle.clock.local_until(self.guidance.next_s, now_s))
+        return max(min(waits), 0.0)
+
+    # Messages.
+
+    def _take(self, body: Body, now_s: float) -> None:
+        position_before_s = self.vehicle.position_at_s
+        answer = self.contact.take(body, now_s)
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        if answer is not None and vehicle_s is not None:
+            self._procedure.take(answer, vehicle_s, now_s)
+        if isinstance(body, LocalPosition):
+            if self.vehicle.position_at_s > position_before_s:
+                self._moved(body)
+        elif isinstance(body, Heartbeat):
+            self._look_who_flies(body, vehicle_s, now_s)
+        elif isinstance(body, Origin):
+            self._check_origin(body, now_s)
+
+    def _moved(self, report: LocalPosition) -> None:
+        if self.guidance is None:
+            return
+        at_s = self.vehicle.position_at_s
+        position = self.guidance.anchor.to_domain(report.position_ned_m)
+        velocity = enu_from_ned(report.velocity_ned_m_s)
+        planned = self.guidance.observe(at_s, position, velocity)
+        attitude = None if self.vehicle.attitude is None else self.vehicle.attitude.angles_rad
+        self._note(Moved(at_s, position, velocity, attitude, planned, self.guidance.trajectory_s(at_s)))
+
+    def _look_who_flies(self, heartbeat: Heartbeat, vehicle_s: float | None, now_s: float) -> None:
+        """Look in a heartbeat for someone else who flies; one alone may have been late."""
+        if heartbeat.armed:
+            self._disarmed_from_s = math.inf
+        elif vehicle_s is not None:
+            self._disarmed_from_s = min(self._disarmed_from_s, vehicle_s)
+        step, kind = self._procedure.step, self.contact.autopilot
+        if step is None or step.modes is None or kind is None or not heartbeat.armed:
+            return
+        if heartbeat.custom_mode in step.modes or self.vehicle.heartbeats_in_mode < _HEARTBEATS:
+            return
+        mode = kind.mode_name(heartbeat.custom_mode)
+        if heartbeat.in_failsafe:
+            ending, reason = Ending.FAILSAFE, f"a failsafe put the vehicle into {mode}"
+        else:
+            ending, reason = Ending.HANDED_OVER, f"someone else put the vehicle into {mode}"
+        self._end(ending, self.contact.explained(reason, now_s - _WORDS_S))
+
+    def _check_origin(self, origin: Origin, now_s: float) -> None:
+        """A local frame that moves under a flight makes every setpoint mean another place."""
+        before = self._origin
+        if before is None or self._ground_down_m is None or self.stage in _LANDING or self._failure is not None:
+            return
+        north = abs(origin.latitude_deg - before.latitude_deg)
+        east = abs(origin.longitude_deg - before.longitude_deg)
+        if max(north, east) > _ORIGIN_MOVED_DEG:
+            self._give_up(VehicleError("the vehicle moved the origin of its local frame in flight"), now_s)
+
+    # The way.
+
+    def _prepare(self, vehicle_s: float | None, now_s: float) -> None:
+        asked = self.contact.ask_for_streams(now_s)
+        if asked and self.stage is Stage.STREAMS:
+            self._enter(Stage.READY, vehicle_s)
+        if self.stage is Stage.READY and self.contact.ready(now_s):
+            self.contact.channel.forget()
+            self._enter(Stage.STANDBY, vehicle_s)
+
+    def _proceed(self, vehicle_s: float, now_s: float) -> None:
+        self._take_ground()
+        try:
+            self._procedure.advance(lambda in_step_s: self._scene(vehicle_s, in_step_s), vehicle_s, now_s)
+        except MissionError as error:
+            self._give_up(error, now_s)
+        step = self._procedure.step
+        if step is not None and step.armed and not self.vehicle.armed:
+            what = f"the vehicle disarmed itself while {step.stage}"
+            self._give_up(VehicleError(self.contact.explained(what, now_s - _WORDS_S)), now_s)
+        if step is None:
+            if self._failure is not None:
+                raise self._failure
+            self._end(*self._outcome)
+            return
+        if step.stage is not self.stage:
+            if step.stage is Stage.FLY and self.guidance is not None:
+                self.guidance.begin(vehicle_s)
+            self._enter(step.stage, vehicle_s)
+        if step.streaming and self.guidance is not None:
+            self._send_setpoint(self.guidance, vehicle_s)
+
+    def _take_ground(self) -> None:
+        """Where the vehicle is armed, there is the ground, and the domain is tied to it."""
+        position = self.vehicle.position
+        if self._ground_down_m is not None or self._departure is None or position is None or not self.vehicle.armed:
+            return
+        course, anchoring = self._departure
+        self._ground_down_m = position.position_ned_m[2]
+        period_s = self.contact.options.setpoint_s
+        self.guidance = Guidance(course, anchoring(position.position_ned_m), period_s)
+        self._note(Anchored(self.vehicle.position_at_s, self.guidance.anchor.origin_ned_m))
+
+    def _scene(self, vehicle_s: float, in_step_s: float) -> Scene:
+        guidance, position = self.guidance, self.vehicle.position
+        return Scene(
+            vehicle=self.vehicle,
+            in_step_s=in_step_s,
+            altitude_m=0.0 if self._departure is None else self._departure[0].altitude_m,
+            height_m=self.altitude_m,
+            climb_m_s=0.0 if position is None else -position.velocity_ned_m_s[2],
+            off_m=math.inf if guidance is None else guidance.off_m,
+            steady_s=0.0 if guidance is None else guidance.steady_s(vehicle_s),
+            left_s=math.inf if guidance is None else guidance.left_s(vehicle_s),
+            disarmed_s=max(vehicle_s - self._disarmed_from_s, 0.0),
+        )
+
+    def _send_setpoint(self, guidance: Guidance, vehicle_s: float) -> None:
+        due = guidance.due(vehicle_s)
+        if due is not None:
+            reference, setpoint = due
+            self.contact.send_setpoint(setpoint)
+            self._note(SetpointSent(vehicle_s, reference, setpoint.yaw_rad, guidance.trajectory_s(vehicle_s)))
+
+    # Ends.
+
+    def _procedure_of(self, *steps: Step) -> Procedure:
+        self.contact.channel.forget()
+        return Procedure(steps, self.contact.channel, self.vehicle.words_since)
+
+    def _retreat(self, now_s: float, *, land: bool) -> bool:
+        """Take the way out: hold (and land) in the air, disarm on the ground; False where there is nothing to do."""
+        kind, vehicle_s = self.contact.autopilot, self.vehicle.clock.now_s(now_s)
+        if kind is None or vehicle_s is None or not self.vehicle.armed:
+            return False
+        if self.guidance is not None:
+            self.guidance.end(vehicle_s)
+        if not self._scene(vehicle_s, 0.0).airborne:
+            self._procedure = self._procedure_of(disarm_step(None))
+            return True
+        hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), None)
+        landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), self.altitude_m)
+        self._procedure = self._procedure_of(hold, *(landing if land else ()))
+        return True
+
+    def _give_up(self, error: MissionError, now_s: float) -> None:
+        """Raise ``error``, but not before the vehicle has been told to hold or to disarm.
+
+        Raises:
+            MissionError: ``error``, or the one that was on its way when this one came.
+        """
+        if self._failure is not None:
+            raise self._failure
+        if isinstance(error, LinkError) or not self._retreat(now_s, land=False):
+            raise error
+        self._failure = error
+
+    def _end(self, ending: Ending, reason: str) -> None:
+        self.ending, self.ending_reason = ending, reason
+        self._procedure = self._procedure_of()
+        self._enter(Stage.DONE, self.vehicle.clock.newest_s)
+
+    def _enter(self, stage: Stage, vehicle_s: float | None) -> None:
+        self.stage = stage
+        self._note(StageEntered(vehicle_s, stage))
+
+    def _note(self, event: Event) -> None:
+        self.contact.events.append(event)

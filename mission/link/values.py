@@ -1,0 +1,254 @@
+"""What vehicles say and are told over MAVLink, as typed values; units and frames are in the names.
+
+Message definitions: https://mavlink.io/en/messages/common.html.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum, IntFlag
+from typing import Final
+
+from mission.link.frames import Vector
+
+_SAFETY_ARMED: Final = 128
+"""MAV_MODE_FLAG_SAFETY_ARMED."""
+
+_FAILING: Final = (5, 6)
+"""MAV_STATE_CRITICAL and MAV_STATE_EMERGENCY."""
+
+
+class Result(IntEnum):
+    """Answers to a command (MAV_RESULT)."""
+
+    ACCEPTED = 0
+    TEMPORARILY_REJECTED = 1
+    DENIED = 2
+    UNSUPPORTED = 3
+    FAILED = 4
+    IN_PROGRESS = 5
+    CANCELLED = 6
+    COMMAND_LONG_ONLY = 7
+    COMMAND_INT_ONLY = 8
+    UNSUPPORTED_FRAME = 9
+    PERMISSION_DENIED = 10
+    UNKNOWN = 255
+
+    @classmethod
+    def _missing_(cls, _value: object) -> "Result":
+        return cls.UNKNOWN
+
+
+class LandedState(IntEnum):
+    """Between ground and air (MAV_LANDED_STATE)."""
+
+    UNDEFINED = 0
+    ON_GROUND = 1
+    IN_AIR = 2
+    TAKEOFF = 3
+    LANDING = 4
+
+    @classmethod
+    def _missing_(cls, _value: object) -> "LandedState":
+        return cls.UNDEFINED
+
+
+class Estimates(IntFlag):
+    """What an estimator vouches for (ESTIMATOR_STATUS_FLAGS; EKF_STATUS_FLAGS has the same low ten bits)."""
+
+    ATTITUDE = 1
+    VELOCITY_HORIZONTAL = 2
+    VELOCITY_VERTICAL = 4
+    POSITION_RELATIVE = 8
+    POSITION_ABSOLUTE = 16
+    HEIGHT_ABSOLUTE = 32
+    HEIGHT_ABOVE_GROUND = 64
+    CONSTANT_POSITION = 128
+
+
+class Sensors(IntFlag):
+    """Parts of the vehicle that SYS_STATUS speaks of (MAV_SYS_STATUS_SENSOR)."""
+
+    GYRO = 0x1
+    ACCELEROMETER = 0x2
+    COMPASS = 0x4
+    GPS = 0x20
+    PREARM_CHECK = 0x10000000
+
+
+@dataclass(frozen=True, slots=True)
+class Heartbeat:
+    """HEARTBEAT: what it is and what it is doing."""
+
+    vehicle_type: int
+    autopilot: int
+    base_mode: int
+    custom_mode: int
+    system_status: int
+
+    @property
+    def armed(self) -> bool:
+        """The one truth of whether the motors are armed."""
+        return bool(self.base_mode & _SAFETY_ARMED)
+
+    @property
+    def in_failsafe(self) -> bool:
+        """Whether the vehicle says that something is badly wrong."""
+        return self.system_status in _FAILING
+
+
+@dataclass(frozen=True, slots=True)
+class Words:
+    """STATUSTEXT, or a piece of one: severity as in syslog (0 the gravest); ``group`` is 0 for a text in one piece."""
+
+    severity: int
+    text: str
+    group: int
+    piece: int
+
+
+@dataclass(frozen=True, slots=True)
+class Acknowledgement:
+    """COMMAND_ACK; targets are 0 where the vehicle does not say whom it answers."""
+
+    command: int
+    result: Result
+    target_system: int
+    target_component: int
+
+
+@dataclass(frozen=True, slots=True)
+class LocalPosition:
+    """LOCAL_POSITION_NED: relative to the estimator's origin, north, east, down."""
+
+    time_boot_ms: int
+    position_ned_m: Vector
+    velocity_ned_m_s: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class GlobalPosition:
+    """GLOBAL_POSITION_INT: WGS 84; heights above mean sea level and above home."""
+
+    time_boot_ms: int
+    latitude_deg: float
+    longitude_deg: float
+    altitude_amsl_m: float
+    height_above_home_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Attitude:
+    """ATTITUDE: roll, pitch, yaw of the body against NED."""
+
+    time_boot_ms: int
+    angles_rad: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """GPS_GLOBAL_ORIGIN: where the estimator's local frame has its origin."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_amsl_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """HOME_POSITION: where the vehicle returns to; not the origin of its local frame."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_amsl_m: float
+    position_ned_m: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """SYS_STATUS: parts that are there and wanted, and those that are well; charge in percent, -1 unknown."""
+
+    enabled: Sensors
+    healthy: Sensors
+    battery_percent: int
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    """BATTERY_STATUS: whether the charge is critical or worse."""
+
+    critical: bool
+
+
+@dataclass(frozen=True, slots=True)
+class EstimatorReport:
+    """EKF_STATUS_REPORT or ESTIMATOR_STATUS."""
+
+    flags: Estimates
+
+
+@dataclass(frozen=True, slots=True)
+class Landing:
+    """EXTENDED_SYS_STATE."""
+
+    state: LandedState
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """POSITION_TARGET_LOCAL_NED: where the vehicle says that it is flying to; NaN on axes without a target."""
+
+    time_boot_ms: int
+    position_ned_m: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """AUTOPILOT_VERSION: major, minor and patch of the firmware."""
+
+    firmware: tuple[int, int, int]
+
+
+Body = (
+    Heartbeat
+    | Words
+    | Acknowledgement
+    | LocalPosition
+    | GlobalPosition
+    | Attitude
+    | Origin
+    | Home
+    | Health
+    | Battery
+    | EstimatorReport
+    | Landing
+    | Target
+    | Version
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """One message and who sent it."""
+
+    system_id: int
+    component_id: int
+    body: Body
+
+
+@dataclass(frozen=True)
+class Command:
+    """A COMMAND_LONG: number and up to seven parameters, the rest 0; ``name`` is for people."""
+
+    name: str
+    number: int
+    parameters: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class LocalSetpoint:
+    """Position, velocity, acceleration and heading, all of them, in the vehicle's local frame (NED)."""
+
+    time_boot_ms: int
+    position_ned_m: Vector
+    velocity_ned_m_s: Vector
+    acceleration_ned_m_s2: Vector
+    yaw_rad: float

@@ -1,0 +1,94 @@
+"""The vehicle's own time, as far as it can be known here.
+
+Telemetry carries ``time_boot_ms``; between two messages the vehicle's time is extrapolated at the rate at which it
+has been running against the clock here. So a simulator at 20 times real time, one in lock-step and a real vehicle are
+flown by the same code. Two promises: the time shown never runs backwards, and it never runs more than ``AHEAD_S``
+ahead of the newest telemetry, so that a vehicle whose clock stops is not left behind by its trajectory.
+"""
+
+from collections import deque
+from typing import Final
+
+AHEAD_S: Final = 0.2
+"""Most vehicle time that is shown beyond the newest telemetry."""
+
+_WINDOW_S: Final = 1.0
+_SHORTEST_S: Final = 0.02
+_MOST_SAMPLES: Final = 256
+_RESTART_S: Final = 10.0
+_WRAP_MS: Final = 1 << 32
+
+
+class VehicleClock:
+    """Follows one vehicle's clock; the local time is an argument everywhere.
+
+    Attributes:
+        restarted: Whether the vehicle's clock was seen to begin anew: the vehicle was rebooted.
+    """
+
+    def __init__(self) -> None:
+        """Start without having heard of the vehicle's time."""
+        self.restarted = False
+        self._samples: deque[tuple[float, float]] = deque(maxlen=_MOST_SAMPLES)
+        self._newest_ms: int | None = None
+        self._rate = 0.0
+        self._shown_s = 0.0
+
+    @property
+    def rate(self) -> float:
+        """Vehicle seconds in each local second; 0 until two moments are known."""
+        return self._rate
+
+    @property
+    def newest_s(self) -> float | None:
+        """The newest time that the vehicle itself has told; None before the first."""
+        return None if self._newest_ms is None else self._newest_ms / 1000.0
+
+    def unwrapped_s(self, time_boot_ms: int) -> float:
+        """The vehicle time that a time stamp means: its 32 bits wrap after 49.7 days."""
+        if self._newest_ms is None:
+            return time_boot_ms / 1000.0
+        return (self._newest_ms + self._later_by_ms(time_boot_ms)) / 1000.0
+
+    def _later_by_ms(self, time_boot_ms: int) -> int:
+        newest = self._newest_ms or 0
+        return (time_boot_ms - newest + _WRAP_MS // 2) % _WRAP_MS - _WRAP_MS // 2
+
+    def observe(self, time_boot_ms: int, local_s: float) -> None:
+        """Take a time stamp that arrived at ``local_s``; late ones, reordered on the way, change nothing."""
+        if self._newest_ms is None:
+            self._newest_ms = time_boot_ms
+        else:
+            later = self._later_by_ms(time_boot_ms)
+            if later <= 0:
+                self.restarted |= later < -_RESTART_S * 1000.0
+                return
+            self._newest_ms += later
+        samples = self._samples
+        samples.append((local_s, self._newest_ms / 1000.0))
+        while len(samples) > 2 and local_s - samples[1][0] >= _WINDOW_S:  # noqa: PLR2004 - a rate needs two
+            samples.popleft()
+        elapsed = local_s - samples[0][0]
+        if elapsed >= _SHORTEST_S:  # what came in one burst says nothing about the rate
+            self._rate = (samples[-1][1] - samples[0][1]) / elapsed
+
+    def now_s(self, local_s: float) -> float | None:
+        """The vehicle's time at ``local_s``; None before the vehicle has told any."""
+        if not self._samples:
+            return None
+        heard_s, told_s = self._samples[-1]
+        ahead = min(max(local_s - heard_s, 0.0) * self._rate, AHEAD_S)
+        self._shown_s = max(self._shown_s, told_s + ahead)
+        return self._shown_s
+
+    def local_until(self, vehicle_s: float, local_s: float) -> float:
+        """How long from ``local_s`` until this vehicle time is shown; infinite where only telemetry can bring it."""
+        now = self.now_s(local_s)
+        if now is None:
+            return float("inf")
+        if vehicle_s <= now:
+            return 0.0
+        heard_s, told_s = self._samples[-1]
+        if self._rate <= 0.0 or vehicle_s > told_s + AHEAD_S:
+            return float("inf")
+        return max(heard_s + (vehicle_s - told_s) / self._rate - local_s, 0.0)

@@ -1,0 +1,204 @@
+"""What the vehicle has said of itself so far, and whether that is enough to fly."""
+
+import math
+from collections import deque
+from typing import Final, NamedTuple
+
+from mission.link.texts import Text, TextAssembler
+from mission.link.values import (
+    Attitude,
+    Battery,
+    Body,
+    Estimates,
+    EstimatorReport,
+    GlobalPosition,
+    Health,
+    Heartbeat,
+    Home,
+    LandedState,
+    Landing,
+    LocalPosition,
+    Origin,
+    Sensors,
+    Target,
+    Version,
+    Words,
+)
+from mission.link.vehicle_clock import VehicleClock
+
+_MOST_TEXTS: Final = 64
+_FRESH_S: Final = 2.0
+_GRAVE: Final = 4
+"""Warnings and worse explain a refusal; notices and chatter do not."""
+
+_PARTS: Final = ((Sensors.GYRO, "gyro"), (Sensors.ACCELEROMETER, "accelerometer"), (Sensors.COMPASS, "compass"))
+_NEEDED: Final = (
+    (Estimates.ATTITUDE, "attitude"),
+    (Estimates.VELOCITY_HORIZONTAL, "horizontal velocity"),
+    (Estimates.VELOCITY_VERTICAL, "vertical velocity"),
+    (Estimates.HEIGHT_ABSOLUTE, "height"),
+)
+
+
+class Heard(NamedTuple):
+    """A text, with when it was heard on the clock here."""
+
+    local_s: float
+    text: Text
+
+
+class VehicleState:
+    """The newest of each message, of one vehicle; None where there was none yet.
+
+    Attributes:
+        clock: The vehicle's own time.
+        heartbeats_in_mode: How many heartbeats in a row have shown the present mode.
+        position_at_s: Vehicle time of ``position``.
+    """
+
+    def __init__(self) -> None:
+        """Start knowing nothing."""
+        self.clock = VehicleClock()
+        self.heartbeat: Heartbeat | None = None
+        self.heartbeats_in_mode = 0
+        self.position: LocalPosition | None = None
+        self.position_at_s = -math.inf
+        self.place: GlobalPosition | None = None
+        self.attitude: Attitude | None = None
+        self.origin: Origin | None = None
+        self.home: Home | None = None
+        self.health: Health | None = None
+        self.battery: Battery | None = None
+        self.estimator: EstimatorReport | None = None
+        self.landed = LandedState.UNDEFINED
+        self.target: Target | None = None
+        self.version: Version | None = None
+        self.heard_kinds: set[type[Body]] = set()
+        self._texts = TextAssembler()
+        self._heard: deque[Heard] = deque(maxlen=_MOST_TEXTS)
+
+    @property
+    def armed(self) -> bool:
+        """Whether the last heartbeat showed armed motors."""
+        return self.heartbeat is not None and self.heartbeat.armed
+
+    @property
+    def mode(self) -> int:
+        """The autopilot's own number of the present mode; -1 before the first heartbeat."""
+        return -1 if self.heartbeat is None else self.heartbeat.custom_mode
+
+    @property
+    def battery_critical(self) -> bool:
+        """Whether the vehicle calls its battery critical or worse."""
+        return self.battery is not None and self.battery.critical
+
+    def take(self, body: Body, local_s: float) -> list[Text]:
+        """Take note of a message that arrived at ``local_s``; returns the texts that it completes."""
+        self.heard_kinds.add(type(body))
+        if isinstance(body, (LocalPosition, GlobalPosition, Attitude)):
+            self._take_motion(body, local_s)
+        elif isinstance(body, Heartbeat):
+            same = self.heartbeat is not None and self.heartbeat.custom_mode == body.custom_mode
+            self.heartbeats_in_mode = self.heartbeats_in_mode + 1 if same else 1
+            self.heartbeat = body
+        elif isinstance(body, Words):
+            return self._note(self._texts.take(body, local_s), local_s)
+        elif isinstance(body, Landing):
+            self.landed = body.state
+        elif isinstance(body, Origin):
+            self.origin = body
+        elif isinstance(body, Home):
+            self.home = body
+        else:
+            self._take_health(body)
+        return []
+
+    def overdue_texts(self, local_s: float) -> list[Text]:
+        """Texts of which a piece was lost."""
+        return self._note(self._texts.overdue(local_s), local_s)
+
+    def words_since(self, local_s: float) -> str:
+        """What the vehicle said to explain itself since then, each text once, in its own words."""
+        said = [heard.text.text for heard in self._heard if heard.local_s >= local_s and heard.text.severity <= _GRAVE]
+        return "; ".join(dict.fromkeys(text for text in said if text))
+
+    def unready(self, *, absolute: bool) -> str:
+        """Why it cannot be flown yet, for people; empty where it can.
+
+        Args:
+            absolute: Whether the mission lies at a place on Earth, so that a relative position is not enough.
+        """
+        return self._unestimated(absolute=absolute) or self._unplaced(absolute=absolute) or self._unwell()
+
+    @property
+    def estimate_trusted(self) -> bool:
+        """Whether the estimator still vouches for attitude, velocity and position."""
+        return self.estimator is not None and (
+            bool(self.estimator.flags & Estimates.ATTITUDE)
+            and bool(self.estimator.flags & (Estimates.POSITION_ABSOLUTE | Estimates.POSITION_RELATIVE))
+            and not self.estimator.flags & Estimates.CONSTANT_POSITION
+        )
+
+    @property
+    def armable(self) -> bool:
+        """Whether its own checks before arming are passed, as far as it tells."""
+        health = self.health
+        checks = health is not None and bool(health.enabled & Sensors.PREARM_CHECK)
+        return health is None or not checks or bool(health.healthy & Sensors.PREARM_CHECK)
+
+    def _unestimated(self, *, absolute: bool) -> str:
+        if self.estimator is None:
+            return "no report of its estimator yet"
+        flags = self.estimator.flags
+        lacking = [name for flag, name in _NEEDED if not flags & flag]
+        placed = Estimates.POSITION_ABSOLUTE | (Estimates(0) if absolute else Estimates.POSITION_RELATIVE)
+        if not flags & placed or flags & Estimates.CONSTANT_POSITION:
+            lacking.append("position")
+        return f"its estimator has no {', no '.join(lacking)} yet" if lacking else ""
+
+    def _unplaced(self, *, absolute: bool) -> str:
+        position, newest_s = self.position, self.clock.newest_s
+        if position is None or newest_s is None:
+            return "no local position yet"
+        if newest_s - self.position_at_s > _FRESH_S:
+            return "its local position is not renewed"
+        if not all(map(math.isfinite, (*position.position_ned_m, *position.velocity_ned_m_s))):
+            return "its local position is no number"
+        if self.place is None:
+            return "no global position and height yet"
+        return "it has not told the origin of its local frame yet" if absolute and self.origin is None else ""
+
+    def _unwell(self) -> str:
+        health = self.health
+        if health is None:
+            return "no report of its sensors yet"
+        bad = [name for part, name in _PARTS if health.enabled & part and not health.healthy & part]
+        return f"its {' and '.join(bad)} {'is' if len(bad) == 1 else 'are'} not well" if bad else ""
+
+    def _take_motion(self, body: LocalPosition | GlobalPosition | Attitude, local_s: float) -> None:
+        """Keep the newer of two, so that what was reordered on the way never moves the vehicle back."""
+        self.clock.observe(body.time_boot_ms, local_s)
+        at_s = self.clock.unwrapped_s(body.time_boot_ms)
+        if isinstance(body, LocalPosition):
+            if at_s > self.position_at_s:
+                self.position, self.position_at_s = body, at_s
+        elif isinstance(body, GlobalPosition):
+            self.place = body if self.place is None or body.time_boot_ms >= self.place.time_boot_ms else self.place
+        elif self.attitude is None or body.time_boot_ms >= self.attitude.time_boot_ms:
+            self.attitude = body
+
+    def _take_health(self, body: Body) -> None:
+        if isinstance(body, Health):
+            self.health = body
+        elif isinstance(body, Battery):
+            self.battery = body
+        elif isinstance(body, EstimatorReport):
+            self.estimator = body
+        elif isinstance(body, Target):
+            self.target = body
+        elif isinstance(body, Version):
+            self.version = body
+
+    def _note(self, texts: list[Text], local_s: float) -> list[Text]:
+        self._heard.extend(Heard(local_s, text) for text in texts)
+        return texts
