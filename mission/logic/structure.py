@@ -236,6 +236,31 @@ def transition_based(structure: Structure) -> GeneralisedBuchi:
     return GeneralisedBuchi(structure.propositions, len(order), (0,), structure.sets, tuple(edges))
 
 
+def structure_of(automaton: GeneralisedBuchi) -> Structure:
+    """The working form of an automaton; several initial states become one more state with the moves of all."""
+    diagrams = Diagrams()
+    nothing = diagrams.leaf(())
+    known: dict[tuple[Diagram, Diagram], Diagram] = {}
+    rows = [nothing] * automaton.size
+
+    def union(left: Moves, right: Moves) -> Moves:
+        return tuple(sorted({*left, *right}))
+
+    for edge in automaton.edges:
+        marks = sum(1 << mark for mark in edge.marks)
+        letters = diagrams.any_of(map(diagrams.cube, edge.guard.cubes))
+        row = diagrams.choose(letters, diagrams.leaf(((edge.target, marks),)), nothing)
+        rows[edge.source] = diagrams.combine(rows[edge.source], row, union, known)
+    initial = automaton.initial[0]
+    if len(automaton.initial) > 1:
+        start = nothing
+        for state in automaton.initial:
+            start = diagrams.combine(start, rows[state], union, known)
+        initial = len(rows)
+        rows.append(start)
+    return Structure(diagrams, automaton.propositions, initial, tuple(rows), automaton.sets)
+
+
 def _listed(marks: int) -> tuple[int, ...]:
     return tuple(index for index in range(marks.bit_length()) if marks >> index & 1)
 
