@@ -69,16 +69,16 @@ class Parameter:
         """
         if not isfinite(value):
             raise ParameterError(f"{self.name} takes a finite number, not {value}")
-        low, high = self.minimum, self.maximum
         if self.is_integer:
-            rounded: float = round(value)
+            value = round(value)
             least, greatest = _INTEGER_LIMITS[self.kind]
-            low, high = max(low, least), min(high, greatest)
+            low, high = max(self.minimum, least), min(self.maximum, greatest)
         else:
-            rounded = single(value) if abs(value) <= high or abs(value) <= abs(low) else value
-        if not single(low) <= rounded <= single(high):
+            # A bound that arrives in single precision is still the bound.
+            low, high = min(self.minimum, single(self.minimum)), max(self.maximum, single(self.maximum))
+        if not low <= value <= high:
             raise ParameterError(f"{self.name} takes {low:g} to {high:g}, not {value:g}")
-        return rounded
+        return value if self.is_integer else single(value)
 
 
 def single(value: float) -> float:
