@@ -116,4 +116,4 @@ def prover_of(
 def certify_again(plan: FlightPlan) -> Certificate:
     """Prove a plan's trajectory anew, from the trajectory, the domain and the formula alone."""
     prover = prover_of(plan.spec, plan.partition, plan.labelling, plan.compiled_refutation, plan.restricted)
-    return prover.certify(plan.curve, plan.path.loop_from_s if plan.run.recurrent else None)
+    return prover.certify(plan.curve, plan.path.laps_from_s)

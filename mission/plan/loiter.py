@@ -15,6 +15,7 @@ from mission.steering.path import SteeringPath
 from mission.steering.smoothing import FourierCurve
 
 _SAMPLES_A_VISIT = 129
+_DEEP_ENOUGH = 0.5
 
 
 @dataclass(frozen=True)
@@ -26,12 +27,14 @@ class Stop:
         s: Curve parameter.
         seconds: How long it stands still.
         depth_m: Distance from the outline of the region, negative outside.
+        planned_depth_m: The same where the planned path is deepest.
     """
 
     region: str
     s: float
     seconds: float
     depth_m: float
+    planned_depth_m: float
 
 
 def loiter_stops(
@@ -58,20 +61,25 @@ def loiter_stops(
             start_s = path.segments[first].start_s
             end_s = path.segments[last].start_s + path.segments[last].duration_s
             s, depth_m = _deepest(curve, outline, start_s, end_s)
-            stops.append(Stop(region.name, s, region.loiter_s, depth_m))
+            _, planned_depth_m = _deepest(path, outline, start_s, end_s)
+            stops.append(Stop(region.name, s, region.loiter_s, depth_m, planned_depth_m))
     return tuple(sorted(stops, key=lambda stop: stop.s))
 
 
 def shallow_stop(stops: tuple[Stop, ...], tube_m: float) -> str:
-    """Which stop does not keep the whole tube inside its region, in words after "the smoothed path"; empty if none."""
-    needed = math.sqrt(2.0) * tube_m
+    """Which stop is not well inside its region, in words after "the smoothed path"; empty where none is.
+
+    The whole tube must be inside, and the stop at least half as deep as the planned path goes.
+    """
     for stop in stops:
-        if stop.depth_m <= needed:
+        if stop.depth_m <= max(math.sqrt(2.0) * tube_m, _DEEP_ENOUGH * stop.planned_depth_m):
             return f"comes no deeper than {stop.depth_m:.2f} m into {stop.region}, where it is to loiter"
     return ""
 
 
-def _deepest(curve: FourierCurve, outline: BaseGeometry, start_s: float, end_s: float) -> tuple[float, float]:
+def _deepest(
+    curve: FourierCurve | SteeringPath, outline: BaseGeometry, start_s: float, end_s: float
+) -> tuple[float, float]:
     s = np.linspace(start_s, end_s, _SAMPLES_A_VISIT)
     points = shapely.points(curve.position(s))
     depth = np.where(shapely.contains(outline, points), 1.0, -1.0) * shapely.distance(outline.boundary, points)

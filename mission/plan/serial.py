@@ -51,7 +51,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "run_index": plan.run_index,
         "run": {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)},
         "path": {
-            "loop_segment": path.loop_segment,
+            "lap_segments": list(path.lap_segments),
             "segments": [
                 {
                     "triangle": segment.triangle,
@@ -105,7 +105,9 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         shortest_runs=int(document["shortest_runs"]),
         run_index=int(document["run_index"]),
         run=Run(tuple(run["prefix"]), tuple(run["suffix"]), tuple(run["controls"])),
-        path=SteeringPath(tuple(_segment(segment) for segment in path["segments"]), int(path["loop_segment"])),
+        path=SteeringPath(
+            tuple(_segment(segment) for segment in path["segments"]), tuple(int(i) for i in path["lap_segments"])
+        ),
         stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
         trajectory=Trajectory.from_json(document["trajectory"]),
         certificate=Certificate.from_json(document["certificate"]),

@@ -81,7 +81,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         spec,
         path,
         prover,
-        loop_from_s=path.loop_from_s if chosen.recurrent else None,
+        laps_from_s=path.laps_from_s,
         refuses=lambda curve: shallow_stop(stops_of(curve), tube_of(spec)),
     )
     stops = tuple((stop.s, stop.seconds) for stop in stops_of(smooth.curve))
@@ -133,15 +133,15 @@ def _smoothed(
     path: SteeringPath,
     prover: Prover,
     *,
-    loop_from_s: float | None,
+    laps_from_s: tuple[float, ...],
     refuses: Callable[[FourierCurve], str],
 ) -> ProvedCurve:
     """Smooth a path and prove it, with as many frequencies as the mission asks for."""
     extension, frequencies = spec.smoothing.extension, spec.smoothing.frequencies
     if frequencies == "auto":
-        return smooth_with_proof(path, prover, extension=extension, loop_from_s=loop_from_s, refuses=refuses)
+        return smooth_with_proof(path, prover, extension=extension, laps_from_s=laps_from_s, refuses=refuses)
     curve = fit_fourier(path, frequencies, extension)
-    certificate = prover.certify(curve, loop_from_s)
+    certificate = prover.certify(curve, laps_from_s)
     fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
     fault = fault or refuses(curve)
     if fault:

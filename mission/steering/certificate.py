@@ -177,18 +177,21 @@ class Prover:
         extent = float(np.ptp(partition.vertices_m, axis=0).max())
         self._finest_m = max(_FINEST_PART_OF_TUBE * self._tube_m, _FINEST_PART_OF_EXTENT * extent)
 
-    def certify(self, curve: FourierCurve, loop_from_s: float | None) -> Certificate:
+    def certify(self, curve: FourierCurve, laps_from_s: tuple[float, ...] = ()) -> Certificate:
         """Prove the claim of a curve, or say where it fails.
+
+        Of a flight of laps, each lap must be worth repeating: for each, what is flown up to its end, with that lap
+        repeated for ever, satisfies the formula. So no lap leans on what another one visits.
 
         Args:
             curve: The smoothed path.
-            loop_from_s: Where the last lap begins, which is repeated for ever; None where the flight stays at the end.
+            laps_from_s: Where each lap begins, ascending; empty where the flight stays at its end.
         """
         enclosure = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
-        if loop_from_s is not None:
-            enclosure = insert_knots(curve, enclosure, np.array([loop_from_s]))
+        if laps_from_s:
+            enclosure = insert_knots(curve, enclosure, np.array(laps_from_s))
         contacts = self._contacts(enclosure)
-        doubt = self._doubt(enclosure, contacts, loop_from_s)
+        doubt = self._doubt(enclosure, contacts, laps_from_s)
         for _ in range(_ROUNDS):
             if doubt is None or len(doubt.certain):
                 break
@@ -197,7 +200,7 @@ class Prover:
                 break
             enclosure = split(curve, enclosure, coarse, _PARTS)
             contacts = self._contacts(enclosure)
-            doubt = self._doubt(enclosure, contacts, loop_from_s)
+            doubt = self._doubt(enclosure, contacts, laps_from_s)
         if doubt is None:
             return self._proved(curve, *self._sharpened(curve, enclosure, contacts))
         certificate = self._proved(curve, enclosure, contacts)
@@ -229,7 +232,7 @@ class Prover:
         pairs = np.unique(np.stack((contacts.pieces, self._labelling.letter_of[contacts.triangles])), axis=1)
         return np.bincount(pairs[0], minlength=len(contacts.outside))[1:-1]
 
-    def _doubt(self, enclosure: Enclosure, contacts: Contacts, loop_from_s: float | None) -> _Doubt | None:
+    def _doubt(self, enclosure: Enclosure, contacts: Contacts, laps_from_s: tuple[float, ...]) -> _Doubt | None:
         """What cannot be proved with these pieces; None where all can."""
         unsafe = (contacts.outside | contacts.marked(self._restricted))[1:-1]
         if unsafe.any():
@@ -238,18 +241,27 @@ class Prover:
             certain = np.flatnonzero(at_knots.outside | at_knots.marked(self._restricted))
             return _Doubt(unsafe, certain)
         sets = contacts.sets()
-        loop = None if loop_from_s is None else int(np.searchsorted(enclosure.knots_s, loop_from_s)) + 1
-        # Equal layers in a row are one; the head of the loop begins a new one.
-        first = tuple(i for i in range(len(sets)) if i in (0, loop) or sets[i] != sets[i - 1])
-        violations = Violations(
-            Layers(tuple(sets[i] for i in first), None if loop is None else first.index(loop)),
-            corners=self._partition.triangles,
-            letter_of=self._labelling.letter_of,
-            refutation=self._refutation,
-            semantics=self._semantics,
-        )
-        if not violations.exists():
-            return None
+        heads = [int(knot) + 1 for knot in np.searchsorted(enclosure.knots_s, laps_from_s)]
+        spans = list(zip(heads, [*heads[1:], len(sets)], strict=True)) if heads else [(None, len(sets))]
+        for loop, end in spans:
+            # Equal layers in a row are one; the head of the loop begins a new one.
+            first = tuple(i for i in range(end) if i in (0, loop) or sets[i] != sets[i - 1])
+            violations = Violations(
+                Layers(tuple(sets[i] for i in first), None if loop is None else first.index(loop)),
+                corners=self._partition.triangles,
+                letter_of=self._labelling.letter_of,
+                refutation=self._refutation,
+                semantics=self._semantics,
+            )
+            if violations.exists():
+                return self._wordy_doubt(enclosure, contacts, violations, first)
+        return None
+
+    def _wordy_doubt(
+        self, enclosure: Enclosure, contacts: Contacts, violations: Violations, first: tuple[int, ...]
+    ) -> _Doubt:
+        """Which pieces may be to blame for a violating word."""
+        sets = contacts.sets()
         # Pieces with one letter only matter where the formula counts triangles: they are cut last.
         blame = self._letters(contacts) > 1
         if not (blame & (enclosure.reach_m > self._finest_m)).any():
@@ -326,7 +338,7 @@ def certify(
     semantics: Semantics,
     restricted: BoolArray,
     tube_m: float,
-    loop_from_s: float | None,
+    laps_from_s: tuple[float, ...] = (),
 ) -> Certificate:
     """Prove the claim of one curve, or say where it fails; ``Prover`` explains the arguments.
 
@@ -336,4 +348,4 @@ def certify(
     prover = Prover(
         partition, labelling, refutation=refutation, semantics=semantics, restricted=restricted, tube_m=tube_m
     )
-    return prover.certify(curve, loop_from_s)
+    return prover.certify(curve, laps_from_s)

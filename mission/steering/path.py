@@ -47,12 +47,11 @@ class SteeringPath:
 
     Attributes:
         segments: In order of time, the first at 0, each beginning where the one before it ends.
-        loop_segment: Index of the first segment of the part that the run repeats for ever: the last lap of a run that
-            moves on, the final stay of one that does not.
+        lap_segments: Index of the first segment of each lap of a recurrent run; empty where the run ends in a stay.
     """
 
     segments: tuple[Segment, ...]
-    loop_segment: int
+    lap_segments: tuple[int, ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -60,9 +59,19 @@ class SteeringPath:
         return float(self.knots_s[-1])
 
     @property
+    def loop_segment(self) -> int:
+        """Index of the first segment of what the run repeats for ever: the last lap, or else the final stay."""
+        return self.lap_segments[-1] if self.lap_segments else len(self.segments) - 1
+
+    @property
     def loop_from_s(self) -> float:
-        """When the repeated part begins."""
+        """When that begins."""
         return self.segments[self.loop_segment].start_s
+
+    @property
+    def laps_from_s(self) -> tuple[float, ...]:
+        """When each lap begins; empty where the run ends in a stay."""
+        return tuple(self.segments[index].start_s for index in self.lap_segments)
 
     @cached_property
     def knots_s(self) -> FloatArray:
@@ -148,15 +157,13 @@ def build_path(
     entry = np.array(start_m, dtype=np.float64)
     loop, end = len(run.prefix), len(run.states)
     order = [*range(end), *(list(range(loop, end)) * (laps - 1))] if run.recurrent else [*range(loop)]
-    loop_segment = 0
-    for place, index in enumerate(order):
-        if place == len(order) - (end - loop):
-            loop_segment = len(segments)
+    lap_segments: list[int] = []
+    for index in order:
+        if index == loop:
+            lap_segments.append(len(segments))
         entry = steps.append(segments, index, entry)
-    if not run.recurrent:
-        loop_segment = len(segments)
     steps.stay(segments, run.suffix[0], entry)
-    return SteeringPath(tuple(segments), loop_segment)
+    return SteeringPath(tuple(segments), tuple(lap_segments))
 
 
 class _Steps:

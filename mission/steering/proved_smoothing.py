@@ -26,7 +26,7 @@ def smooth_with_proof(
     prover: Prover,
     *,
     extension: Extension,
-    loop_from_s: float | None,
+    laps_from_s: tuple[float, ...],
     most_frequencies: int = MOST_FREQUENCIES,
     refuses: Callable[[FourierCurve], str] = lambda _: "",
 ) -> ProvedCurve:
@@ -41,7 +41,7 @@ def smooth_with_proof(
         path: The planned path.
         prover: Certifies curves of this mission.
         extension: How the path is continued beyond its ends.
-        loop_from_s: Where the last lap begins; None where the flight stays at its end.
+        laps_from_s: Where each lap begins; empty where the flight stays at its end.
         most_frequencies: Where to give up; at least 1.
         refuses: What else is wrong with a curve, in plain words after "the smoothed path ..."; empty where nothing is.
 
@@ -54,7 +54,7 @@ def smooth_with_proof(
     while held is None:
         if count > longest.frequencies:
             longest = fit_fourier(path, min(most_frequencies, 4 * count), extension)
-        held, fault = _tried(longest.truncated(count), prover, loop_from_s, refuses)
+        held, fault = _tried(longest.truncated(count), prover, laps_from_s, refuses)
         if held is None and count >= most_frequencies:
             raise NoPlanError(
                 f"no smoothing with up to {most_frequencies} frequencies is proved to satisfy the mission: "
@@ -64,7 +64,7 @@ def smooth_with_proof(
             failed, count = count, min(most_frequencies, 2 * count)
     while held.curve.frequencies - failed > 1:
         middle = (held.curve.frequencies + failed) // 2
-        better, _ = _tried(longest.truncated(middle), prover, loop_from_s, refuses)
+        better, _ = _tried(longest.truncated(middle), prover, laps_from_s, refuses)
         if better is None:
             failed = middle
         else:
@@ -73,13 +73,13 @@ def smooth_with_proof(
 
 
 def _tried(
-    curve: FourierCurve, prover: Prover, loop_from_s: float | None, refuses: Callable[[FourierCurve], str]
+    curve: FourierCurve, prover: Prover, laps_from_s: tuple[float, ...], refuses: Callable[[FourierCurve], str]
 ) -> tuple[ProvedCurve | None, str]:
     """The curve with its certificate if all is proved; else what is wrong with it."""
     fault = refuses(curve)
     if fault:
         return None, f"the smoothed path {fault}"
-    certificate = prover.certify(curve, loop_from_s)
+    certificate = prover.certify(curve, laps_from_s)
     if certificate.holds:
         return ProvedCurve(curve, certificate), ""
     return None, f"the tube of {certificate.tube_m:g} m around the smoothed path {certificate.reason}"

@@ -40,7 +40,7 @@ def certified(
     semantics: Semantics = Semantics.STANDARD,
     restricted: tuple[int, ...] = (6,),
     tube_m: float = 0.1,
-    loop_from_s: float | None = None,
+    laps_from_s: tuple[float, ...] = (),
 ) -> Certificate:
     domain, labels = partition or paper_partition(), labelling or paper_labelling()
     return certify(
@@ -51,7 +51,7 @@ def certified(
         semantics=semantics,
         restricted=marked(domain, restricted),
         tube_m=tube_m,
-        loop_from_s=loop_from_s,
+        laps_from_s=laps_from_s,
     )
 
 
@@ -182,12 +182,12 @@ def test_laps_are_repeated_for_ever() -> None:
     assert ends[0] == ends[2]
     assert ends[1] == ends[3] != ends[0]
     labels = labelled(paper_partition(), {"p": (int(ends[0]),), "q": (int(ends[1]),), "never": (6,)})
-    assert certified(curve, labelling=labels, formula="G F p & G F q", restricted=(), loop_from_s=30.0).holds
-    assert certified(curve, labelling=labels, formula="G F q & G !never", restricted=(), loop_from_s=30.0).holds
-    assert not certified(curve, labelling=labels, formula="F G p", restricted=(), loop_from_s=30.0).holds
+    assert certified(curve, labelling=labels, formula="G F p & G F q", restricted=(), laps_from_s=(30.0,)).holds
+    assert certified(curve, labelling=labels, formula="G F q & G !never", restricted=(), laps_from_s=(30.0,)).holds
+    assert not certified(curve, labelling=labels, formula="F G p", restricted=(), laps_from_s=(30.0,)).holds
     # Without the loop the vehicle stays where the last lap ends.
-    assert certified(curve, labelling=labels, formula="F G p", restricted=(), loop_from_s=None).holds
-    assert not certified(curve, labelling=labels, formula="G F q", restricted=(), loop_from_s=None).holds
+    assert certified(curve, labelling=labels, formula="F G p", restricted=(), laps_from_s=()).holds
+    assert not certified(curve, labelling=labels, formula="G F q", restricted=(), laps_from_s=()).holds
 
 
 def test_certificates_survive_json() -> None:

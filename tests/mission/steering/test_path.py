@@ -74,7 +74,7 @@ def test_a_recurrent_run_flies_its_laps_and_ends_inside(partition: Partition) ->
     path = build_path(partition, LOOP, start_m=(3.0, 6.5), speed_m_s=1.0, final_stay_s=5.0, laps=3)
     assert [segment.triangle for segment in path.segments] == [*LOOP.suffix * 3, 5]
     assert path.loop_segment == 8
-    assert path.loop_from_s == path.segments[8].start_s
+    assert path.laps_from_s == tuple(path.segments[i].start_s for i in (0, 4, 8))
     assert partition.barycentric(np.array([5]), path.position([path.duration_s])).min() > 0.05
 
 
