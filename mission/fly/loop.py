@@ -122,7 +122,7 @@ class _Flight:
         self.interrupted = False
         self._run = run
         self._began_s = clock.now_s()
-        self._trusted_s = self._near_s = -math.inf
+        self._trusted_s = self._near_s = self._looked_s = -math.inf
 
     @property
     def newest_s(self) -> float | None:
@@ -175,8 +175,9 @@ class _Flight:
     def look_after(self) -> None:
         """Give the flight up where going on would be wrong."""
         session, now_s = self.session, self.newest_s
-        if session.stage is not Stage.FLY or now_s is None or self.watch.began_s is None:
+        if session.stage is not Stage.FLY or now_s is None or self.watch.began_s is None or now_s == self._looked_s:
             return
+        self._looked_s = now_s
         vehicle, tracking = session.vehicle, self.watch.tracking
         if vehicle.estimate_trusted and now_s - vehicle.position_at_s < _UNTRUSTED_FOR_S:
             self._trusted_s = now_s
