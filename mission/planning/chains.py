@@ -1,150 +1,186 @@
 """Chains: all sequences of triangles of one length between given ends, counted, ordered and picked by number.
 
-Shortest ways form a layered graph over product states. Where the automaton is nondeterministic, ways that differ in
-automaton states only are one sequence of triangles; so each layer is made deterministic: a node is a triangle with the
-*set* of automaton states that the sequence may have led to. Then sequences and ways through the nodes correspond one
-to one, and counting is a sum over the layers, in integers of any size.
+Shortest ways form a layered graph over product states. Two ways may be one sequence of triangles and controls and
+differ in automaton states only; they are one run. Where the states of a layered graph have at most one successor for
+each control, and the first layer is one state, that cannot happen, and the graph is counted as it is. Elsewhere it is
+made deterministic: a node is then a triangle with the *set* of automaton states that the sequence may have led to.
+Either way sequences and ways through the nodes correspond one to one, and counting them is a sum over the steps into
+each node, in Python's integers, which have no largest.
 
-Automaton states are held as bit sets, in Python integers. For loops, a bit stands for a pair (state in which the loop
-began, state now), so that a sequence counts only where one and the same state closes it.
+Sets of automaton states are bit sets. For loops from several heads a bit stands for a pair (number of the head in
+which the loop began, state now), so that a sequence counts only where one and the same head closes it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mission.geometry.arrays import IntArray
-from mission.planning.product import Product
+from mission.logic.automaton import CompiledAutomaton
+from mission.planning.product import Codes, Product
 
-Counts = NDArray[np.object_]
+Pair = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
-    """The nodes at one distance from the start.
+class Layered:
+    """Product states by layers; a state is in the first and in the last layer of a loop.
 
     Attributes:
-        triangles: (n,) the triangle of each node.
-        sets: (n,) the bit set of each node, as its number in the chain's list of bit sets.
-        counts: (n,) Python integers: how many sequences lead to each node.
-        begins: (n + 1,) where the steps into each node begin in ``sources`` and ``controls``.
-        sources: Node of the layer before; for each node ordered by control, then by triangle.
-        controls: The control that leads from there.
+        states: (n,) product states, ordered by layer and number.
+        layers: (n,) number of the layer of each, from 0, none left out.
     """
 
-    triangles: IntArray
-    sets: IntArray
-    counts: Counts
-    begins: IntArray
-    sources: IntArray
-    controls: IntArray
+    states: Codes
+    layers: IntArray
 
 
+@dataclass(frozen=True, eq=False)
 class Chain:
-    """All sequences of triangles that follow the marked product states, layer by layer.
+    """A graph of nodes, layer by layer, in which every way to a node is a sequence of triangles of its own.
 
-    Args:
-        product: P.
-        marked: For each layer, pairs (product states, anchor): the product states that a way may use there, and the
-            number of the loop head they belong to. Prefixes have the single anchor 0.
+    Attributes:
+        triangles: The triangle of each node.
+        begins: Where the steps into each node begin in ``sources`` and ``controls``; one more than nodes.
+        sources: The node that a step comes from; for each node ordered by control, then by triangle.
+        controls: The control that leads from there.
+        ends: The nodes of the last layer, each with its bit set.
+        counts: How many sequences lead to each node.
     """
 
-    def __init__(self, product: Product, marked: Sequence[Sequence[tuple[IntArray, int]]]) -> None:
-        self._product = product
-        self._numbers: dict[int, int] = {}
-        self._sets: list[int] = []
-        self._images: dict[tuple[int, int], int] = {}
-        self._common: dict[tuple[int, int], int] = {}
-        triangles, sets = self._allowed(marked[0])
-        ones: Counts = np.full(len(triangles), 1, dtype=np.object_)
-        none = np.zeros(0, dtype=np.int64)
-        layers = [Layer(triangles, sets, ones, np.zeros(len(triangles) + 1, dtype=np.int64), none, none)]
-        for pairs in marked[1:]:
-            layers.append(self._next(layers[-1], *self._allowed(pairs)))
-        self.layers = tuple(layers)
-
-    def bits(self, number: int) -> int:
-        """A bit set by its number."""
-        return self._sets[number]
+    triangles: list[int]
+    begins: list[int]
+    sources: list[int]
+    controls: list[int]
+    ends: list[Pair]
+    counts: list[int]
 
     def walk(self, node: int, rank: int) -> tuple[list[int], list[int]]:
-        """The ``rank``-th sequence that ends in a node of the last layer: its triangles and the controls between them.
+        """The ``rank``-th sequence that ends in a node: its triangles and the controls between them.
 
         Sequences are ordered from their end: by the last control, then by the triangle it came from, then likewise
         before that.
         """
-        triangles, controls = [int(self.layers[-1].triangles[node])], []
-        for before, layer in zip(reversed(self.layers[:-1]), reversed(self.layers[1:]), strict=True):
-            for step in range(int(layer.begins[node]), int(layer.begins[node + 1])):
-                source = int(layer.sources[step])
-                if rank < before.counts[source]:
+        triangles, controls = [self.triangles[node]], []
+        while self.begins[node] < self.begins[node + 1]:
+            for step in range(self.begins[node], self.begins[node + 1]):
+                source = self.sources[step]
+                if rank < self.counts[source]:
                     break
-                rank -= before.counts[source]
+                rank -= self.counts[source]
             node = source
-            triangles.append(int(before.triangles[node]))
-            controls.append(int(layer.controls[step]))
+            triangles.append(self.triangles[node])
+            controls.append(self.controls[step])
         return triangles[::-1], controls[::-1]
 
-    def _number(self, bits: int) -> int:
-        if bits not in self._numbers:
-            self._numbers[bits] = len(self._sets)
-            self._sets.append(bits)
-        return self._numbers[bits]
 
-    def _allowed(self, pairs: Sequence[tuple[IntArray, int]]) -> tuple[IntArray, IntArray]:
-        """The triangles of a layer, ascending, with the numbers of the bit sets that are allowed there."""
-        states = self._product.automaton.states
-        found: dict[int, int] = {}
-        for codes, anchor in pairs:
-            for code in codes.tolist():
-                triangle, q = divmod(code, states)
-                found[triangle] = found.get(triangle, 0) | 1 << (anchor * states + q)
-        triangles = sorted(found)
-        numbers = [self._number(found[triangle]) for triangle in triangles]
-        return np.array(triangles, dtype=np.int64), np.array(numbers, dtype=np.int64)
+def _counted(begins: list[int], sources: list[int]) -> list[int]:
+    counts: list[int] = []
+    for begin, end in pairwise(begins):
+        counts.append(sum([counts[source] for source in sources[begin:end]]) if begin < end else 1)
+    return counts
 
-    def _next(self, layer: Layer, triangles: IntArray, allowed: IntArray) -> Layer:
-        system = self._product.system
-        targets = system.successors[layer.triangles]
-        place = np.minimum(np.searchsorted(triangles, targets), len(triangles) - 1)
-        sources, controls = np.nonzero((targets >= 0) & (triangles[place] == targets))
-        entered, place = targets[sources, controls], place[sources, controls]
-        read = self._mapped(self._image, layer.sets[sources], system.letter_of[entered])
-        sets = self._mapped(self._meet, read, allowed[place])
-        alive = np.flatnonzero([self._sets[number] != 0 for number in sets.tolist()])
-        sources, controls, entered, sets = sources[alive], controls[alive], entered[alive], sets[alive]
-        order = np.lexsort((layer.triangles[sources], controls, sets, entered))
-        sources, controls, entered, sets = sources[order], controls[order], entered[order], sets[order]
-        fresh = np.ones(len(entered), dtype=np.bool_)
-        fresh[1:] = (np.diff(entered) != 0) | (np.diff(sets) != 0)
-        firsts = np.flatnonzero(fresh)
-        counts: Counts = np.add.reduceat(layer.counts[sources], firsts)
-        begins = np.append(firsts, len(entered))
-        return Layer(entered[firsts], sets[firsts], counts, begins, sources, controls)
 
-    def _mapped(self, operation: Callable[[int, int], int], left: IntArray, right: IntArray) -> IntArray:
-        """Apply an operation on numbers to each pair; each distinct pair once."""
-        width = int(right.max(initial=0)) + 1
-        keys, inverse = np.unique(left * width + right, return_inverse=True)
-        return np.array([operation(*divmod(key, width)) for key in keys.tolist()], dtype=np.int64)[inverse]
+def chain(product: Product, graphs: Sequence[Layered]) -> Chain:
+    """Unite layered graphs with equal numbers of layers, one for each head, into one chain of distinct sequences."""
+    if len(graphs) == 1:
+        plain = _as_it_is(product, graphs[0])
+        if plain is not None:
+            return plain
+    return _made_deterministic(product, graphs)
 
-    def _image(self, number: int, letter: int) -> int:
-        """The bit set after reading a letter."""
-        if (number, letter) not in self._images:
-            states = self._product.automaton.states
-            members = np.array(
-                [i for i, bit in enumerate(bin(self._sets[number])[:1:-1]) if bit == "1"], dtype=np.int64
-            )
-            rows, reached = self._product.read(members % states, np.full(len(members), letter))
-            bits = 0
-            for anchor, q in zip((members[rows] // states).tolist(), reached.tolist(), strict=True):
-                bits |= 1 << (anchor * states + q)
-            self._images[number, letter] = self._number(bits)
-        return self._images[number, letter]
 
-    def _meet(self, left: int, right: int) -> int:
-        if (left, right) not in self._common:
-            self._common[left, right] = self._number(self._sets[left] & self._sets[right])
-        return self._common[left, right]
+def _as_it_is(product: Product, graph: Layered) -> Chain | None:
+    """The chain whose nodes are the product states, None where two ways may be one sequence."""
+    size = len(graph.states)
+    if np.count_nonzero(graph.layers == 0) > 1:
+        return None
+    node_of = np.full(product.full_size, -1, dtype=np.int64)
+    node_of[graph.states] = np.arange(size)  # of a state in two layers the last: nothing leads into the first one
+    steps = product.out(graph.states)
+    targets = node_of[steps.states]
+    onward = (targets >= 0) & (graph.layers[targets] == graph.layers[steps.rows] + 1)
+    sources, controls, targets = steps.rows[onward], steps.controls[onward], targets[onward]
+    if ((np.diff(sources) == 0) & (np.diff(controls) == 0)).any():
+        return None
+    triangles, automaton_states = product.parts(graph.states)
+    order = np.lexsort((triangles[sources], controls, targets))
+    begins = np.concatenate(([0], np.cumsum(np.bincount(targets, minlength=size)))).tolist()
+    sources_listed = sources[order].tolist()
+    last = np.flatnonzero(graph.layers == graph.layers[-1])
+    last = last[np.lexsort((automaton_states[last], triangles[last]))]
+    return Chain(
+        triangles=triangles.tolist(),
+        begins=begins,
+        sources=sources_listed,
+        controls=controls[order].tolist(),
+        ends=[(node, 1 << q) for node, q in zip(last.tolist(), automaton_states[last].tolist(), strict=True)],
+        counts=_counted(begins, sources_listed),
+    )
+
+
+def _made_deterministic(product: Product, graphs: Sequence[Layered]) -> Chain:
+    """The chain whose nodes are triangles with the sets of (head, automaton state) that a sequence leads to."""
+    allowed = _allowed(product, graphs)
+    reader = _Reader(product.automaton)
+    letter_of, successors = product.system.letter_of, product.system.successors
+    layer = sorted(allowed[0].items())  # (triangle, bit set) of each node
+    triangles, begins = [x for x, _ in layer], [0] * (len(layer) + 1)
+    sources: list[int] = []
+    controls: list[int] = []
+    for here in allowed[1:]:
+        first = len(triangles) - len(layer)
+        into: dict[Pair, list[tuple[int, int, int]]] = {}
+        for node, (x, bits) in enumerate(layer, first):
+            for control, y in enumerate(successors[x].tolist()):
+                if y in here and (reached := reader.read(bits, int(letter_of[y])) & here[y]):
+                    into.setdefault((y, reached), []).append((control, x, node))
+        layer = sorted(into)
+        for key in layer:
+            steps = sorted(into[key])
+            triangles.append(key[0])
+            sources.extend(node for _, _, node in steps)
+            controls.extend(control for control, _, _ in steps)
+            begins.append(len(sources))
+    ends = [(node, bits) for node, (_, bits) in enumerate(layer, len(triangles) - len(layer))]
+    return Chain(triangles, begins, sources, controls, ends, _counted(begins, sources))
+
+
+def _allowed(product: Product, graphs: Sequence[Layered]) -> list[dict[int, int]]:
+    """For each layer the triangles in it with the bit set of all (head, automaton state) there."""
+    states = product.automaton.states
+    layers: list[dict[int, int]] = [{} for _ in range(int(graphs[0].layers[-1]) + 1)]
+    for head, graph in enumerate(graphs):
+        triangles, automaton_states = product.parts(graph.states)
+        for layer, x, q in zip(graph.layers.tolist(), triangles.tolist(), automaton_states.tolist(), strict=True):
+            layers[layer][x] = layers[layer].get(x, 0) | 1 << (head * states + q)
+    return layers
+
+
+class _Reader:
+    """What reading a letter makes of a bit set of (head, automaton state); each distinct question is answered once."""
+
+    def __init__(self, automaton: CompiledAutomaton) -> None:
+        self._states = automaton.states
+        self._targets: dict[Pair, int] = {}
+        rows = zip(automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), strict=True)
+        for source, letter, target in rows:
+            self._targets[source, letter] = self._targets.get((source, letter), 0) | 1 << target
+        self._read: dict[Pair, int] = {}
+
+    def read(self, bits: int, letter: int) -> int:
+        if (bits, letter) not in self._read:
+            self._read[bits, letter] = _image(bits, letter, self._targets, self._states)
+        return self._read[bits, letter]
+
+
+def _image(bits: int, letter: int, targets: Mapping[Pair, int], states: int) -> int:
+    image = 0
+    while bits:
+        lowest = (bits & -bits).bit_length() - 1
+        head, q = divmod(lowest, states)
+        image |= targets.get((q, letter), 0) << (head * states)
+        bits &= bits - 1
+    return image

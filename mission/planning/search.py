@@ -10,14 +10,26 @@ from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from mission.errors import NoPlanError
-from mission.geometry.arrays import IntArray
-from mission.planning.chains import Chain
-from mission.planning.product import UNREACHED, Product
+from mission.planning.chains import Chain, Layered, chain
+from mission.planning.product import Codes, Product
+from mission.planning.refusal import loop_refusal, reach_refusal, start_refusal
 from mission.planning.run import Run
+
+
+@dataclass(frozen=True)
+class Head:
+    """An accepting state on a loop: its number, its distance from the start, the length of its shortest loop."""
+
+    state: int
+    distance: int
+    loop: int
+
+    @property
+    def cost(self) -> int:
+        """Number of transitions of the shortest lasso whose loop begins here."""
+        return self.distance + self.loop
 
 
 @dataclass(frozen=True)
@@ -27,35 +39,35 @@ class _Group:
     prefixes: Chain
     node: int
     loops: Chain
-    heads: tuple[tuple[int, int], ...]  # nodes of the last layer of ``loops`` that close it, with their counts
+    closing: tuple[int, ...]  # nodes of the last layer of ``loops`` at which a loop is closed
 
     @property
     def prefix_count(self) -> int:
-        return int(self.prefixes.layers[-1].counts[self.node])
+        return self.prefixes.counts[self.node]
 
     @property
     def size(self) -> int:
-        return self.prefix_count * sum(count for _, count in self.heads)
+        return self.prefix_count * sum(self.loops.counts[node] for node in self.closing)
 
     def run(self, rank: int) -> Run:
         loop_rank, prefix_rank = divmod(rank, self.prefix_count)
         before, entering = self.prefixes.walk(self.node, prefix_rank)
-        ends = accumulate(count for _, count in self.heads)
-        head, end = next((i, end) for i, end in enumerate(ends) if loop_rank < end)
-        node, count = self.heads[head]
-        around, controls = self.loops.walk(node, loop_rank - end + count)
+        passed = accumulate(self.loops.counts[node] for node in self.closing)
+        node, end = next((node, end) for node, end in zip(self.closing, passed, strict=True) if loop_rank < end)
+        around, controls = self.loops.walk(node, loop_rank - end + self.loops.counts[node])
         return Run(tuple(before[:-1]), tuple(around[:-1]), tuple(entering + controls))
 
 
 class ShortestRuns:
     """All runs of the least cost.
 
-    They are ordered by the length of the prefix, then by the triangle in which the loop begins, and then, compared
-    from the end of the run backward, by control and by triangle.
+    They are ordered by the length of the prefix, then by the triangle in which the loop begins and the state (or set
+    of states) of the automaton there, then by the loop and then by the prefix, each compared from its end backward by
+    control and by triangle.
 
     Attributes:
         cost: Number of transitions of each of them.
-        count: How many there are.
+        count: How many there are, exactly.
     """
 
     def __init__(self, cost: int, groups: tuple[_Group, ...]) -> None:
@@ -76,8 +88,10 @@ class ShortestRuns:
     def __iter__(self) -> Iterator[Run]:
         """The runs one after the other, made as they are asked for."""
         for group in self._groups:
-            for rank in range(group.size):
+            rank, size = 0, group.size  # a count may be beyond what range() can hold
+            while rank < size:
                 yield group.run(rank)
+                rank += 1
 
 
 def search(product: Product) -> ShortestRuns:
@@ -87,112 +101,75 @@ def search(product: Product) -> ShortestRuns:
         NoPlanError: If there is none; the message says how far the vehicle can get.
     """
     if not len(product.initial):
-        label = ", ".join(sorted(product.system.letters[product.system.letter_of[product.start]])) or "no region"
-        raise NoPlanError(f"the formula is violated where the flight starts, in triangle {product.start} ({label})")
-    distances = product.distances
-    accepting = np.flatnonzero((distances != UNREACHED) & np.tile(product.automaton.accepting, product.system.size))
-    if not len(accepting):
-        raise NoPlanError(f"no run satisfies the formula: {_how_far(product)}")
-    heads = _heads(product, accepting)
+        raise NoPlanError(start_refusal(product))
+    if not len(product.accepting):
+        raise NoPlanError(reach_refusal(product))
+    heads = _heads(product)
     if not heads:
-        raise NoPlanError(
-            f"the formula asks for something again and again that can happen only finitely often: {_how_far(product)}"
-        )
-    best = min(distance + loop for _, distance, loop in heads)
-    heads = [head for head in heads if head[1] + head[2] == best]
+        raise NoPlanError(loop_refusal(product))
     groups: list[_Group] = []
-    for distance in sorted({d for _, d, _ in heads}):
-        anchors = np.array([f for f, d, _ in heads if d == distance], dtype=np.int64)
-        groups.extend(_groups(product, anchors, distance, best - distance))
-    return ShortestRuns(best, tuple(groups))
+    for distance in sorted({head.distance for head in heads}):
+        groups.extend(_groups(product, [head for head in heads if head.distance == distance]))
+    return ShortestRuns(heads[0].cost, tuple(groups))
 
 
-def _heads(product: Product, accepting: IntArray) -> list[tuple[int, int, int]]:
-    """Accepting states (f, d(f), c(f)) among which are all with the least d(f) + c(f)."""
+def _heads(product: Product) -> list[Head]:
+    """All heads of the least cost.
+
+    A stay is a loop of one transition; no other loop is shorter than two. One sweep from all the heads that do not
+    stay gives a lower bound of their loops, in the order of which they are tried, up to the best found so far.
+    """
+    accepting = product.accepting
     distances = product.distances[accepting]
     stays = product.stays(accepting)
-    found = [(int(f), int(d), 1) for f, d in zip(accepting[stays], distances[stays], strict=True)]
-    best = min((d + 1 for _, d, _ in found), default=2 * product.full_size)
-    candidates = np.flatnonzero(~stays & (distances + 2 <= best))
-    if not len(candidates):
-        return found
-    component = _components(product)
-    for i in candidates[np.argsort(distances[candidates], kind="stable")].tolist():
-        f, d = int(accepting[i]), int(distances[i])
-        if component[f] == UNREACHED or d + 2 > best:
-            continue
-        loop = _loop_length(product, f, best - d)
-        if loop is not None:
-            found.append((f, d, loop))
-            best = min(best, d + loop)
-    return found
+    nearest = int(distances[stays].min(initial=2 * product.full_size))
+    found = [Head(f, nearest, 1) for f in accepting[stays & (distances == nearest)].tolist()]
+    best = nearest + 1
+    moving = accepting[~stays & (distances + 2 <= best)]
+    if len(moving):
+        moving = moving[product.on_loops[moving]]
+    if len(moving):
+        bounds = product.distances[moving] + 1 + _loop_distances(product, moving)[moving]
+        for i in np.argsort(bounds, kind="stable").tolist():
+            if bounds[i] > best:
+                break
+            state = moving[i : i + 1]
+            loop = int(_loop_distances(product, state)[state[0]]) + 1
+            found.append(Head(int(state[0]), int(product.distances[state[0]]), loop))
+            best = min(best, found[-1].cost)
+    return [head for head in found if head.cost == best]
 
 
-def _components(product: Product) -> IntArray:
-    """The strongly connected component of each reachable state, ``UNREACHED`` for one on no loop; (M * Q,)."""
-    reachable = np.flatnonzero(product.distances != UNREACHED)
-    steps = product.out(reachable)
-    place = np.full(product.full_size, UNREACHED, dtype=np.int64)
-    place[reachable] = np.arange(len(reachable))
-    moved = place[steps.states] != steps.rows
-    ends = (steps.rows[moved], place[steps.states[moved]])
-    graph = coo_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(len(reachable), len(reachable)))
-    _, labels = connected_components(graph.tocsr(), directed=True, connection="strong")
-    sizes = np.bincount(labels)
-    component = np.full(product.full_size, UNREACHED, dtype=np.int64)
-    component[reachable] = np.where(sizes[labels] > 1, labels, UNREACHED)
-    return component
+def _loop_distances(product: Product, heads: Codes) -> Codes:
+    """Distances from the states after ``heads``: one less than the length of a way from a head, back to it too."""
+    return product.distances_from(np.unique(product.out(heads).states))
 
 
-def _loop_length(product: Product, head: int, most: int) -> int | None:
-    """Length of the shortest loop through a state that does not stay, None if it is longer than ``most``."""
-    distances = product.distances_from(np.array([head]), most - 1)
-    sources = np.unique(product.into(np.array([head])).states)
-    lengths = distances[sources][distances[sources] != UNREACHED]
-    return int(lengths.min()) + 1 if len(lengths) else None
+def _groups(product: Product, heads: list[Head]) -> Iterator[_Group]:
+    """The runs to heads that are equally far from the start."""
+    states = np.array([head.state for head in heads], dtype=np.int32)
+    ways = product.on_shortest_ways(product.distances, states)
+    prefixes = chain(product, [Layered(ways, product.distances[ways].astype(np.int64))])
+    triangles, automaton_states = (part.tolist() for part in product.parts(states))
+    at_triangle: dict[int, list[tuple[int, Head]]] = {}
+    for x, q, head in zip(triangles, automaton_states, heads, strict=True):
+        at_triangle.setdefault(x, []).append((q, head))
+    loops_of: dict[tuple[Head, ...], tuple[Chain, tuple[int, ...]]] = {}
+    for node, bits in prefixes.ends:
+        here = [(q, head) for q, head in at_triangle[prefixes.triangles[node]] if bits >> q & 1]
+        key = tuple(head for _, head in here)
+        if key not in loops_of:
+            loops = chain(product, [_loop_graph(product, head) for head in key])
+            closed = sum(1 << (i * product.automaton.states + q) for i, (q, _) in enumerate(here))
+            loops_of[key] = loops, tuple(end for end, reached in loops.ends if reached & closed)
+        yield _Group(prefixes, node, *loops_of[key])
 
 
-def _groups(product: Product, anchors: IntArray, distance: int, loop: int) -> Iterator[_Group]:
-    """The runs that reach one of the ``anchors`` after ``distance`` transitions and return after ``loop`` more."""
-    states = product.automaton.states
-    prefixes = Chain(product, [((codes, 0),) for codes in _layers(product, product.distances, anchors, distance)])
-    last = prefixes.layers[-1]
-    for node in range(len(last.triangles)):
-        triangle, bits = int(last.triangles[node]), prefixes.bits(int(last.sets[node]))
-        here = [f for f in anchors.tolist() if f // states == triangle and bits >> (f % states) & 1]
-        loops = Chain(product, _loops(product, here, loop))
-        closed = sum(1 << (i * states + f % states) for i, f in enumerate(here))
-        ends = loops.layers[-1]
-        heads = tuple(
-            (i, int(ends.counts[i])) for i in range(len(ends.triangles)) if loops.bits(int(ends.sets[i])) & closed
-        )
-        yield _Group(prefixes, node, loops, heads)
-
-
-def _loops(product: Product, heads: list[int], length: int) -> list[list[tuple[IntArray, int]]]:
-    """The product states on loops of the given length, for each layer and each head."""
-    marked: list[list[tuple[IntArray, int]]] = [[] for _ in range(length + 1)]
-    for anchor, head in enumerate(heads):
-        around = np.array([head])
-        distances = product.distances_from(around, length - 1)
-        for pairs, codes in zip(marked, _layers(product, distances, around, length), strict=True):
-            pairs.append((codes, anchor))
-    return marked
-
-
-def _layers(product: Product, distances: IntArray, ends: IntArray, length: int) -> list[IntArray]:
-    """The states, layer by layer, on ways of the given length from distance 0 to ``ends``, each layer one step on."""
-    layers = [np.unique(ends)]
-    for level in range(length - 1, -1, -1):
-        before = product.into(layers[-1]).states
-        layers.append(np.unique(before[distances[before] == level]))
-    return layers[::-1]
-
-
-def _how_far(product: Product) -> str:
-    """Which regions can be reached, and which cannot, before the formula is violated."""
-    x, _ = product.parts(np.flatnonzero(product.distances != UNREACHED))
-    reached = set().union(*(product.system.letters[i] for i in np.unique(product.system.letter_of[x]).tolist()))
-    missed = sorted(set().union(*product.system.letters) - reached)
-    text = f"from triangle {product.start} the flight can reach {', '.join(sorted(reached)) or 'no region'}"
-    return f"{text}, but not {', '.join(missed)}" if missed else text
+def _loop_graph(product: Product, head: Head) -> Layered:
+    """The states on the shortest loops of a head, which is in the first layer and in the last."""
+    state = np.array([head.state], dtype=np.int32)
+    if head.loop == 1:
+        return Layered(np.repeat(state, 2), np.arange(2))
+    distances = _loop_distances(product, state)
+    ways = product.on_shortest_ways(distances, state)
+    return Layered(np.concatenate((state, ways)), np.concatenate(([0], distances[ways].astype(np.int64) + 1)))
