@@ -48,10 +48,11 @@ class TextAssembler:
         """The texts that this message completes: one at most, and those that it pushes out."""
         if words.group == 0:
             return [_clean(words.severity, words.text)]
+        if words.piece >= _MOST_PIECES:
+            return []
         pending = self._pending.setdefault(words.group, _Pending(words.severity, now_s))
-        if words.piece < _MOST_PIECES:
-            pending.pieces[words.piece] = words.text
-        if pending.pieces and pending.whole():
+        pending.pieces[words.piece] = words.text
+        if pending.whole():
             return [self._pending.pop(words.group).text()]
         if len(self._pending) > _MOST_PENDING:
             return [self._pending.pop(next(iter(self._pending))).text()]
@@ -60,7 +61,7 @@ class TextAssembler:
     def overdue(self, now_s: float) -> list[Text]:
         """Texts whose missing pieces are not waited for any longer, with dots in their places."""
         late = [group for group, pending in self._pending.items() if now_s - pending.since_s > _PATIENCE_S]
-        return [self._pending.pop(group).text() for group in late if self._pending[group].pieces]
+        return [self._pending.pop(group).text() for group in late]
 
 
 def _clean(severity: int, text: str) -> Text:

@@ -15,7 +15,7 @@ AHEAD_S: Final = 0.2
 _WINDOW_S: Final = 1.0
 _SHORTEST_S: Final = 0.02
 _MOST_SAMPLES: Final = 256
-_RESTART_S: Final = 10.0
+_RESTART_S: Final = 3.0
 _WRAP_MS: Final = 1 << 32
 
 
