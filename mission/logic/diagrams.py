@@ -23,9 +23,13 @@ class TooLargeError(Exception):
 
 
 class Diagrams:
-    """A pool of diagrams; diagrams of different pools have nothing to do with each other."""
+    """A pool of diagrams; diagrams of different pools have nothing to do with each other.
+
+    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last.
+    """
 
     def __init__(self) -> None:
+        self._limit = 10_000_000
         self.variable: list[int] = []
         self.low: list[Diagram] = []
         self.high: list[Diagram] = []
@@ -35,6 +39,10 @@ class Diagrams:
         self._choices: dict[tuple[Diagram, Diagram, Diagram], Diagram] = {}
         self.false = self.leaf(False)
         self.true = self.leaf(True)
+
+    def allow(self, growth: int) -> None:
+        """Let the pool grow by so many nodes from here on."""
+        self._limit = len(self.variable) + growth
 
     def leaf(self, value: Hashable) -> Diagram:
         """The constant function ``value``; values of different types are different."""
@@ -55,6 +63,8 @@ class Diagrams:
         return known
 
     def _new(self, variable: int, low: Diagram, high: Diagram, value: Hashable) -> Diagram:
+        if len(self.variable) >= self._limit:
+            raise TooLargeError
         self.variable.append(variable)
         self.low.append(low)
         self.high.append(high)

@@ -6,7 +6,6 @@ labels, aliases, and several initial states. Everything else that the format all
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
 
-from collections.abc import Callable
 from typing import Final
 
 from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
@@ -79,7 +78,7 @@ class Reader:
         version = self._expect("identifier")
         if version.text != "v1":
             raise refusal(f"version {version.text} of the format is not known", version, "write HOA: v1")
-        items: dict[str, Callable[[Token], None]] = {
+        items = {
             "States": self._states,
             "Start": self._start,
             "AP": self._propositions,

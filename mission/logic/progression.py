@@ -12,7 +12,7 @@ from typing import Final
 from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.formula import Formula, Operator, postorder
 
-MAX_ATOMS: Final = 300
+MAX_ATOMS: Final = 200
 """Atoms that a formula may have: the depth of a diagram."""
 
 

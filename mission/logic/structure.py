@@ -151,55 +151,62 @@ def components(structure: Structure) -> Components:
 def pruned(structure: Structure) -> Structure:
     """Without states that are unreachable or accept nothing; the initial state stays.
 
-    Marks that no accepting run can meet infinitely often are taken away too.
+    Acceptance sets are reduced to as many as some component needs: one that contains another one there is superfluous
+    there. Marks that no accepting run can meet infinitely often are taken away.
     """
     parts = components(structure)
+    needed = _needed_sets(structure, parts)
+    sets = max((len(kept) for kept in needed.values()), default=0)
+    if sets == 0 and structure.sets and parts.accepting != parts.cyclic:
+        sets = 1  # it tells components where every run is accepting from those where none is
     successors = structure.successors()
     heads = [states[0] for states, accepting in zip(parts.members, parts.accepting, strict=True) if accepting]
     alive = backward_reachable(successors, heads) | {structure.initial}
     keep = [state for state in range(structure.size) if state in alive and parts.of_state[state] >= 0]
-    useful = [index if parts.accepting[index] else -1 - state for state, index in enumerate(parts.of_state)]
-    cleaned = tuple(
-        structure.diagrams.transform(diagram, partial(_unmarked, useful[state], useful), {})
-        for state, diagram in enumerate(structure.moves)
-    )
-    changed = Structure(structure.diagrams, structure.propositions, structure.initial, cleaned, structure.sets)
-    return without_redundant_sets(changed.restricted(keep))
+    known: dict[int, dict[Diagram, Diagram]] = {}
+    moves = []
+    for state, diagram in enumerate(structure.moves):
+        home = parts.of_state[state]
+        change = partial(_remarked, home if home in needed else None, parts.of_state, needed.get(home, []), sets)
+        moves.append(structure.diagrams.transform(diagram, change, known.setdefault(home, {})))
+    changed = Structure(structure.diagrams, structure.propositions, structure.initial, tuple(moves), sets)
+    return changed.restricted(keep)
 
 
-def _unmarked(home: int, useful: list[int], moves: Moves) -> Moves:
-    return tuple(sorted({(target, marks if home >= 0 and useful[target] == home else 0) for target, marks in moves}))
-
-
-def without_redundant_sets(structure: Structure) -> Structure:
-    """Without acceptance sets that contain another one inside every accepting component.
-
-    Marks outside accepting components must have been taken away before.
-    """
-    parts = components(structure)
-    seen: set[int] = set()
+def _needed_sets(structure: Structure, parts: Components) -> dict[int, list[int]]:
+    """For each accepting component, acceptance sets that together ask for the same as all of them."""
+    seen: dict[int, set[int]] = {}
     for state, moves in enumerate(structure.transitions()):
         home = parts.of_state[state]
         if home >= 0 and parts.accepting[home]:
-            seen.update(marks for target, marks in moves if parts.of_state[target] == home)
+            inside = (marks for target, marks in moves if parts.of_state[target] == home)
+            seen.setdefault(home, set()).update(inside)
+    return {home: _minimal_sets(structure.sets, marks) for home, marks in seen.items()}
+
+
+def _minimal_sets(sets: int, seen: set[int]) -> list[int]:
     kept: list[int] = []
-    for index in range(structure.sets):
-        others = kept + list(range(index + 1, structure.sets))
+    for index in range(sets):
+        others = kept + list(range(index + 1, sets))
         contains = any(all(marks >> index & 1 for marks in seen if marks >> other & 1) for other in others)
-        everywhere = all(marks >> index & 1 for marks in seen)
-        if not contains and not (everywhere and seen):
+        if not contains and not all(marks >> index & 1 for marks in seen):
             kept.append(index)
-    if not kept and structure.sets and parts.accepting != parts.cyclic:
-        kept = [0]  # what tells components where runs are accepting from those where none is
-    if len(kept) == structure.sets:
-        return structure
+    return kept
 
-    def shrunk(moves: Moves) -> Moves:
-        return tuple(
-            (target, sum((marks >> index & 1) << bit for bit, index in enumerate(kept))) for target, marks in moves
+
+def _remarked(home: int | None, of_state: tuple[int, ...], kept: list[int], sets: int, moves: Moves) -> Moves:
+    """The moves of a state of component ``home`` (None: no accepting one) with the sets ``kept`` numbered afresh."""
+    always = (1 << sets) - (1 << len(kept))
+    return tuple(
+        sorted(
+            {
+                (target, always | sum((marks >> index & 1) << bit for bit, index in enumerate(kept)))
+                if of_state[target] == home
+                else (target, 0)
+                for target, marks in moves
+            }
         )
-
-    return structure.rewritten(shrunk, len(kept))
+    )
 
 
 def state_based(structure: Structure) -> BuchiAutomaton:

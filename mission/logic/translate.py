@@ -32,9 +32,11 @@ MAX_STATES: Final = 20_000
 MAX_DEPTH: Final = 200
 """Depth of a formula that is translated."""
 
-MAX_PROPOSITIONS: Final = 200
+MAX_PROPOSITIONS: Final = 100
 """Propositions of a formula that is translated."""
 
+_GROWTH: Final = 1_000_000  # nodes of diagrams for what is necessary
+_GROWTH_OF_EXTRAS: Final = 200_000  # and for each attempt at something smaller
 _LIMIT_OF_EXTRAS: Final = 1_000  # states of automata that serve only to find a smaller one
 _LIMIT_OF_PRODUCTS: Final = 10_000
 _LARGE: Final = 16  # states of a minimal automaton from which on a nondeterministic one may be worth while
@@ -73,7 +75,6 @@ class _Translation:
             raise AutomatonSizeError(f"the formula is nested deeper than {MAX_DEPTH}")
         if len(self._names) > MAX_PROPOSITIONS:
             raise AutomatonSizeError(f"the formula has more than {MAX_PROPOSITIONS} propositions")
-        self._diagrams = Diagrams()
         self._short = simplified(self.formula)
 
     def state_based(self) -> BuchiAutomaton:
@@ -81,91 +82,102 @@ class _Translation:
         for candidate in self._candidates():
             if best is not None and candidate.size > best[0][0]:
                 continue
-            for form in _state_based_forms(candidate):
-                rank = (form.size, not form.deterministic, form.edge_count)
-                if best is None or rank < best[0]:
-                    best = rank, form
+            candidate.diagrams.allow(_GROWTH)
+            with suppress(TooLargeError):
+                for form in _state_based_forms(candidate):
+                    rank = (form.size, not form.deterministic, form.edge_count)
+                    if best is None or rank < best[0]:
+                        best = rank, form
         if best is None:
-            raise AutomatonSizeError("the formula has no automaton of a size that can be built")
+            raise _too_large()
+        best[1].diagrams.allow(10 * _GROWTH)
         return state_based(best[1])
 
     def generalised(self) -> GeneralisedBuchi:
         candidates = [transition_based(candidate) for candidate in self._candidates()]
         if not candidates:
-            raise AutomatonSizeError("the formula has no automaton of a size that can be built")
+            raise _too_large()
         return min(candidates, key=lambda automaton: (automaton.size, automaton.sets, len(automaton.edges)))
 
     def _candidates(self) -> list[Structure]:
-        """Small generalised automata of the formula, smallest first."""
-        if is_obligation(self._short):
-            return self._obligation()
-        try:
-            positive = self._tableau(self._short, MAX_STATES)
-        except TooLargeError:
-            return []
-        found = [positive]
-        if positive.size > 1:
-            deterministic = self._deterministic(positive)
-            found.extend([] if deterministic is None else [deterministic])
+        """Small generalised automata of the formula, smallest first; none where all would be too large."""
+        found = self._obligation() if is_obligation(self._short) else self._general()
         return sorted(found, key=lambda structure: structure.size)
 
-    def _obligation(self) -> list[Structure]:
-        progression = Progression(self._diagrams, self._names)
-        try:
-            minimal = pruned(weak_structure(progression, self._diagrams, self._names, self._short, MAX_STATES))
-        except TooLargeError:
-            minimal = None
-        found = [] if minimal is None else [minimal]
+    def _obligation(self) -> Iterator[Structure]:
+        diagrams = Diagrams()
+        diagrams.allow(_GROWTH)
+        limit = MAX_STATES
+        with suppress(TooLargeError):
+            progression = Progression(diagrams, self._names)
+            minimal = pruned(weak_structure(progression, diagrams, self._names, self._short, MAX_STATES))
+            yield minimal
+            if minimal.size < _LARGE:
+                return
+            limit = minimal.size // 2
         # A nondeterministic automaton can be exponentially smaller, as for F (a & X X X X b).
-        if minimal is None or minimal.size > _LARGE:
-            limit = MAX_STATES if minimal is None else minimal.size // 2
-            with suppress(TooLargeError):
-                found.append(self._tableau(self._short, limit))
-        return sorted(found, key=lambda structure: structure.size)
+        diagrams = Diagrams()
+        diagrams.allow(_GROWTH_OF_EXTRAS)
+        with suppress(TooLargeError):
+            yield self._tableau(diagrams, self._short, limit)
 
-    def _tableau(self, formula: Formula, limit: int) -> Structure:
-        return reduced(Tableau(self._diagrams, self._names).structure(formula, limit))
+    def _general(self) -> Iterator[Structure]:
+        diagrams = Diagrams()
+        diagrams.allow(_GROWTH)
+        with suppress(TooLargeError):
+            positive = self._tableau(diagrams, self._short, MAX_STATES)
+            yield positive
+            if positive.size > 1:
+                diagrams.allow(_GROWTH_OF_EXTRAS)
+                deterministic = self._deterministic(positive)
+                if deterministic is not None:
+                    yield deterministic
+
+    def _tableau(self, diagrams: Diagrams, formula: Formula, limit: int) -> Structure:
+        return reduced(Tableau(diagrams, self._names).structure(formula, limit))
 
     def _deterministic(self, positive: Structure) -> Structure | None:
         """A deterministic automaton on a structure of what can remain of the formula, if one is found."""
-        progression = Progression(self._diagrams, self._names)
-        try:
-            negative = self._tableau(simplified(negation(self._short)), _LIMIT_OF_EXTRAS)
-            states, rows = progression.explore(progression.state(self._short), _LIMIT_OF_EXTRAS)
-        except TooLargeError:
-            return None
-        for classes in self._guesses(progression, states, rows):
+        diagrams = positive.diagrams
+        negative = self._tableau(diagrams, simplified(negation(self._short)), _LIMIT_OF_EXTRAS)
+        progression = Progression(diagrams, self._names)
+        states, rows = progression.explore(progression.state(self._short), _LIMIT_OF_EXTRAS)
+        for classes in _guesses(progression, diagrams, states, rows):
             first: dict[int, int] = {}
             for state, number in enumerate(classes):
                 first.setdefault(number, state)
-            merged = renamed(self._diagrams, [rows[state] for state in first.values()], classes)
+            merged = renamed(diagrams, [rows[state] for state in first.values()], classes)
             found = accepting_like(merged, positive, negative, _LIMIT_OF_PRODUCTS)
             if found is not None:
                 return reduced(found)
         return None
 
-    def _guesses(
-        self, progression: Progression, states: Sequence[Diagram], rows: Sequence[Diagram]
-    ) -> Iterator[list[int]]:
-        """Classes of states that may be of one language each, from few to many.
 
-        States of one class agree on all words that repeat some short cycles, whatever comes before these.
-        """
-        diagrams = self._diagrams
-        letters = list(dict.fromkeys(cube[0] for row in rows for cube, _ in islice(diagrams.paths(row), _CYCLES)))
-        budget = max(8, min(_CYCLES, 100_000 // len(states)))
-        singles = [(letter,) for letter in _spread(letters, budget)]
-        pairs = list(permutations(_spread(letters, 16), 2))
-        known = 0
-        for cycles in (singles, singles + _spread(pairs, budget)):
-            truths = [progression.truth_on_cycle(cycle) for cycle in cycles]
-            agreed = [tuple(diagrams.evaluate(state, truth) for truth in truths) for state in states]
-            classes = refined(diagrams, rows, agreed)
-            if max(classes) > known:
-                known = max(classes)
-                yield classes
-        if len(states) > known + 1:
-            yield list(range(len(states)))
+def _too_large() -> AutomatonSizeError:
+    return AutomatonSizeError(f"the automaton of the formula has more than {MAX_STATES} states or too many letters")
+
+
+def _guesses(
+    progression: Progression, diagrams: Diagrams, states: Sequence[Diagram], rows: Sequence[Diagram]
+) -> Iterator[list[int]]:
+    """Classes of states that may be of one language each, from few to many.
+
+    States of one class agree on all words that repeat some short cycles, whatever comes before these.
+    """
+    letters = list(dict.fromkeys(cube[0] for row in rows for cube, _ in islice(diagrams.paths(row), _CYCLES)))
+    budget = max(8, min(_CYCLES, 100_000 // len(states)))
+    singles = [(letter,) for letter in _spread(letters, budget)]
+    pairs = list(permutations(_spread(letters, 16), 2))
+    known = 0
+    for cycles in (singles, singles + _spread(pairs, budget)):
+        truths = [progression.truth_on_cycle(cycle) for cycle in cycles]
+        agreed = [tuple(diagrams.evaluate(state, truth) for truth in truths) for state in states]
+        classes = refined(diagrams, rows, agreed)
+        if max(classes) > known:
+            known = max(classes)
+            yield classes
+    if len(states) > known + 1:
+        yield list(range(len(states)))
 
 
 def _spread(values: Sequence[_T], number: int) -> list[_T]:
