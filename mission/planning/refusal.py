@@ -1,25 +1,35 @@
 """Why there is no accepting run: the first reason that is of use to the writer of the mission."""
 
+from collections.abc import Iterable
+
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from mission.geometry.arrays import IntArray
+from mission.logic.automaton import CompiledAutomaton
 from mission.planning.product import UNREACHED, Product
 from mission.planning.transition_system import TransitionSystem
 
 
-def start_refusal(product: Product) -> str:
-    """For an automaton that rejects the label of the start triangle."""
-    label = ", ".join(sorted(product.system.letters[product.system.letter_of[product.start]])) or "no region"
-    return f"the formula is violated where the flight starts, in triangle {product.start} ({label})"
+def refusal(product: Product) -> str:
+    """The reason for a product without accepting runs.
 
-
-def reach_refusal(product: Product) -> str:
-    """For accepting states that no run reaches."""
-    return f"no run satisfies the formula: {_how_far(product)}"
-
-
-def loop_refusal(product: Product) -> str:
-    """For accepting states that can be reached, but not again and again."""
+    Asked in this order: does any word over the map's labels satisfy the formula, may the flight start where it does,
+    is there an accepting state that it can reach, and one that it can come back to.
+    """
+    system = product.system
+    if not _accepts_anything(product.automaton):
+        regions = ", ".join(sorted(set[str]().union(*system.letters))) or "none"
+        return (
+            "no flight whatever satisfies the formula: it contradicts itself, or asks for regions together, or for a "
+            f"region, that no triangle has (regions of this map: {regions})"
+        )
+    if not len(product.initial):
+        label = _listed(system.letters[system.letter_of[product.start]])
+        return f"the formula is violated where the flight starts, in triangle {product.start} ({label})"
+    if not len(product.accepting):
+        return f"no run satisfies the formula: {_how_far(product)}"
     return f"the formula asks for something again and again that can happen only finitely often: {_how_far(product)}"
 
 
@@ -28,15 +38,17 @@ def _how_far(product: Product) -> str:
     system = product.system
     x, _ = product.parts(np.flatnonzero(product.distances != UNREACHED).astype(np.int32))
     reached = _regions(system, x)
-    missed = sorted(set[str]().union(*system.letters) - reached)
-    text = f"from triangle {product.start} the flight can reach {', '.join(sorted(reached)) or 'no region'}"
-    if not missed:
-        return text
-    cut_off = [name for name in missed if name not in _regions(system, _connected(system, product.start))]
-    text = f"{text}, but not {', '.join(missed)}"
-    if not cut_off:
-        return f"{text} (only by violating the formula)"
-    return f"{text} ({', '.join(cut_off)}: no way leads there, whatever the formula)"
+    connected = _regions(system, _connected(system, product.start))
+    parts = [f"from triangle {product.start} the flight can reach {_listed(reached)}"]
+    if connected - reached:
+        parts.append(f"it can reach {_listed(connected - reached)} only by violating the formula")
+    if cut_off := set[str]().union(*system.letters) - connected - reached:
+        parts.append(f"no open way leads to {_listed(cut_off)}")
+    return "; ".join(parts)
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names)) or "no region"
 
 
 def _regions(system: TransitionSystem, triangles: IntArray) -> set[str]:
@@ -45,10 +57,21 @@ def _regions(system: TransitionSystem, triangles: IntArray) -> set[str]:
 
 def _connected(system: TransitionSystem, start: int) -> IntArray:
     """The triangles that controls lead to from ``start``, it included."""
-    seen = np.zeros(system.size, dtype=np.bool_)
-    frontier = np.array([start])
-    while len(frontier):
-        seen[frontier] = True
-        entered = np.unique(system.successors[frontier])
-        frontier = entered[(entered >= 0) & ~seen[entered]]
-    return np.flatnonzero(seen)
+    rows, controls = np.nonzero(system.successors >= 0)
+    ends = rows, system.successors[rows, controls]
+    graph = coo_array((np.ones(len(rows), dtype=np.int8), ends), shape=(system.size, system.size)).tocsr()
+    return np.asarray(breadth_first_order(graph, start, return_predecessors=False), dtype=np.int64)
+
+
+def _accepts_anything(automaton: CompiledAutomaton) -> bool:
+    """Whether an initial state leads to an accepting one on a loop, the letters in any order."""
+    states = automaton.states
+    sources = np.concatenate((automaton.sources, np.full(len(automaton.initial), states)))
+    targets = np.concatenate((automaton.targets, automaton.initial))
+    ends = sources, targets
+    graph = coo_array((np.ones(len(sources), dtype=np.int8), ends), shape=(states + 1, states + 1)).tocsr()
+    reached = breadth_first_order(graph, states, return_predecessors=False)
+    _, components = connected_components(graph, directed=True, connection="strong")
+    on_loop = np.bincount(components)[components] > 1
+    on_loop[automaton.sources[automaton.sources == automaton.targets]] = True
+    return bool((on_loop[:-1] & automaton.accepting)[reached[1:]].any())

@@ -14,7 +14,7 @@ import numpy as np
 from mission.errors import NoPlanError
 from mission.planning.chains import Chain, Layered, chain
 from mission.planning.product import Codes, Product
-from mission.planning.refusal import loop_refusal, reach_refusal, start_refusal
+from mission.planning.refusal import refusal
 from mission.planning.run import Run
 
 
@@ -98,15 +98,11 @@ def search(product: Product) -> ShortestRuns:
     """Find all shortest accepting runs.
 
     Raises:
-        NoPlanError: If there is none; the message says how far the vehicle can get.
+        NoPlanError: If there is none; the message says why, and how far the flight can get.
     """
-    if not len(product.initial):
-        raise NoPlanError(start_refusal(product))
-    if not len(product.accepting):
-        raise NoPlanError(reach_refusal(product))
     heads = _heads(product)
     if not heads:
-        raise NoPlanError(loop_refusal(product))
+        raise NoPlanError(refusal(product))
     groups: list[_Group] = []
     for distance in sorted({head.distance for head in heads}):
         groups.extend(_groups(product, [head for head in heads if head.distance == distance]))

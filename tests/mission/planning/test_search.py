@@ -61,24 +61,6 @@ def test_a_recurrent_run_moves_round_its_loop() -> None:
     assert 6 not in run.states
 
 
-@pytest.mark.parametrize(
-    ("formula", "says"),
-    [
-        ("G !S2", "violated where the flight starts, in triangle 0"),
-        ("F K1", "can reach R, S1, S2, but not K1"),
-    ],
-)
-def test_where_there_is_no_run_the_reason_is_given(formula: str, says: str) -> None:
-    with pytest.raises(NoPlanError, match=says):
-        search(Product(paper_system(), compiled(formula), 0, Semantics.STANDARD))
-
-
-def test_a_one_way_map_cannot_satisfy_a_recurrent_formula() -> None:
-    one_way = TransitionSystem(np.array([[0, 1, -1, -1], [1, -1, -1, -1]]), np.array([1, 2]), LETTERS)
-    with pytest.raises(NoPlanError, match="can happen only finitely often"):
-        search(Product(one_way, compiled("G F R & G F S1"), 0, Semantics.STANDARD))
-
-
 @settings(max_examples=250, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),
