@@ -136,7 +136,7 @@ class ScriptedVehicle:
         else:
             return
         for axis in range(3):
-            rate = max(-3.0, min(3.0, 4.0 * (goal[axis] - self.position[axis])))
+            rate = max(-8.0, min(8.0, 4.0 * (goal[axis] - self.position[axis])))
             self.velocity[axis] = rate
             self.position[axis] += rate * STEP_S
         if self.mode == PX4_TAKEOFF and abs(goal[2] - self.position[2]) < 0.05:

@@ -1,0 +1,38 @@
+"""Missions of half a minute, for flights in tests."""
+
+from mission.plan import FlightPlan, plan_mission
+from mission.spec.loader import parse_mission
+
+SMALL = """\
+name: Small round
+domain:
+  boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
+  points: [[20, 10], [20, 20]]
+regions:
+  home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]]}
+  goal: {kind: survey, polygon: [[26, 4], [36, 4], [36, 12], [26, 12]], loiter_s: 2}
+  pond: {kind: restricted, polygon: [[4, 22], [14, 22], [14, 28], [4, 28]]}
+mission:
+  formula: F (goal & F G home) & G !pond
+start:
+  position_m: [9, 8]
+flight:
+  speed_m_s: 4.0
+  altitude_m: 6
+  final_stay_s: 2
+  time_constant_s: 1.0
+  disturbance_m_s2: 0.5
+limits:
+  speed_m_s: 6.0
+  acceleration_m_s2: 2.5
+  tilt_deg: 25
+"""
+
+
+def at_a_place(latitude_deg: float, longitude_deg: float) -> str:
+    """The same with the domain's (0, 0) at a place on Earth."""
+    return SMALL + f"origin: {{latitude_deg: {latitude_deg}, longitude_deg: {longitude_deg}}}\n"
+
+
+def plan_of(text: str) -> FlightPlan:
+    return plan_mission(parse_mission(text.encode(), "small.yaml"))
