@@ -19,9 +19,13 @@ _REPEATING = frozenset({Operator.ALWAYS, Operator.RELEASE, Operator.STRONG_RELEA
 
 
 class Tableau:
-    """Builds the automata of formulas in negation normal form, over one pool of diagrams."""
+    """Builds the automata of formulas in negation normal form, over one pool of diagrams.
 
-    def __init__(self, diagrams: Diagrams, propositions: tuple[str, ...]) -> None:
+    Every automaton raises TooLargeError when ``work`` comparisons of clauses are used up.
+    """
+
+    def __init__(self, diagrams: Diagrams, propositions: tuple[str, ...], work: int) -> None:
+        self._work = work
         self._diagrams = diagrams
         self._propositions = propositions
         self._bit = {name: index for index, name in enumerate(propositions)}
@@ -168,6 +172,9 @@ class Tableau:
         return self._diagrams.combine(left, right, self._union, self._either)
 
     def _product(self, left: Clauses, right: Clauses) -> Clauses:
+        self._work -= len(left) * len(right)
+        if self._work < 0:
+            raise TooLargeError
         return self._minimal({(self._short(a | c), b | d) for a, b in left for c, d in right})
 
     def _union(self, left: Clauses, right: Clauses) -> Clauses:
@@ -175,6 +182,9 @@ class Tableau:
 
     def _minimal(self, clauses: set[Clause]) -> Clauses:
         """Only the clauses that no other one makes superfluous, in ascending order."""
+        self._work -= len(clauses) ** 2
+        if self._work < 0:
+            raise TooLargeError
         ordered = sorted(clauses)
         return tuple(
             clause

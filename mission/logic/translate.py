@@ -37,10 +37,13 @@ MAX_PROPOSITIONS: Final = 100
 
 _GROWTH: Final = 1_000_000  # nodes of diagrams for what is necessary
 _GROWTH_OF_EXTRAS: Final = 200_000  # and for each attempt at something smaller
+_WORK: Final = 20_000_000  # comparisons of clauses in a tableau that is necessary
+_WORK_OF_EXTRAS: Final = 2_000_000
 _LIMIT_OF_EXTRAS: Final = 1_000  # states of automata that serve only to find a smaller one
 _LIMIT_OF_PRODUCTS: Final = 10_000
 _LARGE: Final = 16  # states of a minimal automaton from which on a nondeterministic one may be worth while
 _CYCLES: Final = 400
+_FEW_SETS: Final = 3  # acceptance sets of which all orders are tried
 
 _T = TypeVar("_T")
 
@@ -90,14 +93,22 @@ class _Translation:
                         best = rank, form
         if best is None:
             raise _too_large()
-        best[1].diagrams.allow(10 * _GROWTH)
-        return state_based(best[1])
+        try:
+            best[1].diagrams.allow(_GROWTH)
+            return state_based(best[1])
+        except TooLargeError as error:
+            raise _too_large() from error
 
     def generalised(self) -> GeneralisedBuchi:
-        candidates = [transition_based(candidate) for candidate in self._candidates()]
+        candidates = self._candidates()
         if not candidates:
             raise _too_large()
-        return min(candidates, key=lambda automaton: (automaton.size, automaton.sets, len(automaton.edges)))
+        best = min(candidates, key=lambda candidate: (candidate.size, candidate.sets, candidate.edge_count))
+        try:
+            best.diagrams.allow(_GROWTH)
+            return transition_based(best)
+        except TooLargeError as error:
+            raise _too_large() from error
 
     def _candidates(self) -> list[Structure]:
         """Small generalised automata of the formula, smallest first; none where all would be too large."""
@@ -119,13 +130,13 @@ class _Translation:
         diagrams = Diagrams()
         diagrams.allow(_GROWTH_OF_EXTRAS)
         with suppress(TooLargeError):
-            yield self._tableau(diagrams, self._short, limit)
+            yield self._tableau(diagrams, self._short, limit, _WORK_OF_EXTRAS)
 
     def _general(self) -> Iterator[Structure]:
         diagrams = Diagrams()
         diagrams.allow(_GROWTH)
         with suppress(TooLargeError):
-            positive = self._tableau(diagrams, self._short, MAX_STATES)
+            positive = self._tableau(diagrams, self._short, MAX_STATES, _WORK)
             yield positive
             if positive.size > 1:
                 diagrams.allow(_GROWTH_OF_EXTRAS)
@@ -133,13 +144,13 @@ class _Translation:
                 if deterministic is not None:
                     yield deterministic
 
-    def _tableau(self, diagrams: Diagrams, formula: Formula, limit: int) -> Structure:
-        return reduced(Tableau(diagrams, self._names).structure(formula, limit))
+    def _tableau(self, diagrams: Diagrams, formula: Formula, limit: int, work: int) -> Structure:
+        return reduced(Tableau(diagrams, self._names, work).structure(formula, limit))
 
     def _deterministic(self, positive: Structure) -> Structure | None:
         """A deterministic automaton on a structure of what can remain of the formula, if one is found."""
         diagrams = positive.diagrams
-        negative = self._tableau(diagrams, simplified(negation(self._short)), _LIMIT_OF_EXTRAS)
+        negative = self._tableau(diagrams, simplified(negation(self._short)), _LIMIT_OF_EXTRAS, _WORK_OF_EXTRAS)
         progression = Progression(diagrams, self._names)
         states, rows = progression.explore(progression.state(self._short), _LIMIT_OF_EXTRAS)
         for classes in _guesses(progression, diagrams, states, rows):
@@ -192,15 +203,16 @@ def _state_based_forms(structure: Structure) -> Iterator[Structure]:
         yield structure
         if structure.deterministic:
             return
-    if structure.sets < 4:  # noqa: PLR2004 - six orders
-        orders = list(permutations(range(structure.sets)))
-    else:
-        orders = [tuple(range(structure.sets)), tuple(range(structure.sets))[::-1]]
+    ascending = tuple(range(structure.sets))
+    orders = [ascending]
+    if structure.size < _LARGE:
+        orders = list(permutations(ascending)) if structure.sets <= _FEW_SETS else [ascending, ascending[::-1]]
     for order in orders:
         current = structure
         if structure.sets != 1:
             current = reduced(degeneralised(structure, order))
             yield current
         if current.sets == 1:
-            for states in (range(current.size), range(current.size)[::-1]):
-                yield reduced(degeneralised(with_few_mixed_states(current, states), (0,)))
+            states = range(current.size)
+            for chosen in (states, states[::-1]) if current.size < _LARGE else (states,):
+                yield reduced(degeneralised(with_few_mixed_states(current, chosen), (0,)))
