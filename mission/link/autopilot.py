@@ -46,10 +46,8 @@ COMMON_RATES_HZ: Mapping[Stream, float] = {
     Stream.ATTITUDE: 15.0,
     Stream.GLOBAL_POSITION_INT: 5.0,
     Stream.EXTENDED_SYS_STATE: 5.0,
-    Stream.POSITION_TARGET_LOCAL_NED: 5.0,
     Stream.SYS_STATUS: 2.0,
     Stream.GPS_GLOBAL_ORIGIN: 1.0,
-    Stream.HOME_POSITION: 1.0,
     Stream.BATTERY_STATUS: 0.5,
 }
 """What every autopilot is asked for."""

@@ -25,12 +25,10 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
-    Home,
     Landing,
     LocalPosition,
     Origin,
     Received,
-    Target,
     Version,
 )
 
@@ -44,11 +42,9 @@ _BODIES: Final[dict[Stream, type[Body]]] = {
     Stream.LOCAL_POSITION_NED: LocalPosition,
     Stream.GLOBAL_POSITION_INT: GlobalPosition,
     Stream.GPS_GLOBAL_ORIGIN: Origin,
-    Stream.POSITION_TARGET_LOCAL_NED: Target,
     Stream.BATTERY_STATUS: Battery,
     Stream.EKF_STATUS_REPORT: EstimatorReport,
     Stream.ESTIMATOR_STATUS: EstimatorReport,
-    Stream.HOME_POSITION: Home,
     Stream.EXTENDED_SYS_STATE: Landing,
     Stream.AUTOPILOT_VERSION: Version,
 }

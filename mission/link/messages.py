@@ -21,7 +21,6 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
-    Home,
     LandedState,
     Landing,
     LocalPosition,
@@ -30,7 +29,6 @@ from mission.link.values import (
     Received,
     Result,
     Sensors,
-    Target,
     Version,
     Words,
 )
@@ -48,11 +46,9 @@ class Stream(IntEnum):
     LOCAL_POSITION_NED = mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
     GLOBAL_POSITION_INT = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
     GPS_GLOBAL_ORIGIN = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
-    POSITION_TARGET_LOCAL_NED = mavlink.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED
     BATTERY_STATUS = mavlink.MAVLINK_MSG_ID_BATTERY_STATUS
     EKF_STATUS_REPORT = mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT
     ESTIMATOR_STATUS = mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS
-    HOME_POSITION = mavlink.MAVLINK_MSG_ID_HOME_POSITION
     EXTENDED_SYS_STATE = mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE
     AUTOPILOT_VERSION = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
 
@@ -76,7 +72,6 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     ),
     "ATTITUDE": lambda m: Attitude(m.time_boot_ms, (m.roll, m.pitch, m.yaw)),
     "GPS_GLOBAL_ORIGIN": lambda m: Origin(m.latitude * _E7, m.longitude * _E7, m.altitude * _MM),
-    "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7, m.altitude * _MM, (m.x, m.y, m.z)),
     "SYS_STATUS": lambda m: Health(
         Sensors(m.onboard_control_sensors_present & m.onboard_control_sensors_enabled),
         Sensors(m.onboard_control_sensors_health),
@@ -86,7 +81,6 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "EKF_STATUS_REPORT": lambda m: EstimatorReport(Estimates(m.flags)),
     "ESTIMATOR_STATUS": lambda m: EstimatorReport(Estimates(m.flags)),
     "EXTENDED_SYS_STATE": lambda m: Landing(LandedState(m.landed_state)),
-    "POSITION_TARGET_LOCAL_NED": lambda m: Target(m.time_boot_ms, (m.x, m.y, m.z)),
     "AUTOPILOT_VERSION": lambda m: Version(
         (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
     ),

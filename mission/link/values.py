@@ -52,7 +52,11 @@ class LandedState(IntEnum):
 
 
 class Estimates(IntFlag):
-    """What an estimator vouches for (ESTIMATOR_STATUS_FLAGS; EKF_STATUS_FLAGS has the same low ten bits)."""
+    """What an estimator vouches for (ESTIMATOR_STATUS_FLAGS; EKF_STATUS_FLAGS has the same low ten bits).
+
+    The bit of a constant position (128) is left out on purpose: PX4 sets it whenever the vehicle is at rest, however
+    well it knows where, and ArduPilot never sets it together with a position.
+    """
 
     ATTITUDE = 1
     VELOCITY_HORIZONTAL = 2
@@ -60,8 +64,6 @@ class Estimates(IntFlag):
     POSITION_RELATIVE = 8
     POSITION_ABSOLUTE = 16
     HEIGHT_ABSOLUTE = 32
-    HEIGHT_ABOVE_GROUND = 64
-    CONSTANT_POSITION = 128
 
 
 class Sensors(IntFlag):
@@ -153,16 +155,6 @@ class Origin:
 
 
 @dataclass(frozen=True, slots=True)
-class Home:
-    """HOME_POSITION: where the vehicle returns to; not the origin of its local frame."""
-
-    latitude_deg: float
-    longitude_deg: float
-    altitude_amsl_m: float
-    position_ned_m: Vector
-
-
-@dataclass(frozen=True, slots=True)
 class Health:
     """SYS_STATUS: parts that are there and wanted, and those that are well; charge in percent, -1 unknown."""
 
@@ -193,14 +185,6 @@ class Landing:
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
-    """POSITION_TARGET_LOCAL_NED: where the vehicle says that it is flying to; NaN on axes without a target."""
-
-    time_boot_ms: int
-    position_ned_m: Vector
-
-
-@dataclass(frozen=True, slots=True)
 class Version:
     """AUTOPILOT_VERSION: major, minor and patch of the firmware."""
 
@@ -215,12 +199,10 @@ Body = (
     | GlobalPosition
     | Attitude
     | Origin
-    | Home
     | Health
     | Battery
     | EstimatorReport
     | Landing
-    | Target
     | Version
 )
 

@@ -14,13 +14,11 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
-    Home,
     LandedState,
     Landing,
     LocalPosition,
     Origin,
     Sensors,
-    Target,
     Version,
     Words,
 )
@@ -66,12 +64,10 @@ class VehicleState:
         self.place: GlobalPosition | None = None
         self.attitude: Attitude | None = None
         self.origin: Origin | None = None
-        self.home: Home | None = None
         self.health: Health | None = None
         self.battery: Battery | None = None
         self.estimator: EstimatorReport | None = None
         self.landed = LandedState.UNDEFINED
-        self.target: Target | None = None
         self.version: Version | None = None
         self.heard_kinds: set[type[Body]] = set()
         self._texts = TextAssembler()
@@ -107,8 +103,6 @@ class VehicleState:
             self.landed = body.state
         elif isinstance(body, Origin):
             self.origin = body
-        elif isinstance(body, Home):
-            self.home = body
         else:
             self._take_health(body)
         return []
@@ -133,10 +127,9 @@ class VehicleState:
     @property
     def estimate_trusted(self) -> bool:
         """Whether the estimator still vouches for attitude, velocity and position."""
-        return self.estimator is not None and (
-            bool(self.estimator.flags & Estimates.ATTITUDE)
-            and bool(self.estimator.flags & (Estimates.POSITION_ABSOLUTE | Estimates.POSITION_RELATIVE))
-            and not self.estimator.flags & Estimates.CONSTANT_POSITION
+        flags = Estimates(0) if self.estimator is None else self.estimator.flags
+        return bool(flags & Estimates.ATTITUDE) and bool(
+            flags & (Estimates.POSITION_ABSOLUTE | Estimates.POSITION_RELATIVE)
         )
 
     @property
@@ -152,7 +145,7 @@ class VehicleState:
         flags = self.estimator.flags
         lacking = [name for flag, name in _NEEDED if not flags & flag]
         placed = Estimates.POSITION_ABSOLUTE | (Estimates(0) if absolute else Estimates.POSITION_RELATIVE)
-        if not flags & placed or flags & Estimates.CONSTANT_POSITION:
+        if not flags & placed:
             lacking.append("position")
         return f"its estimator has no {', no '.join(lacking)} yet" if lacking else ""
 
@@ -194,8 +187,6 @@ class VehicleState:
             self.battery = body
         elif isinstance(body, EstimatorReport):
             self.estimator = body
-        elif isinstance(body, Target):
-            self.target = body
         elif isinstance(body, Version):
             self.version = body
 

@@ -135,8 +135,10 @@ class ScriptedVehicle:
             goal = self.target
         else:
             return
+        landing = goal[2] == self.ground
         for axis in range(3):
-            rate = max(-8.0, min(8.0, 4.0 * (goal[axis] - self.position[axis])))
+            most = 1.0 if landing else 8.0
+            rate = max(-most, min(most, 4.0 * (goal[axis] - self.position[axis])))
             self.velocity[axis] = rate
             self.position[axis] += rate * STEP_S
         if self.mode == PX4_TAKEOFF and abs(goal[2] - self.position[2]) < 0.05:
@@ -156,7 +158,9 @@ class ScriptedVehicle:
                 self._push(other.pack(self._other))
                 far = mavlink.MAVLink_local_position_ned_message(ms + 9000, 500.0, 500.0, -500.0, 9.0, 9.0, 9.0)
                 self._push(far.pack(self._other))
-        flags = 0x3F if located else 0x81
+        flags = 0x33F if located else 0x81
+        if self.px4 and self.velocity == [0.0, 0.0, 0.0]:
+            flags |= 0x80  # PX4 calls that a constant position, however good it is
         landed = 1 if self.height_m < 0.1 else 2
         flying = {AP_LAND: 4, PX4_LAND: 4, PX4_TAKEOFF: 3}.get(self.mode, 2)
         north, east, _ = self.position
