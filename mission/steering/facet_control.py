@@ -110,13 +110,18 @@ def stay_margins(partition: Partition, velocities_m_s: FloatArray) -> FloatArray
     return np.stack([rates[:, v, [(v + 1) % 3, (v + 2) % 3]] for v in range(3)], axis=1)
 
 
-def equilibria(F: FloatArray, g: FloatArray) -> FloatArray:
-    """Where u = F x + g vanishes: shape (..., 2), metres.
+def stay_equilibria(partition: Partition) -> FloatArray:
+    """Where the stay field of each triangle vanishes, shape (M, 2), metres; the same for every speed.
 
-    Of a stay field it is the one equilibrium: the inward field on the boundary has one inside (Brouwer), and, the
-    divergence of an affine field with inward boundary being negative and its determinant positive, it is stable.
+    With unit vectors e_j from the vertices to the incentre, the barycentric coordinates solve
+    l_0 e_0 + l_1 e_1 + l_2 e_2 = 0, so each is as the sine of the angle between the two other vectors, which is a right
+    angle and half the angle alpha_j of the triangle: l_j is as cos(alpha_j / 2), positive, so the point lies inside.
 
-    Raises:
-        numpy.linalg.LinAlgError: If a field is singular, which a stay field never is.
+    It is the only equilibrium, and stable: the flow across the boundary is inward, so the divergence tr F is negative,
+    and the index of the field, the sign of det F, is one.
     """
-    return np.asarray(-np.linalg.solve(F, g[..., None])[..., 0], dtype=np.float64)
+    unit = partition.edges_m / partition.edge_lengths_m[..., None]
+    # The sum of the two unit vectors from v_j along its sides is 2 cos(alpha_j / 2) long.
+    weights = np.linalg.norm(np.roll(unit, -2, axis=1) - np.roll(unit, -1, axis=1), axis=-1)
+    shares = weights / weights.sum(axis=1, keepdims=True)
+    return np.asarray((shares[..., None] * partition.corners_m).sum(axis=1))

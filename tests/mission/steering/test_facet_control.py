@@ -9,10 +9,10 @@ from scipy.optimize import LinearConstraint, minimize
 from mission.geometry.simplices import Partition
 from mission.steering.facet_control import (
     affine_fields,
-    equilibria,
     exit_margins,
     exit_rates,
     exit_velocities,
+    stay_equilibria,
     stay_margins,
     stay_velocities,
 )
@@ -52,12 +52,22 @@ def test_the_field_is_the_interpolation_of_the_vertex_velocities(
 
 
 @settings(max_examples=150, deadline=None)
-@given(partition=triangles())
-def test_a_stay_field_has_one_stable_equilibrium_inside(partition: Partition) -> None:
-    F, g = affine_fields(partition.corners_m, stay_velocities(partition, 1.0))
-    point = equilibria(F, g)
+@given(partition=triangles(), speed=st.sampled_from([0.05, 1.0, 15.0]))
+def test_a_stay_field_has_one_stable_equilibrium_inside(partition: Partition, speed: float) -> None:
+    F, g = affine_fields(partition.corners_m, stay_velocities(partition, speed))
+    point = stay_equilibria(partition)
     assert partition.barycentric(np.array([0]), point).min() > 0.0
+    size = float(partition.edge_lengths_m.max() + np.abs(partition.corners_m).max())
+    np.testing.assert_allclose(point[0], -np.linalg.solve(F[0], g[0]), atol=1e-10 * size)
     assert np.linalg.eigvals(F[0]).real.max() < 0.0
+
+
+def test_the_equilibrium_of_a_right_triangle_by_hand() -> None:
+    partition = single(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 3.0]]))
+    # cos(alpha / 2) from cos(alpha) = 0, 4/5 and 3/5.
+    weights = np.sqrt(0.5 * (1.0 + np.array([0.0, 0.8, 0.6])))
+    expected = np.array([4.0 * weights[1], 3.0 * weights[2]]) / weights.sum()
+    np.testing.assert_allclose(stay_equilibria(partition)[0], expected, rtol=1e-12)
 
 
 def conditions(partition: Partition, facet: int) -> np.ndarray:
