@@ -1,0 +1,218 @@
+"""The catalogue of mission patterns for robots, as formulas over region names.
+
+Source: Menghi, Tsigkanos, Pelliccione, Ghezzi and Berger, "Specification Patterns for Robotic Missions", IEEE
+Transactions on Software Engineering 47 (2021). The catalogue reads a word place by place and uses ``X`` for "after
+that". Over a mesh, a region is many triangles, entered and left with several letters in a row, and ``X`` would speak
+of triangles. So nothing here uses ``X``: what is counted and ordered are *visits*, the longest stretches of a word
+inside a region, and each formula holds of a word if and only if it holds with any letter repeated. Where the meaning
+departs from the catalogue's for another reason, the function says so.
+
+All functions raise ValueError where they are given no region, or a number of visits below one.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import reduce
+from itertools import pairwise, permutations
+
+from mission.logic.formula import (
+    Formula,
+    always,
+    conjunction,
+    equivalence,
+    eventually,
+    implication,
+    negation,
+    proposition,
+    until,
+    weak_until,
+)
+
+
+def visit(regions: Sequence[str]) -> Formula:
+    """Every region is visited, in any order: ``F a & F b``."""
+    return conjunction(*(eventually(place) for place in _places(regions)))
+
+
+def sequenced_visit(regions: Sequence[str]) -> Formula:
+    """A visit to each comes after one to the region before it, whatever else is visited: ``F (a & F b)``."""
+    return reduce(_before, reversed(_places(regions)[:-1]), eventually(_places(regions)[-1]))
+
+
+def ordered_visit(regions: Sequence[str]) -> Formula:
+    """Sequenced, and no region is visited before the one before it: ``F (a & F b) & (!b U a)``."""
+    firsts = (until(negation(b), a) for a, b in pairwise(_places(regions)))
+    return conjunction(sequenced_visit(regions), *firsts)
+
+
+def strict_ordered_visit(regions: Sequence[str]) -> Formula:
+    """Ordered, and each is visited only once before the next one is: ``... & (!a U (a & (a U (!a U b))))``."""
+    once = (_then(a, until(a, until(negation(a), b))) for a, b in pairwise(_places(regions)))
+    return conjunction(ordered_visit(regions), *once)
+
+
+def fair_visit(regions: Sequence[str]) -> Formula:
+    """Every region is visited, and none again before all the others: ``F a & F b & G (a -> (a W (!a W b))) & ...``.
+
+    So at no time do the numbers of visits differ by more than one. The catalogue asks only that the next one in the
+    list comes first, which is the same for two regions and lets the numbers of n regions differ by n - 1.
+    """
+    return conjunction(visit(regions), *_fairness(regions))
+
+
+def patrol(regions: Sequence[str]) -> Formula:
+    """Every region is visited again and again: ``G F a & G F b``."""
+    return conjunction(*(always(eventually(place)) for place in _places(regions)))
+
+
+def sequenced_patrol(regions: Sequence[str]) -> Formula:
+    """The sequence is flown again and again, whatever else is visited: ``G F (a & F b)``.
+
+    The formula is the catalogue's. It holds of the same words as ``patrol``: what is visited again and again is also
+    visited in this sequence again and again.
+    """
+    return always(sequenced_visit(regions))
+
+
+def ordered_patrol(regions: Sequence[str]) -> Formula:
+    """Patrolled, and no region is visited, at first or again, before the one before it is visited (again).
+
+    ``G F a & G F b & (!b U a) & G (b -> (b W (!b W a)))``. The catalogue asks this of the first region after the
+    last one, too; with that, its ordered and its strictly ordered patrols would be the same.
+    """
+    pairs = list(pairwise(_places(regions)))
+    firsts = (until(negation(b), a) for a, b in pairs)
+    return conjunction(patrol(regions), *firsts, *(_not_again_before(b, a) for a, b in pairs))
+
+
+def strict_ordered_patrol(regions: Sequence[str]) -> Formula:
+    """Visits to the regions come in exactly this order, round after round.
+
+    ``((!a & !b) U a) & G (a -> (a U ((!a & !b) U b))) & G (b -> (b U ((!a & !b) U a)))``. Regions that overlap count
+    as visited in order where the vehicle goes from one straight into the next.
+    """
+    places = _places(regions)
+    none = conjunction(*(negation(place) for place in places))
+    rounds = (
+        always(implication(a, until(a, until(none, b)))) for a, b in zip(places, places[1:] + places[:1], strict=True)
+    )
+    return conjunction(until(none, places[0]), *rounds) if len(places) > 1 else patrol(regions)
+
+
+def fair_patrol(regions: Sequence[str]) -> Formula:
+    """Every region is visited again and again, and none again before all the others (see ``fair_visit``)."""
+    return conjunction(patrol(regions), *_fairness(regions))
+
+
+def avoid(regions: Sequence[str]) -> Formula:
+    """Global avoidance: none is ever entered, ``G !a & G !b``."""
+    return conjunction(*(always(negation(place)) for place in _places(regions)))
+
+
+def avoid_until(region: str, release: str) -> Formula:
+    """Past avoidance: not entered before ``release`` is, which must be: ``!a U b``."""
+    return until(negation(proposition(region)), proposition(release))
+
+
+def avoid_after(region: str, trigger: str) -> Formula:
+    """Future avoidance: never inside from the first visit to ``trigger`` on: ``G (b -> G !a)``."""
+    return always(implication(proposition(trigger), avoid([region])))
+
+
+def visits_at_most(region: str, count: int) -> Formula:
+    """Upper restricted avoidance: ``count`` visits or fewer; for one, ``!a W (a W G !a)``."""
+    place = proposition(region)
+    return _nested(count, lambda rest: weak_until(negation(place), weak_until(place, rest)), avoid([region]))
+
+
+def visits_at_least(region: str, count: int) -> Formula:
+    """Lower restricted avoidance: ``count`` visits or more; for two, ``F (a & F (!a & F a))``."""
+    place = proposition(region)
+    return _nested(
+        count - 1,
+        lambda rest: eventually(conjunction(place, eventually(conjunction(negation(place), rest)))),
+        eventually(place),
+        least=0,
+    )
+
+
+def visits_exactly(region: str, count: int) -> Formula:
+    """Exact restricted avoidance: ``count`` visits; for two, ``!a U (a & (a U (!a & (!a U (a & (a W G !a))))))``.
+
+    The last visit may last for ever: a vehicle that stays where it ends is there. The catalogue's must end.
+    """
+    place = proposition(region)
+    last = _then(place, weak_until(place, avoid([region])))
+    return _nested(
+        count - 1, lambda rest: _then(place, until(place, conjunction(negation(place), rest))), last, least=0
+    )
+
+
+def wait(region: str, stimulus: str) -> Formula:
+    """Stays in the region from the start until it enters ``stimulus``: ``a U b``."""
+    return until(proposition(region), proposition(stimulus))
+
+
+def instantaneous_reaction(stimulus: str, reaction: str) -> Formula:
+    """Whenever in one, in the other at the same time: ``G (a -> b)``."""
+    return always(implication(proposition(stimulus), proposition(reaction)))
+
+
+def delayed_reaction(stimulus: str, reaction: str) -> Formula:
+    """Each visit to one is followed by a visit to the other: ``G (a -> F b)``."""
+    return always(implication(proposition(stimulus), eventually(proposition(reaction))))
+
+
+def prompt_reaction(stimulus: str, reaction: str, others: Sequence[str] = ()) -> Formula:
+    """From one the vehicle goes to the other next: no visit to ``others`` in between, nor back.
+
+    ``G (a -> (a U ((!a & !c) U b)))`` for one other region c. The catalogue's "next instant", ``X b``, is the next
+    region here: between regions lies open space.
+    """
+    a, b = proposition(stimulus), proposition(reaction)
+    between = conjunction(negation(a), *(negation(proposition(name)) for name in others))
+    return always(implication(a, until(a, until(between, b))))
+
+
+def bound_reaction(stimulus: str, reaction: str) -> Formula:
+    """In one exactly while in the other: ``G (a <-> b)``."""
+    return always(equivalence(proposition(stimulus), proposition(reaction)))
+
+
+def bound_delay(stimulus: str, reaction: str, others: Sequence[str] = ()) -> Formula:
+    """From one the vehicle goes to the other next, and enters the other in no other way.
+
+    ``prompt_reaction`` and ``(b W (!b W a)) & G (b -> (b W (!b W a)))``; starting inside b is not entering it.
+    """
+    a, b = proposition(stimulus), proposition(reaction)
+    fresh = weak_until(b, weak_until(negation(b), a))
+    return conjunction(prompt_reaction(stimulus, reaction, others), fresh, always(implication(b, fresh)))
+
+
+def _places(regions: Sequence[str]) -> list[Formula]:
+    if not regions:
+        raise ValueError("a task names one region at least")
+    return [proposition(name) for name in regions]
+
+
+def _before(rest: Formula, place: Formula) -> Formula:
+    return eventually(conjunction(place, rest))
+
+
+def _then(place: Formula, rest: Formula) -> Formula:
+    """At the first position in a place, ``rest``."""
+    return until(negation(place), conjunction(place, rest))
+
+
+def _not_again_before(place: Formula, other: Formula) -> Formula:
+    """Between two visits to a place there is one to the other."""
+    return always(implication(place, weak_until(place, weak_until(negation(place), other))))
+
+
+def _fairness(regions: Sequence[str]) -> list[Formula]:
+    return [_not_again_before(a, b) for a, b in permutations(_places(regions), 2)]
+
+
+def _nested(count: int, layer: Callable[[Formula], Formula], core: Formula, *, least: int = 1) -> Formula:
+    if count < least:
+        raise ValueError("the number of visits is one at least")
+    return reduce(lambda rest, _: layer(rest), range(count), core)
