@@ -20,6 +20,7 @@ _DEFAULT_LISTEN: Final = {"ardupilot": "tcpin:127.0.0.1:5760", "px4": "udpin:127
 _DEFAULT_CONNECT: Final = {"ardupilot": (), "px4": ("udpout:127.0.0.1:14540",)}
 _USAGE_ERROR: Final = 2
 _FASTEST: Final = 1000.0
+_MOST_PATIENT_S: Final = 60.0
 _DIGITS: Final = frozenset("0123456789.")
 
 _DESCRIPTION: Final = """\
@@ -40,10 +41,17 @@ wind:
   --wind 3,1        blows 3 m/s to the north and 1 m/s to the east
   --wind 4@270      blows 4 m/s from 270 degrees (from the west)
 
+patience:
+  At many times real time, a client that the machine keeps from its turn for a moment misses seconds of the vehicle's
+  time. With --patience, vehicle time stands still while the vehicle flies by setpoints and the newest is older than
+  0.1 s, or while heartbeats that have come each second of vehicle time stay away. A stream that does not go on within
+  that many seconds of real time has ended: vehicle time goes on, and failsafes come as ever. Heartbeats that come by
+  real time, as from a ground station, are not waited for.
+
 examples:
   vehicle-sim
   vehicle-sim --flavour px4 --speed 5 --wind 4@270 --gusts 1
-  vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station
+  vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station --speed 20 --patience 2
 """
 
 
@@ -74,6 +82,7 @@ def _run(options: argparse.Namespace) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
     from vehicle_sim.parameters import Flavour  # noqa: PLC0415
+    from vehicle_sim.patience import Patience  # noqa: PLC0415
     from vehicle_sim.ports import Port, open_port  # noqa: PLC0415
     from vehicle_sim.protocol.endpoint import Endpoint  # noqa: PLC0415
     from vehicle_sim.protocol.flavour import Rates  # noqa: PLC0415
@@ -99,7 +108,8 @@ def _run(options: argparse.Namespace) -> None:
         bound = [port.address for port in ports]
         stopping = _stop_flag(with_parent=options.exit_with_parent)
         _tell(options, bound)
-        Server(endpoint, ports, clock=WallClock(), notify=_notify).run(options.speed, stopping)
+        patience = Patience(options.patience) if options.patience > 0.0 else None
+        Server(endpoint, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
     finally:
         for port in ports:
             port.close()
@@ -197,6 +207,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     vehicle.add_argument("--sysid", type=_system_id, default=1, metavar="N", help="MAVLink system id, 1 to 255 (1)")
     vehicle.add_argument("--speed", type=_speed, default=1.0, metavar="N", help="multiples of real time (1)")
+    vehicle.add_argument(
+        "--patience",
+        type=_patience,
+        default=0.0,
+        metavar="SECONDS",
+        help="above real time: how long a late client is waited for (0)",
+    )
     links = parser.add_argument_group("links")
     links.add_argument(
         "--listen",
@@ -250,6 +267,13 @@ def _speed(text: str) -> float:
     value = _number(text)
     if not 0.0 < value <= _FASTEST:
         raise argparse.ArgumentTypeError(f"the speed lies in (0, {_FASTEST:g}], {text} does not")
+    return value
+
+
+def _patience(text: str) -> float:
+    value = _not_negative(text)
+    if value > _MOST_PATIENT_S:
+        raise argparse.ArgumentTypeError(f"patience ends at {_MOST_PATIENT_S:g} s, {text} does not")
     return value
 
 

@@ -1,15 +1,19 @@
 """The vehicle in real time: sockets polled between small batches of steps, paced on absolute deadlines.
 
 Step k is due at start + k * step / speed. Where the machine cannot keep that up, the start is moved: vehicle time
-slows instead of jumping, and whoever runs the program is told so once.
+slows instead of jumping, and whoever runs the program is told so once. With patience, it also slows for a client that
+the machine has kept from its turn.
 """
 
 import select
 from collections.abc import Callable, Sequence
 from typing import Final
 
+from vehicle_sim.autopilot import Mode
 from vehicle_sim.clock import Clock
+from vehicle_sim.patience import Patience, Source, StreamKind
 from vehicle_sim.ports import Notify, Port
+from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.endpoint import Endpoint
 
 _BATCH_S: Final = 0.02
@@ -19,6 +23,11 @@ _LONGEST_WAIT_S: Final = 0.1
 _MOST_LAG_S: Final = 0.1
 _JUDGED_AFTER_S: Final = 2.0
 _TOLERATED_SLOWDOWN: Final = 0.05
+_AWAITED: Final = {
+    mavlink.MAVLINK_MSG_ID_HEARTBEAT: StreamKind.HEARTBEAT,
+    mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED: StreamKind.SETPOINT,
+    mavlink.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT: StreamKind.SETPOINT,
+}
 
 
 class Pacer:
@@ -53,6 +62,13 @@ class Pacer:
             self._judge(now_s)
         return max(int(lag_s / self._interval_s), 0)
 
+    def stand_still(self, now_s: float) -> None:
+        """Let no step be due now: time that was waited on purpose is not made up for."""
+        lag_s = now_s - self._start_s - self._made * self._interval_s
+        if lag_s > 0.0:
+            self._start_s += lag_s
+            self._judge(now_s)
+
     def _judge(self, now_s: float) -> None:
         elapsed_s = now_s - self._begun_s
         lost = (self._start_s - self._begun_s) / elapsed_s
@@ -72,30 +88,64 @@ class Pacer:
 class Server:
     """Runs an endpoint over its ports until told to stop."""
 
-    def __init__(self, endpoint: Endpoint, ports: Sequence[Port], *, clock: Clock, notify: Notify) -> None:
-        """Serve `endpoint`; `notify` takes sentences for whoever runs the program. Who opened the ports closes them."""
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        ports: Sequence[Port],
+        *,
+        clock: Clock,
+        notify: Notify,
+        patience: Patience | None = None,
+    ) -> None:
+        """Serve `endpoint`.
+
+        Args:
+            endpoint: The vehicle.
+            ports: Who opened them closes them.
+            clock: Real time.
+            notify: Takes sentences for whoever runs the program.
+            patience: Decides when vehicle time waits, above real time only; it never does by default.
+        """
         self._endpoint, self._ports = endpoint, tuple(ports)
         self._clock, self._notify = clock, notify
+        self._patience = Patience(0.0) if patience is None else patience
+        if patience is not None:
+            endpoint.on_message = self._hear
 
     def run(self, speed: float, stopping: Callable[[], bool]) -> None:
         """Let vehicle time pass at `speed` times real time until `stopping` returns true."""
-        step_s = self._endpoint.vehicle.config.step_s
+        vehicle, step_s = self._endpoint.vehicle, self._endpoint.vehicle.config.step_s
         batch = max(round(_BATCH_S / step_s), 1)
-        pacer = Pacer(step_s=step_s, speed=speed, now_s=self._clock.now_s())
+        began_s = self._clock.now_s()
+        pacer = Pacer(step_s=step_s, speed=speed, now_s=began_s)
         told = False
         while not stopping():
-            steps = min(pacer.due(self._clock.now_s()), batch)
+            now_s = self._clock.now_s()
+            waits = speed > 1.0 and self._patience.waits(
+                vehicle.time_s, now_s, by_setpoints=vehicle.autopilot.mode is Mode.GUIDED
+            )
+            if waits:
+                pacer.stand_still(now_s)
+            steps = 0 if waits else min(pacer.due(now_s), batch)
             for _ in range(steps):
                 self._endpoint.advance()
             pacer.made(steps)
             self._flush()
             if pacer.slowed_to is not None and not told:
                 told = True
+                waited = self._patience.waited_s / (now_s - began_s)
                 self._notify(
                     f"this machine cannot keep up {speed:g} times real time: "
                     f"vehicle time runs at about {pacer.slowed_to:.3g} times"
+                    + (f", {waited:.0%} of the time waiting for clients" if waited else "")
                 )
-            self._poll(pacer.wait_s(self._clock.now_s()))
+            self._poll(_LONGEST_WAIT_S if waits else pacer.wait_s(self._clock.now_s()))
+
+    def _hear(self, link: str, message: Message) -> None:
+        kind = _AWAITED.get(message.get_msgId())
+        if kind is not None:
+            source = Source(link, message.get_srcSystem(), message.get_srcComponent(), kind)
+            self._patience.hear(source, self._endpoint.vehicle.time_s)
 
     def _flush(self) -> None:
         for port in self._ports:

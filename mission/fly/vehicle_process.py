@@ -19,6 +19,9 @@ from mission.errors import LinkError
 from mission.geometry.geodesy import LatLon, place_at_offset
 from mission.spec.model import MissionSpec
 
+_PATIENCE_S: Final = 2.0
+"""Real time for which it waits for us: more than a busy machine makes us pause, less than we call a lost link."""
+
 _START_WITHIN_S: Final = 30.0
 _END_WITHIN_S: Final = 3.0
 _WORDS: Final = 2000
@@ -50,7 +53,7 @@ class VehicleOptions:
     def arguments(self) -> list[str]:
         """The vehicle's command line, without the program."""
         arguments = ["--listen", "udpin:127.0.0.1:0", "--announce", "--exit-with-parent", "--quiet"]
-        arguments.append(f"--speed={self.speed:g}")
+        arguments += [f"--speed={self.speed:g}", f"--patience={_PATIENCE_S:g}"]
         for name, value in (("seed", self.seed), ("wind", self.wind), ("flavour", self.flavour)):
             if value is not None:
                 arguments.append(f"--{name}={value}")

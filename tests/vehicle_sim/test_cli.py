@@ -60,6 +60,8 @@ def port_of(address: str) -> int:
         ["--sysid", "256"],
         ["--speed", "0"],
         ["--speed", "nan"],
+        ["--patience", "-1"],
+        ["--patience", "61"],
         ["--flavour", "betaflight"],
         ["--listen", "udpout:127.0.0.1:14550"],
         ["--connect", "udpin:127.0.0.1:14550"],

@@ -16,6 +16,7 @@ from vehicle_sim.addresses import parse_address
 from vehicle_sim.clock import WallClock
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.patience import Patience
 from vehicle_sim.ports import Port, TcpListener, UdpListener, open_port
 from vehicle_sim.protocol.flavour import Rates
 from vehicle_sim.server import Pacer, Server
@@ -287,3 +288,34 @@ def test_the_server_says_once_that_it_cannot_keep_up(bench: Bench) -> None:
     assert "cannot keep up 10 times real time" in said
     # Two looks at the clock and two steps of 10 ms in each turn.
     assert bench.endpoint.vehicle.time_s == pytest.approx(20.0 * 0.02 / 0.1, rel=0.05)
+
+
+class StubbornClock:
+    """A clock that goes on by 0.2 ms at each look, and a client that falls silent after so much vehicle time."""
+
+    def __init__(self, endpoint: "Endpoint", silent_from_s: float) -> None:
+        self.time_s = 0.0
+        self._endpoint, self._silent_from_s, self._next_s = endpoint, silent_from_s, 0.0
+        endpoint.add_link("client", Rates.SILENT)
+
+    def now_s(self) -> float:
+        self.time_s += 0.0002
+        if self._next_s <= self._endpoint.vehicle.time_s < self._silent_from_s:
+            self._next_s += 1.0
+            beat = mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_GCS, 8, 0, 0, 4, 3)
+            self._endpoint.receive("client", beat.pack(mavlink.MAVLink(None, srcSystem=255, srcComponent=190)))
+        return self.time_s
+
+
+@pytest.mark.parametrize(("speed", "most_s"), [(20.0, 0.0), (20.0, 3.0), (1.0, 3.0)])
+def test_vehicle_time_waits_once_for_a_client_that_has_died(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, speed: float, most_s: float
+) -> None:
+    monkeypatch.setattr(select, "select", lambda *_: ([], [], []))
+    clock = StubbornClock(bench.endpoint, silent_from_s=6.5)
+    patience = Patience(most_s) if most_s else None
+    server = Server(bench.endpoint, [], clock=clock, notify=bench.said.append, patience=patience)
+    server.run(speed, lambda: bench.endpoint.vehicle.time_s >= 20.0)
+    waited_s = most_s if speed > 1.0 else 0.0
+    assert clock.time_s == pytest.approx(20.0 / speed + waited_s, abs=0.02)
+    assert any("waiting for clients" in said for said in bench.said) == (waited_s > 0.0)

@@ -40,6 +40,7 @@ class Endpoint:
         table: What tells its flavour from others.
         system_id: Its MAVLink system id; the autopilot is component 1 of it.
         now_us: Vehicle time since boot, in microseconds.
+        on_message: Called with each message for the vehicle, and the name of its link, before it is handled.
     """
 
     def __init__(self, vehicle: "Vehicle", flavour: "Flavour", system_id: int = 1) -> None:
@@ -57,6 +58,7 @@ class Endpoint:
         self.system_id = system_id
         self._step_us = round(vehicle.config.step_s * 1e6)
         self.now_us = vehicle.steps * self._step_us
+        self.on_message: Callable[[str, Message], None] | None = None
         self._links: dict[str, Link] = {}
         self._purposes: dict[Link, Rates] = {}
         self._router = Router(system_id)
@@ -131,7 +133,11 @@ class Endpoint:
             decision = self._router.decide(message, came_by, tuple(self._links.values()))
             for other in decision.forward_to:
                 other.forward(bytes(message.get_msgbuf()))
-            handler = self._handlers.get(message.get_msgId()) if decision.is_ours else None
+            if not decision.is_ours:
+                continue
+            if self.on_message is not None:
+                self.on_message(link, message)
+            handler = self._handlers.get(message.get_msgId())
             if handler is not None:
                 self._built.clear()
                 handler(Sender(came_by, message.get_srcSystem(), message.get_srcComponent()), message)
