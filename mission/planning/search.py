@@ -152,12 +152,10 @@ def _groups(product: Product, heads: list[Head]) -> Iterator[_Group]:
         at_triangle.setdefault(x, []).append((q, head))
     loops_of: dict[tuple[Head, ...], tuple[Chain, tuple[int, ...]]] = {}
     for node, bits in prefixes.ends:
-        here = [(q, head) for q, head in at_triangle[prefixes.triangles[node]] if bits >> q & 1]
-        key = tuple(head for _, head in here)
+        key = tuple(head for q, head in at_triangle[prefixes.triangles[node]] if bits >> q & 1)
         if key not in loops_of:
             loops = chain(product, [_loop_graph(product, head) for head in key])
-            closed = sum(1 << (i * product.automaton.states + q) for i, (q, _) in enumerate(here))
-            loops_of[key] = loops, tuple(end for end, reached in loops.ends if reached & closed)
+            loops_of[key] = loops, tuple(end for end, _ in loops.ends)  # the last layer is the heads, each its own
         yield _Group(prefixes, node, *loops_of[key])
 
 
