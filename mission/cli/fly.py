@@ -1,49 +1,81 @@
 """``mission fly``: fly a mission, show how it goes, and leave a record, a report and a verdict."""
 
+import errno
+import socket
 from argparse import Namespace
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 
+from mission.cli.inputs import planned, reason, unwritable
 from mission.cli.live import Display
-from mission.cli.report import write_again
-from mission.cli.screen import err, out
+from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
+from mission.cli.screen import err, out, print_error
 from mission.clock import WallClock
-from mission.errors import Fault, MissionError, SpecError
+from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
 from mission.link.address import parse_address
-from mission.link.transport import open_transport
-from mission.plan import FlightPlan, plan_mission, plan_to_json
+from mission.link.transport import Transport, open_transport
+from mission.plan import FlightPlan, plan_to_json
 from mission.report.files import write_whole
 from mission.report.record import FlightRecord
-from mission.spec.loader import load_mission
 
-MISSION_FILE = "mission.yaml"
-PLAN_FILE = "plan.json"
 _OF_THE_BUNDLED_VEHICLE = ("speed", "seed", "wind", "flavour", "no_ground_station")
+_UNHEARD = (
+    "check that the vehicle or its simulator runs and sends MAVLink there; "
+    "udpin: waits for a vehicle that calls, udpout: and tcp: call one"
+)
+_HINTS = {
+    errno.ECONNREFUSED: "start the vehicle or its simulator first, and check the port",
+    errno.EADDRINUSE: "another program, such as a ground station, listens there: close it, or take another port",
+    errno.EADDRNOTAVAIL: "listen at an address of this machine, such as 0.0.0.0; to call the vehicle use udpout:",
+    errno.ENOENT: "check the name of the device, such as /dev/ttyUSB0 or /dev/ttyACM0",
+    errno.EACCES: "this user may not use it: for a serial line join its group, for a port below 1024 take a higher one",
+    errno.ETIMEDOUT: "check the address, and that no firewall is in between",
+    errno.EHOSTUNREACH: "check the address, and the network between here and there",
+    errno.ENETUNREACH: "check the address, and the network between here and there",
+}
 
 
 def run(arguments: Namespace) -> int:
     """Fly, and return the verdict as an exit code."""
     _check_options(arguments)
-    file = Path(arguments.file)
-    plan = plan_mission(load_mission(file), run=arguments.run)
+    plan = planned(arguments.file, arguments.run)
     out.print(
         f"{plan.spec.name}: {plan.path.length_m:.0f} m, {plan.trajectory.duration_s:.0f} s, proved within "
         f"{plan.certificate.tube_m:g} m of the smoothed path",
         markup=False,
     )
-    record = _begin_record(Path(arguments.out), plan, file)
-    folder = record.folder or Path(arguments.out)
     with StopSignals() as stop:
-        try:
-            with record:
-                result = _fly(arguments, plan, record, stop)
-            write_whole(folder / PLAN_FILE, plan_to_json(result.plan))
-        except MissionError:
-            err.print(f"the flight has failed; its record is kept in {folder}", markup=False)
-            _report(folder, pictures=not arguments.no_pictures)
-            raise
+        with ExitStack() as stack:
+            vehicle, transport = _link(arguments, plan, stack)
+            folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
+            stack.enter_context(record)
+            display = stack.enter_context(Display(plan))
+            try:
+                result = fly(
+                    plan,
+                    transport,
+                    WallClock(),
+                    record,
+                    options=FlightOptions(land_when_stopped=vehicle is not None),
+                    run=arguments.run,
+                    on_progress=display.show,
+                    vehicle_failure=None if vehicle is None else vehicle.failure,
+                    stop_reason=stop.reason,
+                )
+                write_whole(folder / PLAN_FILE, plan_to_json(result.plan))
+            except MissionError as failure:
+                stack.close()
+                print_error(failure)
+                if isinstance(failure, LinkError) and not display.heard:
+                    err.print(f"    {_UNHEARD}", markup=False)
+                err.print(f"the record is kept in {folder}", markup=False)
+                _report(folder, pictures=display.heard and not arguments.no_pictures)
+                return failure.exit_code
+            except KeyboardInterrupt:
+                err.print(f"interrupted; the record is kept in {folder}", markup=False)
+                raise
         _report(folder, pictures=not arguments.no_pictures)
     _print_verdict(result, folder)
     return result.exit_code
@@ -53,46 +85,48 @@ def _check_options(arguments: Namespace) -> None:
     if arguments.connect is None:
         return
     parse_address(arguments.connect)
-    given = [name for name in _OF_THE_BUNDLED_VEHICLE if getattr(arguments, name)]
+    given = [name for name in _OF_THE_BUNDLED_VEHICLE if getattr(arguments, name) not in (None, False)]
     if given:
         names = ", ".join("--" + name.replace("_", "-") for name in given)
         hint = f"leave out --connect to fly the bundled vehicle, or leave out {names}"
         raise SpecError((Fault(0, 0, names, "is for the bundled vehicle, not for one at an address", hint),))
 
 
-def _begin_record(root: Path, plan: FlightPlan, file: Path) -> FlightRecord:
+def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[BundledVehicle | None, Transport]:
+    """The bundled vehicle, if that is to be flown, and the link to what is."""
+    vehicle = None
+    if arguments.connect is None:
+        vehicle = stack.enter_context(BundledVehicle(_vehicle_options(arguments, plan)))
+    transport = _opened(arguments.connect if vehicle is None else vehicle.address)
+    stack.callback(transport.close)
+    return vehicle, transport
+
+
+def _opened(address: str) -> Transport:
+    try:
+        return open_transport(address)
+    except LinkError as error:
+        cause = error.__cause__
+        if not isinstance(cause, OSError):
+            raise
+        if isinstance(cause, socket.gaierror):
+            hint = "check the name of the host"
+        else:
+            hint = _HINTS.get(cause.errno or 0, "check the address")
+        raise LinkError(f"cannot open {address}: {reason(cause)}; {hint}") from error
+
+
+def _begin_record(root: Path, plan: FlightPlan, file: Path) -> tuple[Path, FlightRecord]:
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     try:
+        mission_text = file.read_bytes()
         record = FlightRecord.in_folder(root, file.stem, stamp)
         folder = record.folder or root
-        write_whole(folder / MISSION_FILE, file.read_bytes())
+        write_whole(folder / MISSION_FILE, mission_text)
         write_whole(folder / PLAN_FILE, plan_to_json(plan))
     except OSError as error:
-        fault = Fault(0, 0, "--out", f"no flight folder can be made: {error}", "name a folder that can be written to")
-        raise SpecError((fault,), str(root)) from error
-    return record
-
-
-def _fly(arguments: Namespace, plan: FlightPlan, record: FlightRecord, stop: StopSignals) -> FlightResult:
-    with ExitStack() as stack:
-        address, vehicle = arguments.connect, None
-        if address is None:
-            vehicle = stack.enter_context(BundledVehicle(_vehicle_options(arguments, plan)))
-            address = vehicle.address
-        transport = open_transport(address)
-        stack.callback(transport.close)
-        display = stack.enter_context(Display(plan))
-        return fly(
-            plan,
-            transport,
-            WallClock(),
-            record,
-            options=FlightOptions(land_when_stopped=vehicle is not None),
-            run=arguments.run,
-            on_progress=display.show,
-            vehicle_failure=None if vehicle is None else vehicle.failure,
-            stop_reason=stop.reason,
-        )
+        raise unwritable("--out", root, error) from error
+    return folder, record
 
 
 def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:

@@ -1,5 +1,6 @@
 """The progress of a flight on the terminal: the stage, the leg, the automaton, the time left."""
 
+import contextlib
 from types import TracebackType
 from typing import Self
 
@@ -8,47 +9,64 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
 from mission.cli.screen import err
 from mission.fly import Progress as Moment
+from mission.link.steps import Stage
 from mission.plan import FlightPlan
+
+_WIDE = 100
 
 
 class Display:
-    """A bar that follows one flight; on what is no terminal, one line for each stage."""
+    """A bar that follows one flight; on what is no terminal, one line for each stage.
+
+    Nothing that goes wrong here, such as a closed pipe, reaches the flight.
+
+    Attributes:
+        heard: Whether a vehicle was heard.
+    """
 
     def __init__(self, plan: FlightPlan) -> None:
+        self.heard = False
         self._plan = plan
+        bar = [BarColumn(bar_width=24)] if err.width >= _WIDE else []
         self._bar = Progress(
-            SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=24), console=err, transient=True
+            SpinnerColumn(), *bar, TextColumn("{task.description}"), console=err, transient=True, refresh_per_second=5
         )
         self._task = self._bar.add_task("starting", total=plan.trajectory.duration_s)
+        self._live = err.is_terminal and not err.is_dumb_terminal
         self._said = ""
 
     def __enter__(self) -> Self:
-        if err.is_terminal:
+        if self._live:
             self._bar.start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._bar.stop()
+        if self._live:
+            with contextlib.suppress(OSError):
+                self._bar.stop()
 
     def show(self, moment: Moment) -> None:
         """Show one moment."""
+        self.heard = self.heard or moment.stage is not Stage.CONNECT
         words = moment.stage.value
         if moment.waiting_for:
             words += f": {moment.waiting_for}"
-        if not err.is_terminal:
-            if words != self._said:
-                err.print(words, markup=False)
+        if self._live:
+            flying = 0.0 < moment.trajectory_s < moment.duration_s
+            shown = self._flying(moment) if flying else words
+            self._bar.update(
+                self._task, description=escape(shown), completed=moment.trajectory_s, total=moment.duration_s
+            )
+        elif words != self._said:
             self._said = words
-            return
-        flying = 0.0 < moment.trajectory_s < moment.duration_s
-        shown = self._flying(moment) if flying else words
-        self._bar.update(self._task, description=escape(shown), completed=moment.trajectory_s, total=moment.duration_s)
+            with contextlib.suppress(OSError):
+                err.print(words, markup=False)
 
     def _flying(self, moment: Moment) -> str:
-        parts = [f"leg {moment.leg + 1}/{moment.legs}", f"automaton {moment.done}/{moment.total}"]
+        parts = [f"{moment.left_s:.0f} s left", f"leg {moment.leg + 1}/{moment.legs}"]
         if self._plan.run.recurrent:
             parts.append(f"lap {min(moment.laps + 1, self._plan.spec.flight.laps)}/{self._plan.spec.flight.laps}")
+        parts.append(f"automaton {moment.done}/{moment.total}")
         if moment.awaited:
             parts.append(f"waits for {' or '.join(moment.awaited)}")
-        parts.append(f"{moment.left_s:.0f} s left")
         return " · ".join(parts)

@@ -5,31 +5,59 @@ from argparse import Namespace
 from itertools import islice
 from pathlib import Path
 
+from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out
-from mission.plan import FlightPlan, plan_mission, plan_to_json, shortest_runs
+from mission.plan import FlightPlan, plan_to_json, shortest_runs
 from mission.planning.run import Run
-from mission.report.files import write_whole
-from mission.spec.loader import load_mission
 
 
 def run(arguments: Namespace) -> int:
-    """Plan and show."""
-    plan = plan_mission(load_mission(arguments.file), run=arguments.run)
+    """Plan and show; what is to be written is written first, whoever reads the rest."""
+    plan = planned(arguments.file, arguments.run)
+    if arguments.out is not None:
+        write_named("--out", Path(arguments.out), plan_to_json(plan))
+    if arguments.pictures is not None:
+        _draw(plan, Path(arguments.pictures))
     if arguments.json:
-        out.out(json.dumps(summary(plan), ensure_ascii=False))
-    else:
-        _print_plan(plan)
-        if arguments.transitions:
-            _print_transitions(plan)
-        if arguments.runs:
-            _print_runs(plan, arguments.runs)
-    if arguments.out:
-        write_whole(Path(arguments.out), plan_to_json(plan))
-    if arguments.pictures:
-        from mission.report.figures import save_all  # noqa: PLC0415 - drawing is loaded when it is asked for
-
-        save_all(plan, None, Path(arguments.pictures))
+        out.out(json.dumps(_asked_for(plan, arguments)))
+        return 0
+    _print_plan(plan)
+    if arguments.transitions:
+        _print_transitions(plan)
+    if arguments.runs:
+        _print_runs(plan, arguments.runs)
+    if arguments.out is not None or arguments.pictures is not None:
+        _print()
+    if arguments.out is not None:
+        _print(f"Plan           {arguments.out}")
+    if arguments.pictures is not None:
+        _print(f"Pictures       {arguments.pictures}")
     return 0
+
+
+def _draw(plan: FlightPlan, folder: Path) -> None:
+    from mission.report.figures import save_all  # noqa: PLC0415 - drawing is loaded when it is asked for
+
+    try:
+        save_all(plan, None, folder)
+    except OSError as error:
+        raise unwritable("--pictures", folder, error) from error
+
+
+def _asked_for(plan: FlightPlan, arguments: Namespace) -> dict[str, object]:
+    """The summary, with the runs and the transitions where they are asked for."""
+    document = summary(plan)
+    if arguments.runs:
+        document["runs"] = [
+            {"prefix": list(found.prefix), "suffix": list(found.suffix), "controls": list(found.controls)}
+            for found in islice(shortest_runs(plan), arguments.runs)
+        ]
+    if arguments.transitions:
+        document["transitions"] = {
+            "T": plan.successors.tolist(),
+            "A": [[edge.source, str(edge.guard), edge.target] for edge in plan.automaton.edges],
+        }
+    return document
 
 
 def summary(plan: FlightPlan) -> dict[str, object]:

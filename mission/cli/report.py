@@ -3,18 +3,26 @@
 from argparse import Namespace
 from pathlib import Path
 
+from mission.cli.inputs import bad_file, read_plan, reason
 from mission.cli.screen import out
-from mission.errors import Fault, SpecError
-from mission.plan import FlightPlan, plan_from_json, plan_mission
+from mission.errors import RecordError
+from mission.plan import FlightPlan, plan_mission
 from mission.report.reading import Record, read_record
 from mission.report.record import RECORD_FILE
 from mission.report.report import PAGE_FILE, write_report
+
+MISSION_FILE = "mission.yaml"
+PLAN_FILE = "plan.json"
+_HINT = "name a folder that 'mission fly' made, such as flights/survey-20250131-120000"
 
 
 def run(arguments: Namespace) -> int:
     """Read a flight folder and write its report."""
     folder = Path(arguments.folder)
-    write_again(folder, pictures=True)
+    try:
+        write_again(folder, pictures=True)
+    except OSError as error:
+        raise bad_file(folder, f"the report cannot be written: {reason(error)}", "make the folder writable") from error
     out.print(f"report    {folder / PAGE_FILE}", markup=False)
     return 0
 
@@ -27,13 +35,19 @@ def write_again(folder: Path, *, pictures: bool) -> None:
         RecordError: Its record is damaged other than by a cut last line.
         OSError: It cannot be written to.
     """
+    if not folder.is_dir():
+        raise bad_file(folder, "is not a folder" if folder.exists() else "there is no such folder", _HINT)
+    missing = [name for name in (PLAN_FILE, MISSION_FILE, RECORD_FILE) if not (folder / name).is_file()]
+    if missing:
+        raise bad_file(folder, f"this is not the folder of a flight: it has no {', no '.join(missing)}", _HINT)
+    plan = read_plan(folder / PLAN_FILE)
     try:
-        plan = plan_from_json((folder / "plan.json").read_text(encoding="utf-8"))
-        mission_text = (folder / "mission.yaml").read_text(encoding="utf-8")
+        mission_text = (folder / MISSION_FILE).read_bytes().decode("utf-8-sig", "replace")
         record = read_record(folder / RECORD_FILE)
-    except (OSError, UnicodeDecodeError) as error:
-        fault = Fault(0, 0, "", f"this is not the folder of a flight: {error}", "name one that 'mission fly' made")
-        raise SpecError((fault,), str(folder)) from error
+    except OSError as error:
+        raise bad_file(folder, f"the flight cannot be read: {reason(error)}", "see its permissions") from error
+    except RecordError as error:
+        raise RecordError(f"{folder / RECORD_FILE}: {error}", line=error.line) from error
     write_report(_as_flown(plan, record), record, folder, pictures=pictures, mission_text=mission_text)
 
 

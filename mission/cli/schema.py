@@ -9,5 +9,5 @@ from mission.spec.schema import mission_schema
 
 def run(_: Namespace) -> int:
     """Print the schema."""
-    out.out(json.dumps(mission_schema(), indent=2, ensure_ascii=False))
+    out.out(json.dumps(mission_schema(), indent=2))
     return 0

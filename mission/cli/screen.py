@@ -1,12 +1,28 @@
 """What commands share on the terminal: one console for results, one for errors, and how faults look."""
 
+from itertools import islice
+from pathlib import Path
+
+from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 
-from mission.errors import FormulaSyntaxError, MissionError, SpecError
+from mission.errors import Fault, MissionError, SpecError
 
-out = Console(highlight=False, soft_wrap=True)
-err = Console(stderr=True, highlight=False, soft_wrap=True)
+_EXCERPT = 96
+_BEFORE = 64
+
+
+class _Console(Console):
+    """A console that leaves it to the program what happens when the reader of a pipe goes away."""
+
+    def on_broken_pipe(self) -> None:
+        """Pass the error on; rich would end the program here."""
+        raise  # noqa: PLE0704 - rich calls this while it handles the BrokenPipeError
+
+
+out = _Console(highlight=False, soft_wrap=True, emoji=False)
+err = _Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
 
 
 def count(number: int, noun: str) -> str:
@@ -15,26 +31,41 @@ def count(number: int, noun: str) -> str:
 
 
 def print_error(error: MissionError, source: str = "") -> None:
-    """Show a failure on standard error: what is wrong, where, and what to do about it."""
-    prefix = f"{escape(source)}: " if source else ""
+    """Show a failure on standard error: what is wrong, where, and what to do about it.
+
+    Args:
+        error: The failure.
+        source: The file that it is about, where the error does not name it itself.
+    """
     if isinstance(error, SpecError):
-        _print_faults(error)
-    elif isinstance(error, FormulaSyntaxError):
-        err.print(f"[bold red]error:[/] {escape(error.message)} (column {error.column})")
-        err.print(f"  {escape(error.text)}\n  {' ' * (error.column - 1)}[bold red]^[/]")
-        if error.hint:
-            err.print(f"  {escape(error.hint)}")
+        for fault in error.faults:
+            _print_fault(fault, error.source or source)
+        if len(error.faults) > 1:
+            err.print(f"[bold red]{count(len(error.faults), 'fault')}[/]")
     else:
-        err.print(f"{prefix}[bold red]error:[/] {escape(str(error))}")
+        place = f"[bold]{escape(source)}:[/] " if source else ""
+        err.print(f"{place}[bold red]error:[/] {escape(str(error))}")
 
 
-def _print_faults(error: SpecError) -> None:
-    for fault in error.faults:
-        place = ":".join(str(part) for part in (error.source, fault.line, fault.column) if part)
-        where = " ".join(
-            part for part in (f"{place}:" if place else "", f"{fault.path}:" if fault.path else "") if part
-        )
-        err.print(f"[bold]{escape(where)}[/] {escape(fault.message)}")
-        if fault.hint:
-            err.print(f"    {escape(fault.hint)}")
-    err.print(f"[bold red]{count(len(error.faults), 'fault')}[/]")
+def _print_fault(fault: Fault, source: str) -> None:
+    place = ":".join(str(part) for part in (source, fault.line, fault.column) if part)
+    where = " ".join(f"{part}:" for part in (place, fault.path) if part)
+    err.print(f"[bold]{escape(where)}[/] {escape(fault.message)}" if where else f"error: {escape(fault.message)}")
+    if fault.line and fault.column:
+        _print_excerpt(Path(source), fault.line, fault.column)
+    if fault.hint:
+        err.print(f"    {escape(fault.hint)}")
+
+
+def _print_excerpt(file: Path, line: int, column: int) -> None:
+    """The line of the file with a caret under the place; nothing where the file cannot be read any more."""
+    try:
+        with file.open("rb") as lines:
+            text = next(islice(lines, line - 1, None), b"").decode("utf-8-sig" if line == 1 else "utf-8", "replace")
+    except OSError:
+        return
+    begin = max(0, column - 1 - _BEFORE)
+    # A file may hold what would move the cursor or colour the terminal.
+    shown = "".join(c if c.isprintable() else " " if c in "\t\r\n" else "?" for c in text[begin : begin + _EXCERPT])
+    err.print(f"    [dim]|[/] {escape(shown.rstrip())}")
+    err.print(f"    [dim]|[/] {' ' * cell_len(shown[: column - 1 - begin])}[bold red]^[/]")

@@ -1,0 +1,181 @@
+"""The command line of ``mission``: its commands, their options, and what values they take."""
+
+import argparse
+import math
+import re
+from collections.abc import Sequence
+from importlib import import_module
+from typing import NoReturn
+
+PROGRAM = "mission"
+_DIGITS = 18
+_EXIT_CODES = """\
+exit codes:
+  0  done; for a flight: the specification was achieved
+  1  flown, but the specification was not achieved; for verify: not proved
+  2  a file, a formula or an option cannot be used
+  3  no plan exists
+  4  the link or the vehicle failed
+
+first steps:
+  mission check missions/survey.yaml
+  mission plan missions/survey.yaml --pictures pictures
+  mission fly missions/survey.yaml
+"""
+_SCHEMA = """\
+Print the JSON Schema of mission files. With it, editors complete and check a mission while it is written:
+
+  mission schema > mission.schema.json
+
+and, as the first line of a mission file beside it, for editors that use the YAML language server:
+
+  # yaml-language-server: $schema=mission.schema.json
+"""
+_FLY = """\
+Fly a mission. Without --connect, the bundled vehicle is started on loopback and stopped again.
+
+The flight gets a folder of its own with the record, the plan, the report and the pictures. Ctrl-C ends a flight
+safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once.
+"""
+_ADDRESSES = """\
+addresses:
+  udpin:0.0.0.0:14550      wait there for a vehicle that calls (ArduPilot's and PX4's simulators do)
+  udpout:192.168.4.1:14550 call a vehicle
+  tcp:127.0.0.1:5760       call one over TCP (tcpin:HOST:PORT waits for one)
+  serial:/dev/ttyUSB0:57600
+"""
+
+
+class _Version(argparse.Action):
+    """Looks the version up when it is asked for: reading the metadata of packages is slow."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        version = import_module("importlib.metadata").version("ltl-mission")
+        parser.exit(message=f"{PROGRAM} {version}\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Build the parser of the whole program."""
+    parser = argparse.ArgumentParser(
+        prog=PROGRAM,
+        description="Plan drone missions written in linear temporal logic, prove the plan, and fly it over MAVLink.",
+        epilog=_EXIT_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
+    commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND")
+
+    check = commands.add_parser("check", help="report every fault of mission files, without flying")
+    check.add_argument("files", nargs="+", metavar="FILE", help="mission file (YAML)")
+
+    commands.add_parser(
+        "schema",
+        help="print the JSON Schema of mission files, for editors",
+        description=_SCHEMA,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+
+    plan = commands.add_parser("plan", help="plan a mission and show the plan")
+    plan.add_argument("file", metavar="FILE", help="mission file (YAML)")
+    _add_run(plan)
+    plan.add_argument("--runs", type=_positive_whole, metavar="N", help="list the first N of the shortest runs")
+    plan.add_argument("--transitions", action="store_true", help="print the full transition maps of T and A")
+    plan.add_argument("--out", metavar="PLAN.json", help="write the whole plan to a file")
+    plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
+    plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+
+    verify = commands.add_parser("verify", help="prove a written plan again, from the plan alone")
+    verify.add_argument("plan", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
+
+    fly = commands.add_parser(
+        "fly",
+        help="fly a mission over MAVLink and report",
+        description=_FLY,
+        epilog=_ADDRESSES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_flight(fly)
+
+    report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
+    report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")
+    return parser
+
+
+def with_negative_wind(arguments: Sequence[str]) -> list[str]:
+    """Join ``--wind`` and a value like ``-3,1`` after it, which argparse takes for an option otherwise."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] == "--wind" and re.match(r"-[\d.]", argument):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
+def _add_run(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--run", type=_whole, metavar="I", help="take the I-th shortest run, counted from 0 (default: as in the file)"
+    )
+
+
+def _add_flight(fly: argparse.ArgumentParser) -> None:
+    fly.add_argument("file", metavar="FILE", help="mission file (YAML)")
+    fly.add_argument("--connect", metavar="ADDRESS", help="fly the vehicle at this address, see below")
+    _add_run(fly)
+    fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
+    fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
+    bundled = fly.add_argument_group("the bundled vehicle (not with --connect)")
+    bundled.add_argument("--speed", type=_positive, metavar="X", help="multiples of real time (default: 20)")
+    bundled.add_argument("--seed", type=_seed, metavar="N", help="seed of its noise (default: 0)")
+    bundled.add_argument(
+        "--wind", type=_wind, metavar="WIND", help="NORTH,EAST it blows to, or SPEED@FROM_DEGREES, m/s (default: calm)"
+    )
+    bundled.add_argument("--flavour", choices=("ardupilot", "px4"), help="what it behaves like (default: ardupilot)")
+    bundled.add_argument(
+        "--no-ground-station", action="store_true", help="do not offer the flight to a ground station on UDP port 14550"
+    )
+
+
+def _whole(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) <= _DIGITS):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0")
+    return int(text)
+
+
+def _positive_whole(text: str) -> int:
+    if not _whole(text):
+        raise argparse.ArgumentTypeError("write a whole number from 1")
+    return int(text)
+
+
+def _seed(text: str) -> int:
+    if _whole(text) >= 2**32:
+        raise argparse.ArgumentTypeError(f"a seed is less than 2^32, {text} is not")
+    return int(text)
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _number(text)
+    if value <= 0.0:
+        raise argparse.ArgumentTypeError(f"{text} is not positive")
+    return value
+
+
+def _wind(text: str) -> str:
+    first, separator, second = text.partition("@" if "@" in text else ",")
+    if not separator:
+        raise argparse.ArgumentTypeError(f"write NORTH,EAST or SPEED@FROM_DEGREES, not {text!r}")
+    if _number(first) < 0.0 and separator == "@":
+        raise argparse.ArgumentTypeError(f"the speed {first} is negative")
+    _number(second)
+    return text

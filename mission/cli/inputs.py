@@ -1,0 +1,88 @@
+"""What commands read and write: mission files, plans, and files that a user names; each failure says which."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from mission.errors import Fault, SpecError
+from mission.plan import FlightPlan, plan_from_json, plan_mission
+from mission.report.files import write_whole
+from mission.spec.loader import load_mission
+
+_MOST_OF_A_PLAN = 1 << 28
+
+
+def planned(file: str, run: int | None = None) -> FlightPlan:
+    """Read a mission file and plan it.
+
+    Raises:
+        SpecError: The file has faults, or there is no run of that number; its source is the file.
+        NoPlanError: There is no plan.
+    """
+    spec = load_mission(file)
+    try:
+        return plan_mission(spec, run=run)
+    except SpecError as error:
+        faults = error.faults
+        if run is not None:
+            faults = tuple(
+                replace(fault, path="--run" if fault.path == "mission.run" else fault.path) for fault in faults
+            )
+        raise SpecError(faults, file) from error
+
+
+def read_plan(file: Path) -> FlightPlan:
+    """Read a plan that was written to a file.
+
+    Raises:
+        SpecError: There is no such plan; its source is the file.
+    """
+    try:
+        with file.open("rb") as stream:
+            content = stream.read(_MOST_OF_A_PLAN + 1)
+        if len(content) > _MOST_OF_A_PLAN:
+            raise bad_file(file, "is too large for a plan", "name a file that 'mission plan --out' wrote")
+        return plan_from_json(content.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        raise bad_file(file, "is not a plan: it is not text", "name a file that 'mission plan --out' wrote") from error
+    except OSError as error:
+        raise bad_file(
+            file, f"cannot be read: {reason(error)}", "name a file that 'mission plan --out' wrote"
+        ) from error
+    except SpecError as error:
+        if error.source:
+            raise
+        # Lines count in the mission within the plan, which has none of its own.
+        raise SpecError(tuple(replace(fault, line=0, column=0) for fault in error.faults), str(file)) from error
+
+
+def write_named(option: str, file: Path, content: str) -> None:
+    """Write a whole file that an option names.
+
+    Raises:
+        SpecError: It cannot be written.
+    """
+    if not file.name:
+        raise SpecError((Fault(0, 0, option, "this names no file", f"write {option} and the name of a file"),))
+    try:
+        write_whole(file, content)
+    except OSError as error:
+        raise unwritable(option, file, error) from error
+
+
+def unwritable(option: str, place: Path, error: OSError) -> SpecError:
+    """The failure to write where an option says."""
+    hint = f"give {option} a place that can be written to"
+    return SpecError((Fault(0, 0, option, f"{place} cannot be written: {reason(error)}", hint),))
+
+
+def bad_file(file: Path, message: str, hint: str) -> SpecError:
+    """The failure of a file as a whole."""
+    return SpecError((Fault(0, 0, "", message, hint),), str(file))
+
+
+def reason(error: OSError) -> str:
+    """Why, without number and name."""
+    if error.errno is not None and error.errno > 0:
+        return os.strerror(error.errno).lower()
+    return error.strerror or str(error)
