@@ -29,12 +29,12 @@ def load_mission(path: str | Path) -> MissionSpec:
         with Path(path).open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
-        fault = Fault(0, 0, "", f"there is no file {source}", "check the path")
+        fault = Fault(0, 0, "", "there is no such file", "check the path")
     except IsADirectoryError:
-        fault = Fault(0, 0, "", f"{source} is a directory", "name a mission file in it")
+        fault = Fault(0, 0, "", "this is a directory", "name a mission file in it")
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        fault = Fault(0, 0, "", f"{source} cannot be read: {reason}", "check the path and its permissions")
+        fault = Fault(0, 0, "", f"the file cannot be read: {reason}", "check the path and its permissions")
     else:
         return parse_mission(content, source)
     raise SpecError((fault,), source)
@@ -62,7 +62,7 @@ def parse_mission(content: bytes, source: str = "") -> MissionSpec:
     faults.extend(placed(finding, tree, text) for finding in findings)
     if faults:
         raise SpecError(_bounded(sorted(set(faults))), source)
-    return mission_of(data, Path(source).stem or "mission")
+    return mission_of(data, Path(source).stem.encode("utf-8", "replace").decode() or "mission")
 
 
 def _decoded(content: bytes) -> str:

@@ -23,6 +23,8 @@ _KINDS: Final = {
     "number": "a number",
     "integer": "a whole number",
 }
+_PYTHON_TYPES: Final = {"object": dict, "array": list, "string": str}
+_TASK_DEPTH: Final = 2
 
 
 @cache
@@ -72,7 +74,9 @@ def _worded(error: ValidationError, tree: Node) -> Iterable[Finding]:
     elif keyword == "oneOf":
         # What is no mapping lacks no key, says the schema: its type is the fault, and is reported.
         if isinstance(instance, dict):
-            yield _alternatives(path, instance, limit)
+            yield from _alternatives(path, instance, limit)
+    elif keyword == "anyOf" and not any("const" in option for option in limit):
+        yield from _of_its_kind(error, tree)
     elif keyword == "dependentRequired":
         for key in sorted(limit.keys() & instance.keys()):
             message = f"`{key}` goes with `{listed(limit[key])}` only"
@@ -106,16 +110,40 @@ def _missing_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Itera
         if key not in instance:
             example = _example(schema["properties"][key])
             where = f" in `{dotted(path)}`" if path else ""
-            yield Finding((*path, key), f"`{key}` is missing{where}", f"add {key}: {example}", at_key=True)
+            instead = ", or give tasks" if key in ("mission", "formula") else ""
+            yield Finding((*path, key), f"`{key}` is missing{where}", f"add {key}: {example}{instead}", at_key=True)
 
 
-def _alternatives(path: Path, instance: dict[str, Any], options: list[Schema]) -> Finding:
+def _alternatives(path: Path, instance: dict[str, Any], options: list[Schema]) -> Iterable[Finding]:
     keys = [option["required"][0] for option in options]
     given = [key for key in keys if key in instance]
     wanted = " or ".join((", ".join(keys[:-1]), keys[-1]))
+    whole_task = path[:1] == ("tasks",) and len(path) == _TASK_DEPTH
     if given:
-        return Finding(path, f"{' and '.join(given)} exclude each other", f"keep one of {wanted}", at_key=True)
-    return Finding(path, f"one of {wanted} is missing in `{dotted(path)}`", "give exactly one of them", at_key=True)
+        hint = "make a task of each" if whole_task else f"keep one of {wanted}"
+        yield Finding(path, f"{' and '.join(given)} exclude each other", hint, at_key=True)
+    elif whole_task:
+        # An unknown key in a task is most likely the one that is missing, misspelt; it is reported.
+        if instance.keys() <= {"weight"}:
+            yield Finding(path, "a task is missing here", f"give one of {wanted}", at_key=True)
+    elif path[:1] != ("tasks",) or instance.keys() <= {"region"}:
+        yield Finding(path, f"one of {wanted} is missing in `{dotted(path)}`", "give exactly one of them", at_key=True)
+
+
+def _of_its_kind(error: ValidationError, tree: Node) -> Iterable[Finding]:
+    """What is wrong with a value of several possible shapes, by the shape that it has."""
+    path: Path = tuple(error.absolute_path)
+    _, options, instance, schema = _parts(error)
+    shapes = [_resolved(option)["type"] for option in options]
+    own = next((i for i, shape in enumerate(shapes) if isinstance(instance, _PYTHON_TYPES[shape])), None)
+    if own is None or isinstance(instance, Oddity):
+        expected = " or ".join(_KINDS[shape] for shape in shapes)
+        found = instance.found if isinstance(instance, Oddity) else _found(instance, _at(tree, path))
+        yield Finding(path, f"expected {expected}, found {found}", f"write for example {_example(schema)}")
+        return
+    for inner in error.context or ():
+        if inner.schema_path[0] == own:
+            yield from _worded(inner, tree)
 
 
 def _region_name(path: Path, name: str) -> Finding:
@@ -165,7 +193,7 @@ def _out_of_bounds(keyword: str, limit: Any, instance: Any, schema: Schema) -> t
         span = f"from {schema['minimum']:g} to {schema['maximum']:g}"
         return f"{shown} is {side} than {limit:g}", f"write a number {span}"
     if keyword == "uniqueItems":
-        return f"two of {shown} are the same", "name three different ones"
+        return f"two of {shortened(_flow(instance))} are the same", "name different ones"
     if keyword == "maxLength":
         return f"the text has {len(instance)} characters, more than {limit}", "make it shorter"
     example = f"write for example {_example(schema) or '[0, 0]'}"
@@ -173,15 +201,20 @@ def _out_of_bounds(keyword: str, limit: Any, instance: Any, schema: Schema) -> t
         return "the text is empty", example
     exact = schema.get("minItems") == schema.get("maxItems") and "minItems" in schema
     bound = "" if exact else "at least " if keyword.startswith("min") else "at most "
-    return f"expected {bound}{limit} items, found {len(instance)}", example
+    return f"expected {bound}{limit} {'item' if limit == 1 else 'items'}, found {len(instance)}", example
 
 
 def _example(schema: Schema) -> str:
     """An example of what a schema allows, in YAML's flow style."""
-    while "$ref" in schema:
-        schema = mission_schema()["$defs"][schema["$ref"].rpartition("/")[2]]
+    schema = _resolved(schema)
     examples = schema.get("examples") or ([schema["default"]] if "default" in schema else schema.get("enum", []))
     return _flow(examples[0]) if examples else ""
+
+
+def _resolved(schema: Schema) -> Schema:
+    while "$ref" in schema:
+        schema = mission_schema()["$defs"][schema["$ref"].rpartition("/")[2]]
+    return schema
 
 
 def _flow(value: Any) -> str:  # noqa: ANN401 - any JSON value

@@ -150,7 +150,7 @@ def test_a_region_that_is_named_badly_does_not_change_how_the_formula_is_read() 
 
 
 def test_a_missing_file_a_directory_and_a_null_are_told_apart(tmp_path: Path) -> None:
-    for path, words in ((tmp_path / "no.yaml", "there is no file"), (tmp_path, "is a directory")):
+    for path, words in ((tmp_path / "no.yaml", "there is no such file"), (tmp_path, "is a directory")):
         with pytest.raises(SpecError, match=words) as caught:
             load_mission(path)
         assert caught.value.source == str(path)
