@@ -146,8 +146,12 @@ class Session:
         """Give the mission up: hold, and land on the spot if asked to; on the ground, disarm. A landing goes on."""
         if self.stage is Stage.DONE or self.stage in _LANDING:
             return
+        goes_on = self._retreat(now_s, land=land)
+        step, kind = self._procedure.step, self.contact.autopilot
+        if step is not None and step.stage is Stage.HOLD and not land and kind is not None:
+            reason = f"{reason}; the vehicle is left holding in {kind.mode_name(kind.hold_mode)}"
         self._outcome = (Ending.STOPPED, reason)
-        if not self._retreat(now_s, land=land):
+        if not goes_on:
             self._end(*self._outcome)
 
     def outgoing(self) -> list[bytes]:

@@ -160,6 +160,25 @@ def test_a_stream_may_be_cut_anywhere() -> None:
         assert [b.custom_mode for b in bodies if isinstance(b, Heartbeat)] == list(range(20))
 
 
+def test_what_nobody_needs_is_passed_over_and_does_not_stand_in_the_way() -> None:
+    sender = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    others = [
+        mavlink.MAVLink_attitude_quaternion_message(1, 1, 0, 0, 0, 0, 0, 0),
+        mavlink.MAVLink_vfr_hud_message(1, 1, 90, 50, 10, 0),
+        mavlink.MAVLink_ping_message(1, 2, 0, 0),
+    ]
+    wanted = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 3, 3)
+    frames = b"".join(
+        bytes(message.pack(sender, force_mavlink1=old))
+        for old in (False, True)
+        for message in (*others, wanted, *others)
+    )
+    for size in (1, 11, len(frames)):
+        reader = codec()
+        pieces = [frames[i : i + size] for i in range(0, len(frames), size)]
+        assert [type(r.body) for piece in pieces for r in reader.decode(piece)] == [Heartbeat, Heartbeat]
+
+
 @given(st.binary(max_size=400))
 def test_noise_is_no_message_and_no_exception(noise: bytes) -> None:
     assert codec().decode(noise) == []

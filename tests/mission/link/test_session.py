@@ -342,6 +342,7 @@ def test_stopped_in_the_air_it_is_left_holding_otherwise(flavour: str) -> None:
     driven.fly()
     assert vehicle.armed
     assert vehicle.mode == (BRAKE if flavour == "ardupilot" else PX4_HOLD)
+    assert "left holding in" in driven.session.ending_reason
 
 
 def test_stopped_on_the_ground_it_disarms() -> None:
