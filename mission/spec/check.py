@@ -10,6 +10,7 @@ from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.model import Point, Region, RegionKind
 from mission.spec.schema import OPERATOR_NAMES
+from mission.spec.task_check import task_findings, weight_findings
 from mission.spec.values import domain_of, point_of, region_of
 
 _FORMULA: Path = ("mission", "formula")
@@ -24,10 +25,16 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
         structural: What was found against the schema.
     """
     findings = []
-    if _clean(_FORMULA, structural):
-        regions = data.get("regions")
+    regions = data.get("regions") if isinstance(data, dict) else None
+    if _clean(_FORMULA, structural) and "formula" in data.get("mission", {}):
         names = frozenset(regions) if isinstance(regions, dict) else None
         findings.extend(_formula_findings(data["mission"]["formula"], names))
+    if _clean(("tasks",), [f for f in structural if len(f.path) <= 1]) and "tasks" in data:
+        findings.extend(weight_findings(data["tasks"]))
+        kinds = {name: str(_kind(value)) for name, value in regions.items()} if isinstance(regions, dict) else None
+        for i, task in enumerate(data["tasks"] if kinds else ()):
+            if _clean(("tasks", i), structural):
+                findings.extend(task_findings(i, task, kinds or {}))
     if all(_clean(("domain", key), structural) for key in ("nodes", "boundary", "points")):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if _clean(_START, structural) else None
@@ -38,6 +45,10 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
 def _clean(path: Path, findings: list[Finding]) -> bool:
     """Whether nothing was found at a path, in it, or about what it stands in; what is missing was found, too."""
     return not any(path[: len(f.path)] == f.path or f.path[: len(path)] == path for f in findings)
+
+
+def _kind(region: Any) -> Any:  # noqa: ANN401 - any JSON value
+    return region.get("kind") if isinstance(region, dict) else None
 
 
 def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # noqa: ANN401 - any JSON value

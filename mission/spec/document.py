@@ -5,6 +5,7 @@ from dataclasses import asdict
 from typing import Any
 
 from mission.spec.model import BoundaryDomain, MissionSpec, PointShape, Region, TriangleShape
+from mission.spec.tasks import task_data
 
 
 def document_of(spec: MissionSpec) -> dict[str, Any]:
@@ -21,7 +22,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
             else {"nodes": _pairs(domain.nodes_m)}
         ),
         "regions": {region.name: _region(region) for region in spec.regions},
-        "mission": {"formula": spec.formula, "semantics": spec.semantics.value, "run": spec.run, "laps": laps},
+        "mission": {"semantics": spec.semantics.value, "run": spec.run, "laps": laps},
         "start": {"position_m": list(spec.start.position_m), "velocity_m_s": list(spec.start.velocity_m_s)},
         "flight": flight,
         "smoothing": {"extension": spec.smoothing.extension.value, "frequencies": spec.smoothing.frequencies},
@@ -31,6 +32,10 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
             "tilt_deg": math.degrees(spec.limits.tilt_rad),
         },
     }
+    if spec.formula:
+        document["mission"]["formula"] = spec.formula
+    if spec.tasks:
+        document["tasks"] = [task_data(task) for task in spec.tasks]
     if spec.origin is not None:
         document["origin"] = {"latitude_deg": spec.origin.latitude_deg, "longitude_deg": spec.origin.longitude_deg}
     return document

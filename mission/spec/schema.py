@@ -8,6 +8,7 @@ from copy import deepcopy
 from typing import Any, Final
 
 from mission.logic.parser import MAX_LENGTH
+from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
 Schema = dict[str, Any]
 
@@ -117,16 +118,19 @@ _REGIONS: Final[Schema] = {
     "examples": [{"Field": {"kind": "survey", "at": [12.5, 40.0]}}],
 }
 
+_FORMULAS: Final = ["F (S1 & F Home) & G !K1"]
+_MISSIONS: Final = [{"formula": "F S1 & G !K1"}]
+
 _MISSION: Final = _object(
     "What must be true of the flight.",
-    ("formula",),
+    (),
     {
         "formula": {
             "description": "A formula of linear temporal logic over the region names: F G X U R W M ! & | -> <->.",
             "type": "string",
             "minLength": 1,
             "maxLength": MAX_LENGTH,
-            "examples": ["F (S1 & F Home) & G !K1"],
+            "examples": _FORMULAS,
         },
         "semantics": {
             "description": "Whether the start's own region is read by the formula (standard) or not (paper).",
@@ -148,7 +152,7 @@ _MISSION: Final = _object(
             "default": 2,
         },
     },
-    examples=[{"formula": "F S1 & G !K1"}],
+    examples=_MISSIONS,
 )
 
 _START: Final = _object(
@@ -157,7 +161,8 @@ _START: Final = _object(
     {
         "position_m": {"$ref": "#/$defs/point"},
         "velocity_m_s": {
-            "description": "[east, north] in m/s.",
+            "description": "[east, north] in m/s: the rest of the paper's start state. A vehicle that takes off on "
+            "the spot starts at rest, so it changes neither the plan nor the flight.",
             "type": "array",
             "items": {"type": "number", "minimum": -100.0, "maximum": 100.0},
             "minItems": 2,
@@ -230,10 +235,10 @@ _LIMITS: Final = _object(
 _SCHEMA: Final[Schema] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "Mission file of ltl-mission",
-    "$defs": {"point": _POINT, "region": _REGION},
+    "$defs": {"point": _POINT, "region": _REGION, "task": TASK, "region_name": REGION_NAME},
 } | _object(
     "A drone mission written in linear temporal logic. ENU; units stand in the names of the keys.",
-    ("domain", "regions", "mission", "start"),
+    ("domain", "regions", "start"),
     {
         "name": {
             "description": "Name of the mission; without it, the file's name.",
@@ -252,11 +257,26 @@ _SCHEMA: Final[Schema] = {
         "domain": _DOMAIN,
         "regions": _REGIONS,
         "mission": _MISSION,
+        "tasks": TASKS,
         "start": _START,
         "origin": _ORIGIN,
         "flight": _FLIGHT,
         "smoothing": _SMOOTHING,
         "limits": _LIMITS,
+    },
+    **{
+        # Without tasks there must be a formula.
+        "if": {"not": {"required": ["tasks"]}},
+        "then": {
+            "required": ["mission"],
+            "properties": {
+                "mission": {
+                    "required": ["formula"],
+                    "properties": {"formula": {"examples": _FORMULAS}},
+                    "examples": _MISSIONS,
+                }
+            },
+        },
     },
 )
 

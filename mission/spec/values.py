@@ -22,20 +22,21 @@ from mission.spec.model import (
     TriangleShape,
 )
 from mission.spec.schema import default_of
+from mission.spec.tasks import task_of
 
 Data = dict[str, Any]
 
 
 def mission_of(data: Data, name: str) -> MissionSpec:
     """The mission of a whole file; ``name`` is used where the file gives none."""
-    mission, start, origin = data["mission"], data["start"], data.get("origin")
+    start, origin = data["start"], data.get("origin")
     frequencies = _given(data, "smoothing", "frequencies")
     return MissionSpec(
         name=data.get("name", name),
         description=data.get("description", ""),
         domain=domain_of(data["domain"]),
         regions=tuple(region_of(key, value) for key, value in data["regions"].items()),
-        formula=mission["formula"],
+        formula=data.get("mission", {}).get("formula", ""),
         semantics=Semantics(_given(data, "mission", "semantics")),
         run=int(_given(data, "mission", "run")),
         start=Start(point_of(start["position_m"]), point_of(_given(data, "start", "velocity_m_s"))),
@@ -57,6 +58,7 @@ def mission_of(data: Data, name: str) -> MissionSpec:
             acceleration_m_s2=_measure(data, "limits", "acceleration_m_s2"),
             tilt_rad=math.radians(_measure(data, "limits", "tilt_deg")),
         ),
+        tasks=tuple(task_of(task) for task in data.get("tasks", [])),
     )
 
 

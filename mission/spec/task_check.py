@@ -1,0 +1,60 @@
+"""What may be wrong with tasks that fit the schema."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final
+
+from mission.spec.finding import Finding, Path, listed, nearest, shortened
+from mission.spec.task_schema import MOST_SOFT_TASKS
+
+_ENTERED: Final = frozenset({"until", "then", "in"})
+
+
+def task_findings(number: int, task: dict[str, Any], kinds: Mapping[str, str]) -> list[Finding]:
+    """Faults of one task.
+
+    Args:
+        number: Its place in the list, from 0.
+        task: Its data, which fits the schema.
+        kinds: The kind of each region, by name.
+    """
+    findings = []
+    named = list(_named(task, ("tasks", number)))
+    for path, name, entered in named:
+        if name not in kinds:
+            close = nearest(name, kinds)
+            hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(kinds))}"
+            findings.append(Finding(path, f"the task speaks of `{shortened(name)}`, which is no region", hint))
+        elif entered and kinds[name] == "restricted":
+            message = f"the task asks to enter `{name}`, which is restricted and so never entered"
+            findings.append(Finding(path, message, "name another region, or make it one to survey"))
+    key = next(key for key in task if key != "weight")
+    if isinstance(task[key], dict) and len(named) > 1 and named[0][1] == named[1][1]:
+        message = f"the task relates `{shortened(named[0][1])}` to itself"
+        findings.append(Finding(named[1][0], message, "name two different regions"))
+    return findings
+
+
+def weight_findings(tasks: list[Any]) -> list[Finding]:
+    """Whether more tasks are soft than can be weighed against each other."""
+    soft = [i for i, task in enumerate(tasks) if isinstance(task, dict) and "weight" in task]
+    if len(soft) <= MOST_SOFT_TASKS:
+        return []
+    message = f"{len(soft)} tasks carry a weight, more than {MOST_SOFT_TASKS}"
+    hint = "take the weight off those that must be met, or join tasks that are met or dropped together"
+    return [Finding(("tasks", soft[MOST_SOFT_TASKS], "weight"), message, hint)]
+
+
+def _named(task: dict[str, Any], at: Path) -> Iterator[tuple[Path, str, bool]]:
+    """The regions that a task names, each with its path and with whether the task asks to enter it."""
+    for key, value in task.items():
+        path = (*at, key)
+        if isinstance(value, str):
+            yield path, value, key != "avoid"
+        elif isinstance(value, list):
+            yield from (((*path, i), name, key != "avoid") for i, name in enumerate(value))
+        elif isinstance(value, dict):
+            counted = "at_least" in value or "exactly" in value
+            for name, what in value.items():
+                if isinstance(what, str) and name != "how":
+                    # A reaction is asked for only when its stimulus comes, but one that cannot come is a slip.
+                    yield (*path, name), what, name in _ENTERED or counted

@@ -1,0 +1,105 @@
+"""Tasks between their three forms: the data of a file, frozen values, and formulas."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Final
+
+from mission.logic import patterns
+from mission.logic.formula import Formula
+from mission.spec.model import Region, RegionKind, Task, TaskKind, TaskMode
+
+Data = dict[str, Any]
+
+_OF_REGIONS: Final[Mapping[TaskKind, Callable[[Sequence[str]], Formula]]] = {
+    TaskKind.VISIT: patterns.visit,
+    TaskKind.SEQUENCED_VISIT: patterns.sequenced_visit,
+    TaskKind.ORDERED_VISIT: patterns.ordered_visit,
+    TaskKind.STRICT_ORDERED_VISIT: patterns.strict_ordered_visit,
+    TaskKind.FAIR_VISIT: patterns.fair_visit,
+    TaskKind.PATROL: patterns.patrol,
+    TaskKind.SEQUENCED_PATROL: patterns.sequenced_patrol,
+    TaskKind.ORDERED_PATROL: patterns.ordered_patrol,
+    TaskKind.STRICT_ORDERED_PATROL: patterns.strict_ordered_patrol,
+    TaskKind.FAIR_PATROL: patterns.fair_patrol,
+    TaskKind.AVOID: patterns.avoid,
+}
+
+_OF_COUNT: Final[Mapping[TaskMode, Callable[[str, int], Formula]]] = {
+    TaskMode.AT_MOST: patterns.visits_at_most,
+    TaskMode.AT_LEAST: patterns.visits_at_least,
+    TaskMode.EXACTLY: patterns.visits_exactly,
+}
+
+_OF_PAIR: Final[Mapping[tuple[TaskKind, TaskMode], Callable[[str, str], Formula]]] = {
+    (TaskKind.AVOID, TaskMode.UNTIL): patterns.avoid_until,
+    (TaskKind.AVOID, TaskMode.AFTER): patterns.avoid_after,
+    (TaskKind.WAIT, TaskMode.PLAIN): patterns.wait,
+    (TaskKind.REACT, TaskMode.INSTANTANEOUS): patterns.instantaneous_reaction,
+    (TaskKind.REACT, TaskMode.DELAYED): patterns.delayed_reaction,
+    (TaskKind.REACT, TaskMode.BOUND): patterns.bound_reaction,
+}
+
+_NEXT: Final[Mapping[TaskMode, Callable[[str, str, Sequence[str]], Formula]]] = {
+    TaskMode.PROMPT: patterns.prompt_reaction,
+    TaskMode.BOUND_DELAY: patterns.bound_delay,
+}
+
+
+def task_formula(task: Task, regions: Sequence[Region]) -> Formula:
+    """What a task asks for.
+
+    Args:
+        task: The task.
+        regions: The mission's; a prompt reaction lets the vehicle into none of them on its way (into restricted ones
+            it never comes).
+    """
+    if task.kind is TaskKind.VISITS:
+        return _OF_COUNT[task.mode](task.regions[0], task.count)
+    if task.mode in _NEXT:
+        first, second = task.regions
+        others = [r.name for r in regions if r.name not in task.regions and r.kind is not RegionKind.RESTRICTED]
+        return _NEXT[task.mode](first, second, others)
+    if (task.kind, task.mode) in _OF_PAIR:
+        first, second = task.regions
+        return _OF_PAIR[task.kind, task.mode](first, second)
+    return _OF_REGIONS[task.kind](task.regions)
+
+
+def task_of(data: Data) -> Task:
+    """The task of an entry that fits the schema."""
+    weight = float(data["weight"]) if "weight" in data else None
+    key = next(key for key in data if key != "weight")
+    kind, value = TaskKind(key), data[key]
+    if isinstance(value, str):
+        return Task(kind, (value,), weight=weight)
+    if isinstance(value, list):
+        return Task(kind, tuple(value), weight=weight)
+    if kind is TaskKind.WAIT:
+        return Task(kind, (value["in"], value["until"]), weight=weight)
+    if kind is TaskKind.REACT:
+        return Task(kind, (value["when"], value["then"]), TaskMode(value.get("how", "delayed")), weight=weight)
+    mode = TaskMode(next(key for key in value if key != "region"))
+    if kind is TaskKind.VISITS:
+        return Task(kind, (value["region"],), mode, int(value[mode]), weight)
+    return Task(kind, (value["region"], value[mode]), mode, weight=weight)
+
+
+def task_data(task: Task) -> Data:
+    """The entry of a file that is read as this task."""
+    value: Any = list(task.regions)
+    if task.kind is TaskKind.VISITS:
+        value = {"region": task.regions[0], task.mode.value: task.count}
+    elif task.kind is TaskKind.WAIT:
+        value = {"in": task.regions[0], "until": task.regions[1]}
+    elif task.kind is TaskKind.REACT:
+        value = {"when": task.regions[0], "then": task.regions[1], "how": task.mode.value}
+    elif task.mode is not TaskMode.PLAIN:
+        value = {"region": task.regions[0], task.mode.value: task.regions[1]}
+    return {task.kind.value: value} | ({} if task.weight is None else {"weight": task.weight})
+
+
+def task_text(task: Task) -> str:
+    """A task as it would be written on one line, without its weight: ``ordered_visit [S1, S2]``."""
+    ((key, value),) = ((key, value) for key, value in task_data(task).items() if key != "weight")
+    if isinstance(value, list):
+        return f"{key} {value[0]}" if len(value) == 1 else f"{key} [{', '.join(value)}]"
+    return f"{key} {{{', '.join(f'{name}: {what}' for name, what in value.items())}}}"
