@@ -3,10 +3,13 @@
 from mission.plan.flight_plan import FlightPlan, certify_again, prover_of
 from mission.plan.serial import plan_from_json, plan_to_json
 from mission.plan.stages import plan_mission, shortest_runs
+from mission.plan.tasks import DroppedTask, formula_of
 
 __all__ = [
+    "DroppedTask",
     "FlightPlan",
     "certify_again",
+    "formula_of",
     "plan_from_json",
     "plan_mission",
     "plan_to_json",

@@ -9,6 +9,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.formula import Formula
+from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import restricted_triangles
@@ -28,7 +29,7 @@ class FlightPlan:
         start_m: Where the flight begins, ENU in the domain.
         partition: The domain's triangles.
         labelling: Their labels.
-        formula: The specification, parsed.
+        formula: What the flight satisfies: the mission's formula and its tasks, but for those that were dropped.
         automaton: A Büchi automaton of the formula.
         refutation: One of its negation.
         product_states: Number of states of the product, reachable or not.
@@ -40,6 +41,7 @@ class FlightPlan:
         stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
         trajectory: The smoothed path with its time law.
         certificate: The proof that every flight within the tube satisfies the formula.
+        dropped: The soft tasks that could not be met, in the order of the file.
     """
 
     spec: MissionSpec
@@ -58,6 +60,12 @@ class FlightPlan:
     stops: tuple[tuple[float, float], ...]
     trajectory: Trajectory
     certificate: Certificate
+    dropped: tuple[DroppedTask, ...] = ()
+
+    @property
+    def specification(self) -> str:
+        """The formula as text: as it was written, where the mission has no tasks."""
+        return str(self.formula) if self.spec.tasks else self.spec.formula
 
     @property
     def curve(self) -> FourierCurve:

@@ -5,6 +5,7 @@ formula anew, so that a proof from the file rests on the formula and not on what
 """
 
 import json
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,12 @@ from mission.logic.automaton import BuchiAutomaton
 from mission.logic.formula import negation
 from mission.logic.translate import translate
 from mission.plan.flight_plan import FlightPlan
-from mission.plan.stages import formula_of
+from mission.plan.tasks import DroppedTask, formula_of
 from mission.planning.run import Run
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
+from mission.spec.model import MissionSpec
+from mission.spec.tasks import task_text
 from mission.steering.certificate import Certificate
 from mission.steering.path import Segment, SteeringPath
 from mission.steering.trajectory import Trajectory
@@ -68,6 +71,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "stops": [list(stop) for stop in plan.stops],
         "trajectory": plan.trajectory.to_json(),
         "certificate": plan.certificate.to_json(),
+        "dropped": [asdict(task) for task in plan.dropped],
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"
 
@@ -89,7 +93,8 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
     if document["format"] != FORMAT:
         raise ValueError(f"the format is not {FORMAT!r}")
     spec = parse_mission(json.dumps(document["mission"]).encode())
-    formula = formula_of(spec)
+    dropped = tuple(_dropped(spec, task) for task in document.get("dropped", []))
+    formula = formula_of(spec, (task.number for task in dropped))
     run, labels, path = document["run"], document["labels"], document["path"]
     start = document["start_m"]
     return FlightPlan(
@@ -111,7 +116,17 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
         trajectory=Trajectory.from_json(document["trajectory"]),
         certificate=Certificate.from_json(document["certificate"]),
+        dropped=dropped,
     )
+
+
+def _dropped(spec: MissionSpec, data: dict[str, Any]) -> DroppedTask:
+    """A dropped task; a file cannot drop what must be met."""
+    number = int(data["number"])
+    task = spec.tasks[number] if 0 <= number < len(spec.tasks) else None
+    if task is None or task.weight is None:
+        raise ValueError(f"there is no task {number} that may be dropped")
+    return DroppedTask(number, task_text(task), task.weight, str(data["reason"]))
 
 
 def _segment(data: dict[str, Any]) -> Segment:

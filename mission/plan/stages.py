@@ -6,12 +6,12 @@ import numpy as np
 
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.geometry.location import OUTSIDE, Locator
-from mission.logic.automaton import compile_to_alphabet
-from mission.logic.formula import Formula, negation
-from mission.logic.parser import parse_formula
+from mission.logic.automaton import BuchiAutomaton, compile_to_alphabet
+from mission.logic.formula import negation
 from mission.logic.translate import translate
 from mission.plan.flight_plan import FlightPlan, prover_of, tube_of
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
+from mission.plan.tasks import dropped_tasks, formula_of
 from mission.plan.visits import earnest_visits
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
@@ -24,15 +24,6 @@ from mission.steering.proved_smoothing import ProvedCurve, smooth_with_proof
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from mission.steering.timing import time_law
 from mission.steering.trajectory import Trajectory
-
-
-def formula_of(spec: MissionSpec) -> Formula:
-    """The specification, parsed with the mission's region names.
-
-    Raises:
-        FormulaSyntaxError: If it is no formula.
-    """
-    return parse_formula(spec.formula, frozenset(region.name for region in spec.regions))
 
 
 def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | None = None) -> FlightPlan:
@@ -51,12 +42,16 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     start = spec.start.position_m if start_m is None else start_m
     partition, labelling = build_domain(spec)
     restricted = restricted_triangles(spec, labelling)
-    formula = formula_of(spec)
-    automaton, refutation = translate(formula), translate(negation(formula))
-    compiled = compile_to_alphabet(automaton, labelling.letters)
     triangle = _start_triangle(Locator(partition), restricted, start)
     system = TransitionSystem.from_partition(partition, labelling, restricted)
-    product = Product(system, compiled, triangle, spec.semantics)
+
+    def product_of(automaton: BuchiAutomaton) -> Product:
+        return Product(system, compile_to_alphabet(automaton, labelling.letters), triangle, spec.semantics)
+
+    dropped = dropped_tasks(spec, lambda tried: _refusal(product_of(translate(tried))))
+    formula = formula_of(spec, (task.number for task in dropped))
+    automaton, refutation = translate(formula), translate(negation(formula))
+    product = product_of(automaton)
     runs = search(product)
     index = spec.run if run is None else run
     if index >= runs.count:
@@ -70,7 +65,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         speed_m_s=spec.flight.speed_m_s,
         final_stay_s=spec.flight.final_stay_s,
         laps=spec.flight.laps,
-        settle_in=earnest_visits(spec, partition, labelling, compiled, chosen),
+        settle_in=earnest_visits(spec, partition, labelling, product.automaton, chosen),
     )
     prover = prover_of(spec, partition, labelling, compile_to_alphabet(refutation, labelling.letters), restricted)
 
@@ -109,6 +104,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         stops=stops,
         trajectory=Trajectory(smooth.curve, law, spec.flight.altitude_m),
         certificate=smooth.certificate,
+        dropped=dropped,
     )
 
 
@@ -116,6 +112,14 @@ def shortest_runs(plan: FlightPlan) -> ShortestRuns:
     """All the runs that a plan could have flown at the same cost."""
     system = TransitionSystem.from_partition(plan.partition, plan.labelling, plan.restricted)
     return search(Product(system, plan.compiled, plan.run.states[0], plan.spec.semantics))
+
+
+def _refusal(product: Product) -> NoPlanError | None:
+    try:
+        search(product)
+    except NoPlanError as error:
+        return error
+    return None
 
 
 def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) -> int:
