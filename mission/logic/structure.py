@@ -161,7 +161,10 @@ def pruned(structure: Structure) -> Structure:
         sets = 1  # it tells components where every run is accepting from those where none is
     successors = structure.successors()
     heads = [states[0] for states, accepting in zip(parts.members, parts.accepting, strict=True) if accepting]
-    alive = backward_reachable(successors, heads) | {structure.initial}
+    alive = backward_reachable(successors, heads)
+    if structure.initial not in alive:
+        nothing = structure.diagrams.leaf(())
+        return Structure(structure.diagrams, structure.propositions, 0, (nothing,), sets)
     keep = [state for state in range(structure.size) if state in alive and parts.of_state[state] >= 0]
     known: dict[int, dict[Diagram, Diagram]] = {}
     moves = []
