@@ -10,6 +10,7 @@ from typing import Final
 
 from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
 from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.formula import proposition
 from mission.logic.guards import Guard
 from mission.logic.hoa_tokens import Token, refusal, tokens
 
@@ -124,7 +125,11 @@ class Reader:
         number = self._integer()
         names: list[str] = []
         while self._at("string"):
-            names.append(self._take().text)
+            token = self._take()
+            try:
+                names.append(proposition(token.text).name)
+            except ValueError as error:
+                raise refusal(str(error), token) from error
         if len(names) != number:
             raise refusal(f"{number} propositions are announced, and {len(names)} are named", item)
         if len(set(names)) != len(names):

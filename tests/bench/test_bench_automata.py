@@ -1,0 +1,43 @@
+"""Sizes of automata and times of translation; run with ``python -m pytest -m bench -s tests/bench``."""
+
+from statistics import median
+from time import perf_counter
+
+import pytest
+
+from mission.logic.translate import translate
+from tests.support.formulas import Measured, measured_formulas
+
+REPETITIONS = 3
+
+
+def timed(measured: Measured) -> float:
+    """Median time of a translation in seconds."""
+    times = []
+    for _ in range(REPETITIONS):
+        start = perf_counter()
+        translate(measured.formula)
+        times.append(perf_counter() - start)
+    return median(times)
+
+
+@pytest.mark.bench
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("group", ["dac", "mission"])
+def test_automata_of_the_measured_formulas(group: str) -> None:
+    print(f"\n{'formula':<12}{'states':>14}{'edges':>16}{'deterministic':>16}{'time':>12}")
+    sums = [0] * 6
+    slowest = 0.0
+    for measured in measured_formulas(group):
+        automaton = translate(measured.formula)
+        found = (automaton.size, automaton.edge_count, int(automaton.deterministic))
+        known = (measured.states, measured.edges, int(measured.deterministic))
+        sums = [total + value for total, value in zip(sums, found + known, strict=True)]
+        seconds = timed(measured)
+        slowest = max(slowest, seconds)
+        cells = [f"{mine} ({theirs})" for mine, theirs in zip(found, known, strict=True)]
+        name = f"{group} {measured.number}"
+        print(f"{name:<12}{cells[0]:>14}{cells[1]:>16}{cells[2]:>16}{seconds * 1e3:>9.1f} ms")
+    cells = [f"{mine} ({theirs})" for mine, theirs in zip(sums[:3], sums[3:], strict=True)]
+    print(f"{'sum':<12}{cells[0]:>14}{cells[1]:>16}{cells[2]:>16}{slowest * 1e3:>9.1f} ms slowest")
+    print("in parentheses: the best known translator")
