@@ -39,12 +39,12 @@ def _how_far(product: Product) -> str:
     x, _ = product.parts(np.flatnonzero(product.distances != UNREACHED).astype(np.int32))
     reached = _regions(system, x)
     connected = _regions(system, _connected(system, product.start))
-    parts = [f"from triangle {product.start} the flight can reach {_listed(reached)}"]
-    if connected - reached:
-        parts.append(f"it can reach {_listed(connected - reached)} only by violating the formula")
+    text = f"from triangle {product.start} the flight can reach {_listed(reached)}"
     if cut_off := set[str]().union(*system.letters) - connected - reached:
-        parts.append(f"no open way leads to {_listed(cut_off)}")
-    return "; ".join(parts)
+        text += f", but not {_listed(cut_off)}: no open way leads there"
+    if connected - reached:
+        text += f"; it can reach {_listed(connected - reached)} only by violating the formula"
+    return text
 
 
 def _listed(names: Iterable[str]) -> str:
