@@ -109,8 +109,8 @@ def with_few_mixed_states(structure: Structure, order: Sequence[int]) -> Structu
         if parts.of_state[state] == parts.of_state[target] and parts.accepting[parts.of_state[state]]
     ]
     plain = [(state, target) for state, target, marks in inner if not marks]
-    circling = _inside_components(structure.size, plain)
-    unmarkable = {(state, target) for state, target in plain if circling(state, target)}
+    circles = _Circles(structure.size, plain)
+    unmarkable = {(state, target) for state, target in plain if circles.joins(state, target)}
     markable = {(state, target, marks) for state, target, marks in inner if marks or (state, target) not in unmarkable}
     light: set[int] = set()
     for chosen in order:
@@ -119,8 +119,8 @@ def with_few_mixed_states(structure: Structure, order: Sequence[int]) -> Structu
             continue
         trial = light | {chosen}
         plain = [(s, t) for s, t, marks in inner if (s, t, marks) not in markable or t in trial]
-        circling = _inside_components(structure.size, plain)
-        if not any(t in trial and circling(s, t) for s, t, _ in markable):
+        circles = _Circles(structure.size, plain)
+        if not any(t in trial and circles.joins(s, t) for s, t, _ in markable):
             light = trial
     rows = []
     for state, diagram in enumerate(structure.moves):
@@ -139,15 +139,17 @@ def with_few_mixed_states(structure: Structure, order: Sequence[int]) -> Structu
     return Structure(structure.diagrams, structure.propositions, structure.initial, tuple(rows), 1)
 
 
-class _inside_components:  # noqa: N801
+class _Circles:
+    """Tells which transitions lie on a cycle of ``pairs``."""
+
     def __init__(self, size: int, pairs: list[tuple[int, int]]) -> None:
         successors: list[list[int]] = [[] for _ in range(size)]
         for source, target in pairs:
             successors[source].append(target)
-        self._home = {}
+        self._home: dict[int, int] = {}
         for index, component in enumerate(strong_components(successors, range(size))):
-            for state in component:
-                self._home[state] = index
+            self._home.update(dict.fromkeys(component, index))
 
-    def __call__(self, source: int, target: int) -> bool:
+    def joins(self, source: int, target: int) -> bool:
+        """Whether a transition between the two is on a cycle of transitions among ``pairs`` and itself."""
         return self._home[source] == self._home[target]

@@ -75,14 +75,18 @@ def test_state_based_with_aliases_comments_and_names() -> None:
         ),
         # Labels on states, and several initial states.
         (
-            'AP: 1 "a" States: 2 Start: 0 Start: 1 Acceptance: 1 Inf(0) --BODY-- '
-            "State: [0] 0 {0} 0 1 State: [!0] 1 0 1 --END--",
+            (
+                'AP: 1 "a" States: 2 Start: 0 Start: 1 Acceptance: 1 Inf(0) --BODY-- '
+                "State: [0] 0 {0} 0 1 State: [!0] 1 0 1 --END--"
+            ),
             "G F a",
         ),
         # Several initial states with marks on transitions.
         (
-            'AP: 2 "a" "b" Start: 0 Start: 1 Acceptance: 1 Inf(0) --BODY-- '
-            "State: 0 [0] 0 {0} [!0] 0 State: 1 [1] 1 {0} [!1] 1 --END--",
+            (
+                'AP: 2 "a" "b" Start: 0 Start: 1 Acceptance: 1 Inf(0) --BODY-- '
+                "State: 0 [0] 0 {0} [!0] 0 State: 1 [1] 1 {0} [!1] 1 --END--"
+            ),
             "G F a | G F b",
         ),
         # Every infinite run is accepting.
@@ -92,8 +96,10 @@ def test_state_based_with_aliases_comments_and_names() -> None:
         ),
         # Labels with all operators; parallel edges.
         (
-            'AP: 2 "a" "b" Start: 0 Acceptance: 1 Inf(0) --BODY-- '
-            "State: 0 {0} [0 & !(1 | f)] 0 [!!1&t] 0 [f] 3 State: 3 --END--",
+            (
+                'AP: 2 "a" "b" Start: 0 Acceptance: 1 Inf(0) --BODY-- '
+                "State: 0 {0} [0 & !(1 | f)] 0 [!!1&t] 0 [f] 3 State: 3 --END--"
+            ),
             "G (a | b)",
         ),
         # States in any order, without a number of them.
