@@ -71,9 +71,28 @@ class GeometryError(MissionError):
 
 
 class NoPlanError(MissionError):
-    """No run, no smoothing or no certificate exists for a well-formed mission; the message says why."""
+    """No run, no smoothing or no certificate exists for a well-formed mission; the message says why.
+
+    Attributes:
+        cause: Kind of the reason, a value of ``mission.plan.diagnosis.Cause``; empty where it has none.
+        conjuncts: Parts of the specification that cannot be met together, as text; empty where unknown.
+        restricted: Restricted regions that have a part in it.
+        regions: Regions that cannot be reached, or not together.
+    """
 
     exit_code = 3
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        cause: str = "",
+        conjuncts: tuple[str, ...] = (),
+        restricted: tuple[str, ...] = (),
+        regions: tuple[str, ...] = (),
+    ) -> None:
+        self.cause, self.conjuncts, self.restricted, self.regions = cause, conjuncts, restricted, regions
+        super().__init__(message)
 
 
 class LinkError(MissionError):

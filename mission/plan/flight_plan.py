@@ -9,6 +9,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.formula import Formula
+from mission.plan.cautions import cautions
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
@@ -86,6 +87,12 @@ class FlightPlan:
     def locator(self) -> Locator:
         """Point location in the domain."""
         return Locator(self.partition)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What the writer of the mission may not have meant, in words; empty where nothing is odd."""
+        start = int(self.labelling.letter_of[self.run.states[0]])
+        return cautions(self.formula, self.labelling.letters, start, self.spec.semantics)
 
     @cached_property
     def compiled(self) -> CompiledAutomaton:

@@ -9,6 +9,7 @@ from mission.geometry.location import OUTSIDE, Locator
 from mission.logic.automaton import BuchiAutomaton, compile_to_alphabet
 from mission.logic.formula import negation
 from mission.logic.translate import translate
+from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of, tube_of
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
 from mission.plan.tasks import dropped_tasks, formula_of
@@ -48,11 +49,14 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     def product_of(automaton: BuchiAutomaton) -> Product:
         return Product(system, compile_to_alphabet(automaton, labelling.letters), triangle, spec.semantics)
 
-    dropped = dropped_tasks(spec, lambda tried: _refusal(product_of(translate(tried))))
-    formula = formula_of(spec, (task.number for task in dropped))
-    automaton, refutation = translate(formula), translate(negation(formula))
-    product = product_of(automaton)
-    runs = search(product)
+    try:
+        dropped = dropped_tasks(spec, lambda tried: _refusal(product_of(translate(tried))))
+        formula = formula_of(spec, (task.number for task in dropped))
+        automaton, refutation = translate(formula), translate(negation(formula))
+        product = product_of(automaton)
+        runs = search(product)
+    except NoPlanError as error:
+        raise explained(error, spec, partition, labelling, start=triangle) from error
     index = spec.run if run is None else run
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"

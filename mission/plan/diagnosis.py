@@ -1,0 +1,274 @@
+"""Why a mission has no plan: the smallest set of its parts that cannot be met, and what stands against them.
+
+The parts are the conjuncts of the formula and, for each restricted region, that it is never entered. A smallest set of
+them that no flight meets is explained by the weakest assumption that suffices: the parts contradict themselves; they
+ask for regions together, or apart, that are not so on the map; the start violates them; a region cannot be reached; or
+they contradict the map in another way.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+
+from mission.geometry.arrays import BoolArray
+from mission.logic.automaton import CompiledAutomaton, compile_to_alphabet
+from mission.logic.formula import (
+    TRUE,
+    Formula,
+    Operator,
+    always,
+    conjunction,
+    negation,
+    postorder,
+    proposition,
+)
+from mission.logic.translate import translate
+from mission.logic.word import satisfies
+from mission.plan.coarse_map import CoarseMap
+from mission.plan.core import Core, smallest_core
+from mission.plan.missing_letters import Missing, contradicts_itself, missing_letter, violated_by_first
+from mission.planning.product import Product
+from mission.planning.refusal import refusal
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.model import Semantics
+
+
+class Cause(StrEnum):
+    """What the parts of the specification contradict."""
+
+    THEMSELVES = "themselves"
+    LABELS = "labels"
+    START = "start"
+    UNREACHABLE = "unreachable"
+    MAP = "map"
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Why there is no plan.
+
+    Attributes:
+        cause: What stands against the parts.
+        conjuncts: The conjuncts that cannot be met together, as text.
+        restricted: The restricted regions that have a part in it.
+        regions: The regions that cannot be reached (UNREACHABLE) or not together (LABELS).
+        smallest: Whether no smaller set of parts is impossible.
+        text: The explanation, in lines.
+    """
+
+    cause: Cause
+    conjuncts: tuple[str, ...]
+    restricted: tuple[str, ...]
+    regions: tuple[str, ...]
+    smallest: bool
+    text: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of the specification.
+
+    Attributes:
+        formula: What it asks for.
+        restricted: The region that it keeps the vehicle out of because of its kind; empty for a conjunct.
+        origin: Where a conjunct comes from, if not from the formula; may be empty.
+    """
+
+    formula: Formula
+    restricted: str = ""
+    origin: str = ""
+
+    @property
+    def barrier(self) -> str:
+        """The region that the vehicle is kept out of, whatever it does; empty where the part does not say that."""
+        if self.formula.operator is Operator.ALWAYS and self.formula.operands[0].operator is Operator.NOT:
+            return self.formula.operands[0].operands[0].name
+        return ""
+
+    @property
+    def quoted(self) -> str:
+        """A conjunct within a sentence."""
+        return f"`{self.formula}`" + (f" ({self.origin})" if self.origin else "")
+
+    def __str__(self) -> str:
+        if self.restricted:
+            return f"{self.restricted} is restricted: it is never entered"
+        return f"{self.formula}" + (f"  ({self.origin})" if self.origin else "")
+
+
+def conjuncts(formula: Formula) -> tuple[Formula, ...]:
+    """The conjuncts of a formula, each once, in the order of writing; a formula that is no conjunction is its own."""
+    operands = formula.operands if formula.operator is Operator.AND else (formula,)
+    return tuple(dict.fromkeys(operand for operand in operands if operand is not TRUE))
+
+
+def parts_of(formula: Formula, restricted: Iterable[str], origins: Mapping[Formula, str]) -> tuple[Part, ...]:
+    """The conjuncts, then the restricted regions that no conjunct keeps the vehicle out of already."""
+    written = conjuncts(formula)
+    kept_out = {name: always(negation(proposition(name))) for name in restricted}
+    implicit = (Part(avoidance, name) for name, avoidance in kept_out.items() if avoidance not in written)
+    return (*(Part(conjunct, origin=origins.get(conjunct, "")) for conjunct in written), *implicit)
+
+
+def diagnose(
+    formula: Formula,
+    system: TransitionSystem,
+    restricted: Iterable[str],
+    start: int,
+    semantics: Semantics,
+    *,
+    origins: Mapping[Formula, str] | None = None,
+) -> Diagnosis | None:
+    """Explain why no run satisfies a formula.
+
+    Args:
+        formula: The specification.
+        system: T with every facet open, those of restricted triangles too.
+        restricted: Names of the restricted regions.
+        start: The start triangle, in none of them.
+        semantics: Whether the label of the start is read.
+        origins: Where conjuncts come from, in words, of those that the user did not write so.
+
+    Returns:
+        None where a run exists, or the question is too large.
+    """
+    question = _Question(parts_of(formula, restricted, origins or {}), system, start, semantics)
+    core = smallest_core(len(question.parts), question.met_with)
+    if core is None:
+        return None
+    return _Explanation(question, core).diagnosis()
+
+
+class _Question:
+    """Which parts can be met together on a map."""
+
+    def __init__(self, parts: tuple[Part, ...], system: TransitionSystem, start: int, semantics: Semantics) -> None:
+        self.parts, self.system, self.start, self.semantics = parts, system, start, semantics
+        has_next = any(node.operator is Operator.NEXT for part in parts for node in postorder(part.formula))
+        self.map = CoarseMap.of(system, start, keeps_triangles=has_next)
+
+    def met_with(self, members: tuple[int, ...]) -> int | None:
+        """The parts that a flight meets which meets ``members``, as bits; None where there is no such flight."""
+        chosen = [self.parts[member] for member in members]
+        word = self.map.word(self.compiled(chosen), self.closed(chosen), self.semantics)
+        if word is None:
+            return None
+        return sum(1 << i for i, part in enumerate(self.parts) if satisfies(word, part.formula))
+
+    def closed(self, parts: Sequence[Part]) -> BoolArray:
+        """(N,) the nodes of the map that restricted regions among ``parts`` close."""
+        return self.map.closed(frozenset(part.restricted for part in parts))
+
+    def compiled(self, parts: Sequence[Part]) -> CompiledAutomaton:
+        """An automaton of the conjuncts among ``parts``, over the letters of the map."""
+        formula = conjunction(*(part.formula for part in parts if not part.restricted))
+        return compile_to_alphabet(translate(formula), self.map.letters)
+
+
+class _Explanation:
+    """What to say of a core."""
+
+    def __init__(self, question: _Question, core: Core) -> None:
+        self._question, self._core = question, core
+        self._parts = [question.parts[member] for member in core.members]
+        self._formula = conjunction(*(part.formula for part in self._parts))
+
+    def diagnosis(self) -> Diagnosis:
+        if contradicts_itself(self._formula):
+            text = self._said("contradicts itself: no flight whatever satisfies it", "contradict each other")
+            return self._of(Cause.THEMSELVES, text)
+        missing = missing_letter(self._formula, self._question.map.letters)
+        if missing is not None:
+            return self._of(Cause.LABELS, self._labels(missing), missing.regions)
+        if self._violated_at_start():
+            where = f"already violated where the flight starts, in {self._place}"
+            return self._of(Cause.START, self._said(f"is {where}", f"are together {where}"))
+        if self._cut_off:
+            return self._of(Cause.UNREACHABLE, self._unreachable(), self._cut_off)
+        alone = f"contradicts the map: no flight from {self._place} satisfies it"
+        said = self._said(alone, f"contradict the map: no flight from {self._place} meets them all")
+        return self._of(Cause.MAP, f"{said}\n{self._how_far()}")
+
+    def _of(self, cause: Cause, text: str, regions: tuple[str, ...] = ()) -> Diagnosis:
+        written = tuple(str(part.formula) for part in self._parts if not part.restricted)
+        restricted = tuple(part.restricted for part in self._parts if part.restricted)
+        return Diagnosis(cause, written, restricted, regions, self._core.smallest, text)
+
+    @cached_property
+    def _place(self) -> str:
+        system, start = self._question.system, self._question.start
+        names = ", ".join(sorted(system.letters[int(system.letter_of[start])]))
+        return f"triangle {start} ({names or 'no region'})"
+
+    @cached_property
+    def _cut_off(self) -> tuple[str, ...]:
+        """Regions of the map that the parts ask for, and that no way leads to which keeps out of the others."""
+        barriers = frozenset(part.barrier for part in self._parts) - {""}
+        asked = frozenset[str]().union(*(_asked_for(part.formula) for part in self._parts))
+        reached = self._question.map.reached(self._question.map.closed(barriers))
+        return tuple(sorted(asked - reached - barriers))
+
+    def _violated_at_start(self) -> bool:
+        question = self._question
+        if question.semantics is Semantics.PAPER:
+            return False
+        compiled = compile_to_alphabet(translate(self._formula), question.map.letters)
+        return violated_by_first(compiled, int(question.system.letter_of[question.start]))
+
+    def _said(self, alone: str, together: str) -> str:
+        if len(self._parts) == 1:
+            return f"{self._parts[0].quoted} {alone}"
+        return self._listed(f"these {together}")
+
+    def _listed(self, head: str) -> str:
+        kind = "" if self._core.smallest else " (perhaps fewer of them do)"
+        return "\n".join((f"{head}{kind}:", *(f"    {part}" for part in self._parts)))
+
+    def _labels(self, missing: Missing) -> str:
+        if len(self._parts) == 1:
+            return f"{self._parts[0].quoted} asks for {missing.asked}, but {missing.lacking}"
+        return self._listed(f"these together ask for {missing.asked}, but {missing.lacking}")
+
+    def _unreachable(self) -> str:
+        barriers = [part.barrier for part in self._parts if part.barrier]
+        them = "it" if len(self._cut_off) == 1 else "them"
+        way = f"no way leads to {them}"
+        if barriers:
+            way = f"{_and(barriers)} {'cuts' if len(barriers) == 1 else 'cut'} {them} off"
+        return self._listed(f"{_and(self._cut_off)} cannot be reached from {self._place}: {way}")
+
+    def _how_far(self) -> str:
+        """What the refusal of the search says of the core alone."""
+        question = self._question
+        names = {part.restricted for part in self._parts}
+        blocked = np.array([bool(names & letter) for letter in question.system.letters])[question.system.letter_of]
+        successors = question.system.successors
+        open_ones = np.where((successors >= 0) & ~blocked[successors], successors, -1)
+        system = TransitionSystem(open_ones, question.system.letter_of, question.system.letters)
+        return refusal(Product(system, question.compiled(self._parts), question.start, question.semantics))
+
+
+def _and(names: Sequence[str]) -> str:
+    return " and ".join(part for part in (", ".join(names[:-1]), names[-1]) if part)
+
+
+def _asked_for(formula: Formula) -> frozenset[str]:
+    """The propositions that stand under an even number of negations."""
+    pending, seen = [(formula, True)], set[tuple[Formula, bool]]()
+    while pending:
+        node, positive = pending.pop()
+        if (node, positive) in seen:
+            continue
+        seen.add((node, positive))
+        if node.operator is Operator.NOT:
+            pending.append((node.operands[0], not positive))
+        elif node.operator is Operator.IMPLIES:
+            pending.extend(((node.operands[0], not positive), (node.operands[1], positive)))
+        elif node.operator is Operator.IFF:
+            pending.extend((operand, either) for operand in node.operands for either in (True, False))
+        else:
+            pending.extend((operand, positive) for operand in node.operands)
+    return frozenset(node.name for node, positive in seen if positive and node.name)

@@ -1,0 +1,44 @@
+"""The failure of a mission's search, explained by the parts of the mission that cannot be met."""
+
+import numpy as np
+
+from mission.errors import NoPlanError
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.plan.diagnosis import conjuncts, diagnose
+from mission.plan.tasks import formula_of
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.model import MissionSpec, RegionKind
+from mission.spec.tasks import task_formula, task_text
+
+
+def explained(
+    error: NoPlanError, spec: MissionSpec, partition: Partition, labelling: Labelling, *, start: int
+) -> NoPlanError:
+    """Explain why what a mission must meet has no run.
+
+    Args:
+        error: The failure as it was found.
+        spec: The mission; tasks with a weight need not be met and play no part.
+        partition: Its triangles.
+        labelling: Their labels.
+        start: The start triangle.
+
+    Returns:
+        The failure with its parts; ``error`` itself where the question is too large.
+    """
+    every_way = TransitionSystem.from_partition(partition, labelling, np.zeros(partition.size, dtype=np.bool_))
+    names = [region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED]
+    soft = [number for number, task in enumerate(spec.tasks) if task.weight is not None]
+    origins = {
+        conjunct: f"task {task_text(task)}"
+        for number, task in enumerate(spec.tasks)
+        if number not in soft
+        for conjunct in conjuncts(task_formula(task, spec.regions))
+    }
+    found = diagnose(formula_of(spec, soft), every_way, names, start, spec.semantics, origins=origins)
+    if found is None:
+        return error
+    return NoPlanError(
+        found.text, cause=found.cause, conjuncts=found.conjuncts, restricted=found.restricted, regions=found.regions
+    )
