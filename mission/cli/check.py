@@ -3,7 +3,7 @@
 from argparse import Namespace
 
 from mission.cli.inputs import planned
-from mission.cli.screen import count, err, out, print_error
+from mission.cli.screen import count, err, out, print_error, print_warnings
 from mission.errors import MissionError
 
 
@@ -23,6 +23,7 @@ def run(arguments: Namespace) -> int:
             f"{plan.path.length_m:.1f} m in {plan.trajectory.duration_s:.0f} s, proved",
             markup=False,
         )
+        print_warnings(plan.warnings, source=name)
     bad = sum(code > 0 for code in codes)
     if bad and len(codes) > 1:
         err.print(f"[bold red]{bad:,} of {count(len(codes), 'file')} cannot be flown[/]")

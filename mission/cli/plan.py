@@ -6,7 +6,7 @@ from itertools import islice
 from pathlib import Path
 
 from mission.cli.inputs import planned, unwritable, write_named
-from mission.cli.screen import count, out
+from mission.cli.screen import count, out, print_warnings
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
 from mission.planning.run import Run
 
@@ -22,6 +22,7 @@ def run(arguments: Namespace) -> int:
         out.out(json.dumps(_asked_for(plan, arguments)))
         return 0
     _print_plan(plan)
+    print_warnings(plan.warnings)
     if arguments.transitions:
         _print_transitions(plan)
     if arguments.runs:
@@ -66,6 +67,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
     return {
         "name": plan.spec.name,
         "formula": plan.spec.formula,
+        "warnings": list(plan.warnings),
         "triangles": plan.partition.size,
         "automaton_states": plan.automaton.size,
         "automaton_edges": plan.automaton.edge_count,

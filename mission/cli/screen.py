@@ -47,6 +47,13 @@ def print_error(error: MissionError, source: str = "") -> None:
         err.print(f"{place}[bold red]error:[/] {escape(str(error))}")
 
 
+def print_warnings(warnings: tuple[str, ...], source: str = "") -> None:
+    """Show on standard error what the writer of a mission may not have meant."""
+    place = f"[bold]{escape(source)}:[/] " if source else ""
+    for warning in warnings:
+        err.print(f"{place}[bold yellow]warning:[/] {escape(warning)}")
+
+
 def _print_fault(fault: Fault, source: str) -> None:
     place = ":".join(str(part) for part in (source, fault.line, fault.column) if part)
     where = " ".join(f"{part}:" for part in (place, fault.path) if part)

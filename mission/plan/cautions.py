@@ -16,7 +16,7 @@ def cautions(formula: Formula, letters: tuple[Letter, ...], start: int, semantic
     """Warnings for a formula that a plan satisfies, conjunct by conjunct.
 
     A conjunct already holds at the start where every word over the labels of the map that begins with the start's
-    satisfies it, and asks nothing where every word does. One with ``X`` means another thing on another mesh.
+    satisfies it, and asks nothing where every word does. One with ``X`` may mean another thing on another mesh.
 
     Args:
         formula: The specification.
@@ -32,7 +32,7 @@ def cautions(formula: Formula, letters: tuple[Letter, ...], start: int, semantic
 def _cautions(conjunct: Formula, letters: tuple[Letter, ...], start: int, semantics: Semantics) -> Iterator[str]:
     if any(node.operator is Operator.NEXT for node in postorder(conjunct)):
         yield (
-            f"`{conjunct}` depends on the mesh: X speaks of the next triangle on the way, "
+            f"`{conjunct}` may depend on the mesh: X speaks of the next triangle on the way, "
             "or of the same one where the vehicle stays"
         )
     try:
