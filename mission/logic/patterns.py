@@ -163,13 +163,13 @@ def delayed_reaction(stimulus: str, reaction: str) -> Formula:
 
 
 def prompt_reaction(stimulus: str, reaction: str, others: Sequence[str] = ()) -> Formula:
-    """From one the vehicle goes to the other next: no visit to ``others`` in between, nor back.
+    """From one the vehicle goes to the other before it visits any of ``others``.
 
-    ``G (a -> (a U ((!a & !c) U b)))`` for one other region c. The catalogue's "next instant", ``X b``, is the next
+    ``G (a -> (a U (!c U b)))`` for one other region c. The catalogue's "next instant", ``X b``, is the next other
     region here: between regions lies open space.
     """
     a, b = proposition(stimulus), proposition(reaction)
-    between = conjunction(negation(a), *(negation(proposition(name)) for name in others))
+    between = conjunction(*(negation(proposition(name)) for name in others))
     return always(implication(a, until(a, until(between, b))))
 
 
@@ -179,7 +179,7 @@ def bound_reaction(stimulus: str, reaction: str) -> Formula:
 
 
 def bound_delay(stimulus: str, reaction: str, others: Sequence[str] = ()) -> Formula:
-    """From one the vehicle goes to the other next, and enters the other in no other way.
+    """From one the vehicle goes to the other before it visits any of ``others``, and enters it in no other way.
 
     ``prompt_reaction`` and ``(b W (!b W a)) & G (b -> (b W (!b W a)))``; starting inside b is not entering it.
     """

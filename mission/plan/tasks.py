@@ -63,8 +63,8 @@ def dropped_tasks(spec: MissionSpec, refusal: Callable[[Formula], Refusal]) -> t
         spec: The mission.
         refusal: Why there is no run of a formula, or None where there is one.
 
-    Raises:
-        NoPlanError: The refusal of what must be met, if already that has no run.
+    Returns:
+        What was dropped, in the order of the file; every soft task where not even the others can be met.
     """
     soft = {i: Fraction(task.weight) for i, task in enumerate(spec.tasks) if task.weight is not None}
     known: dict[Numbers, Refusal] = {}
@@ -77,8 +77,8 @@ def dropped_tasks(spec: MissionSpec, refusal: Callable[[Formula], Refusal]) -> t
     everything = frozenset(soft)
     if not soft or not refused(everything):
         return ()
-    if hopeless := refused(frozenset()):
-        raise hopeless
+    if refused(frozenset()):
+        return tuple(_reported(spec, i, everything, [everything], refused) for i in sorted(everything))
     candidates = sorted(
         (frozenset(chosen) for size in range(len(soft) + 1) for chosen in combinations(sorted(soft), size)),
         key=lambda chosen: (sum(soft[i] for i in chosen), len(chosen), sorted(-i for i in chosen)),

@@ -54,13 +54,13 @@ FORMULAS = [
     ),
     (
         "react: {when: a, then: b, how: prompt}",
-        "G (a -> a U ((!a & !c) U b))",
+        "G (a -> a U (!c U b))",
         "react {when: a, then: b, how: prompt}",
     ),
     ("react: {when: a, then: b, how: bound}", "G (a <-> b)", "react {when: a, then: b, how: bound}"),
     (
         "react: {when: a, then: b, how: bound_delay}",
-        "G (a -> a U ((!a & !c) U b)) & b W (!b W a) & G (b -> b W (!b W a))",
+        "G (a -> a U (!c U b)) & b W (!b W a) & G (b -> b W (!b W a))",
         "react {when: a, then: b, how: bound_delay}",
     ),
 ]
