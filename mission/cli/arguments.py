@@ -75,6 +75,13 @@ def build_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
+    automaton = commands.add_parser("automaton", help="show the Büchi automaton of a formula")
+    automaton.add_argument("formula", metavar="FORMULA", help="in LTL, such as 'F (a & F b) & G !c'")
+    forms = automaton.add_mutually_exclusive_group()
+    for form, words in (("hoa", "in the Hanoi Omega-Automata format"), ("dot", "for Graphviz"), ("json", "as JSON")):
+        forms.add_argument(f"--{form}", dest="form", action="store_const", const=form, help=f"print it {words}")
+    automaton.set_defaults(form="table")
+
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")
     _add_run(plan)
@@ -126,7 +133,7 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
     bundled = fly.add_argument_group("the bundled vehicle (not with --connect)")
     bundled.add_argument("--speed", type=_positive, metavar="X", help="multiples of real time (default: 20)")
-    bundled.add_argument("--seed", type=_seed, metavar="N", help="seed of its noise (default: 0)")
+    bundled.add_argument("--seed", type=_seed, metavar="N", help="seed of its noise (default: 1)")
     bundled.add_argument(
         "--wind", type=_wind, metavar="WIND", help="NORTH,EAST it blows to, or SPEED@FROM_DEGREES, m/s (default: calm)"
     )
