@@ -78,7 +78,7 @@ _COUNT: Final[Schema] = {
 }
 
 _VISITS: Final[Schema] = {
-    "description": "How often a region is visited; a visit lasts from entering to leaving it.",
+    "description": "How often a region is visited; a visit lasts until the vehicle comes to another region.",
     "type": "object",
     "additionalProperties": False,
     "required": ["region"],
@@ -88,8 +88,8 @@ _VISITS: Final[Schema] = {
 }
 
 _HOW: Final[Schema] = {
-    "description": "instantaneous: at the same time; delayed: later; prompt: as the next region; bound: at the same "
-    "time, and only then; bound_delay: as the next region, and only then.",
+    "description": "instantaneous: at the same time; delayed: later; prompt: before any other region; bound: at the "
+    "same time, and only then; bound_delay: before any other region, and only then.",
     "enum": ["instantaneous", "delayed", "prompt", "bound", "bound_delay"],
     "default": "delayed",
 }

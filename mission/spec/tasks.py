@@ -9,21 +9,24 @@ from mission.spec.model import Region, RegionKind, Task, TaskKind, TaskMode
 
 Data = dict[str, Any]
 
-_OF_REGIONS: Final[Mapping[TaskKind, Callable[[Sequence[str]], Formula]]] = {
+_OF_LIST: Final[Mapping[TaskKind, Callable[[Sequence[str]], Formula]]] = {
     TaskKind.VISIT: patterns.visit,
     TaskKind.SEQUENCED_VISIT: patterns.sequenced_visit,
     TaskKind.ORDERED_VISIT: patterns.ordered_visit,
-    TaskKind.STRICT_ORDERED_VISIT: patterns.strict_ordered_visit,
-    TaskKind.FAIR_VISIT: patterns.fair_visit,
     TaskKind.PATROL: patterns.patrol,
     TaskKind.SEQUENCED_PATROL: patterns.sequenced_patrol,
-    TaskKind.ORDERED_PATROL: patterns.ordered_patrol,
-    TaskKind.STRICT_ORDERED_PATROL: patterns.strict_ordered_patrol,
-    TaskKind.FAIR_PATROL: patterns.fair_patrol,
     TaskKind.AVOID: patterns.avoid,
 }
 
-_OF_COUNT: Final[Mapping[TaskMode, Callable[[str, int], Formula]]] = {
+_OF_VISITS: Final[Mapping[TaskKind, Callable[[Sequence[str], Sequence[str]], Formula]]] = {
+    TaskKind.STRICT_ORDERED_VISIT: patterns.strict_ordered_visit,
+    TaskKind.FAIR_VISIT: patterns.fair_visit,
+    TaskKind.ORDERED_PATROL: patterns.ordered_patrol,
+    TaskKind.STRICT_ORDERED_PATROL: patterns.strict_ordered_patrol,
+    TaskKind.FAIR_PATROL: patterns.fair_patrol,
+}
+
+_OF_COUNT: Final[Mapping[TaskMode, Callable[[str, int, Sequence[str]], Formula]]] = {
     TaskMode.AT_MOST: patterns.visits_at_most,
     TaskMode.AT_LEAST: patterns.visits_at_least,
     TaskMode.EXACTLY: patterns.visits_exactly,
@@ -38,7 +41,7 @@ _OF_PAIR: Final[Mapping[tuple[TaskKind, TaskMode], Callable[[str, str], Formula]
     (TaskKind.REACT, TaskMode.BOUND): patterns.bound_reaction,
 }
 
-_NEXT: Final[Mapping[TaskMode, Callable[[str, str, Sequence[str]], Formula]]] = {
+_OF_NEXT: Final[Mapping[TaskMode, Callable[[str, str, Sequence[str]], Formula]]] = {
     TaskMode.PROMPT: patterns.prompt_reaction,
     TaskMode.BOUND_DELAY: patterns.bound_delay,
 }
@@ -49,19 +52,20 @@ def task_formula(task: Task, regions: Sequence[Region]) -> Formula:
 
     Args:
         task: The task.
-        regions: The mission's; a prompt reaction lets the vehicle into none of them on its way (into restricted ones
-            it never comes).
+        regions: The mission's; a visit ends where the vehicle comes to another of them (to restricted ones it never
+            comes).
     """
+    places = [region.name for region in regions if region.kind is not RegionKind.RESTRICTED]
     if task.kind is TaskKind.VISITS:
-        return _OF_COUNT[task.mode](task.regions[0], task.count)
-    if task.mode in _NEXT:
-        first, second = task.regions
-        others = [r.name for r in regions if r.name not in task.regions and r.kind is not RegionKind.RESTRICTED]
-        return _NEXT[task.mode](first, second, others)
-    if (task.kind, task.mode) in _OF_PAIR:
-        first, second = task.regions
-        return _OF_PAIR[task.kind, task.mode](first, second)
-    return _OF_REGIONS[task.kind](task.regions)
+        return _OF_COUNT[task.mode](task.regions[0], task.count, places)
+    if task.kind in _OF_VISITS:
+        return _OF_VISITS[task.kind](task.regions, places)
+    if task.mode is TaskMode.PLAIN and task.kind in _OF_LIST:
+        return _OF_LIST[task.kind](task.regions)
+    first, second = task.regions
+    if task.mode in _OF_NEXT:
+        return _OF_NEXT[task.mode](first, second, places)
+    return _OF_PAIR[task.kind, task.mode](first, second)
 
 
 def task_of(data: Data) -> Task:
