@@ -3,6 +3,7 @@
 import argparse
 import math
 import re
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
@@ -51,7 +52,8 @@ class _Version(argparse.Action):
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         version = import_module("importlib.metadata").version("ltl-mission")
-        parser.exit(message=f"{PROGRAM} {version}\n")
+        sys.stdout.write(f"{PROGRAM} {version}\n")
+        parser.exit()
 
 
 def build_parser() -> argparse.ArgumentParser:

@@ -85,7 +85,10 @@ def _check_options(arguments: Namespace) -> None:
     if arguments.connect is None:
         return
     parse_address(arguments.connect)
-    given = [name for name in _OF_THE_BUNDLED_VEHICLE if getattr(arguments, name) not in (None, False)]
+    # A seed of 0 is given, too.
+    given = [
+        n for n in _OF_THE_BUNDLED_VEHICLE if getattr(arguments, n) is not None and getattr(arguments, n) is not False
+    ]
     if given:
         names = ", ".join("--" + name.replace("_", "-") for name in given)
         hint = f"leave out --connect to fly the bundled vehicle, or leave out {names}"

@@ -43,6 +43,8 @@ def read_plan(file: Path) -> FlightPlan:
         if len(content) > _MOST_OF_A_PLAN:
             raise bad_file(file, "is too large for a plan", "name a file that 'mission plan --out' wrote")
         return plan_from_json(content.decode("utf-8"))
+    except (AttributeError, OverflowError) as error:
+        raise bad_file(file, f"is not a plan: {error}", "name a file that 'mission plan --out' wrote") from error
     except UnicodeDecodeError as error:
         raise bad_file(file, "is not a plan: it is not text", "name a file that 'mission plan --out' wrote") from error
     except OSError as error:

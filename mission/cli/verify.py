@@ -9,18 +9,23 @@ from mission.cli.inputs import read_plan
 from mission.cli.screen import out
 from mission.plan import FlightPlan, certify_again
 from mission.spec.domain import build_domain
+from mission.steering.timing import time_law
+from mission.steering.trajectory import Trajectory
+
+_MOMENTS = 257
+_SAME_M = 1e-3
 
 
 def run(arguments: Namespace) -> int:
     """Read a plan, certify its trajectory anew, and say what was proved."""
     plan = read_plan(Path(arguments.plan))
-    if not _of_its_mission(plan):
-        out.print(f"{arguments.plan}: not proved: its triangles or labels are not those of its mission", markup=False)
-        return 1
+    if not _has_domain_of_its_mission(plan):
+        return _refused(arguments.plan, "its triangles or labels are not those of its mission")
     certificate = certify_again(plan)
     if not certificate.holds:
-        out.print(f"{arguments.plan}: not proved: {certificate.reason}", markup=False)
-        return 1
+        return _refused(arguments.plan, certificate.reason)
+    if not _keeps_limits_of_its_mission(plan):
+        return _refused(arguments.plan, "it is not flown at the speeds and the altitude of its mission")
     out.print(
         f"{arguments.plan}: proved: every word within {certificate.tube_m:g} m per axis of the trajectory satisfies "
         f"{plan.spec.formula}",
@@ -29,7 +34,12 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def _of_its_mission(plan: FlightPlan) -> bool:
+def _refused(name: str, why: str) -> int:
+    out.print(f"{name}: not proved: {why}", markup=False)
+    return 1
+
+
+def _has_domain_of_its_mission(plan: FlightPlan) -> bool:
     """Whether the triangles and labels in the file are those that its mission describes."""
     partition, labelling = build_domain(plan.spec)
     return (
@@ -39,3 +49,20 @@ def _of_its_mission(plan: FlightPlan) -> bool:
         and labelling.letters == plan.labelling.letters
         and np.array_equal(labelling.letter_of, plan.labelling.letter_of)
     )
+
+
+def _keeps_limits_of_its_mission(plan: FlightPlan) -> bool:
+    """Whether the trajectory is where, at each time, the mission's limits and the stops in the file put it."""
+    limits, flown = plan.spec.limits, plan.trajectory
+    law = time_law(
+        plan.curve,
+        speed_m_s=limits.speed_m_s,
+        acceleration_m_s2=limits.acceleration_m_s2,
+        tilt_rad=limits.tilt_rad,
+        holds=plan.stops,
+    )
+    due = Trajectory(plan.curve, law, plan.spec.flight.altitude_m)
+    if flown.altitude_m != due.altitude_m or not np.isclose(flown.duration_s, due.duration_s):
+        return False
+    moments_s = np.linspace(0.0, due.duration_s, _MOMENTS)
+    return np.allclose(flown.position(moments_s), due.position(moments_s), atol=_SAME_M)
