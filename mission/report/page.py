@@ -10,6 +10,14 @@ from mission.report.figures import Picture
 from mission.report.reading import Entry, Record
 
 SEVERITIES = ("emergency", "alert", "critical", "error", "warning", "notice", "info", "debug")
+FIRST = "10_flown_path.png"
+"""The picture that a reader looks for first: it stands above all numbers."""
+_SAID_OF_THE_ENDING = (
+    ("vehicle", "Vehicle"),
+    ("ending", "Ending"),
+    ("interrupted", "Interrupted by the user"),
+    ("laps", "Laps"),
+)
 STYLE = """\
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; color: #111; background: #fff;
@@ -25,8 +33,9 @@ pre { background: #f4f4f4; padding: .7rem 1rem; overflow-x: auto; white-space: p
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .25rem .8rem .25rem 0; border-bottom: 1px solid #ddd;
   overflow-wrap: anywhere; }
-tbody th { font-weight: normal; color: #444; width: 19rem; }
-td.number { white-space: nowrap; }
+tbody th { font-weight: normal; color: #444; width: 34%; padding-right: 1.2rem; }
+.log td:nth-child(-n+2), .log th { white-space: nowrap; width: 1%; padding-right: 1.2rem; }
+summary { cursor: pointer; padding: .3rem 0; }
 figure { margin: 1.6rem 0; break-inside: avoid; }
 figure img { max-width: 100%; height: auto; display: block; margin: 0 auto; }
 figcaption { color: #333; margin-top: .5rem; }
@@ -59,6 +68,7 @@ def page(
         f"<h1>{escape(spec.name)}</h1>",
         f"<p>{escape(spec.description)}</p>" if spec.description else "",
         _verdict(numbers["verdict"]),
+        *(_figure(picture) for picture in pictures if picture.file == FIRST),
         "<h2>Mission</h2>",
         f"<p>Specification ({escape(spec.semantics.value)} semantics):</p><pre>{escape(spec.formula)}</pre>",
         f"<details><summary>Mission file</summary><pre>{escape(mission_text)}</pre></details>" if mission_text else "",
@@ -75,10 +85,11 @@ def page(
             _word(numbers["flown"]["word"]),
             "<h2>Vehicle</h2>",
             _facts([(name.replace("_", " "), _text(value)) for name, value in record.vehicle.items() if name != "t_s"]),
-            "<h2>Events and messages of the vehicle</h2>",
-            _log(record),
         ]
-    parts += ["<h2>Pictures</h2>" if pictures else "", *map(_figure, pictures)]
+    others = [_figure(picture) for picture in pictures if picture.file != FIRST]
+    parts += ["<h2>Pictures</h2>" if others else "", *others]
+    if record is not None:
+        parts += ["<h2>Events and messages of the vehicle</h2>", _log(record)]
     title = f"{spec.name}: {'flight' if record is not None else 'plan'}"
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -95,11 +106,11 @@ def _verdict(verdict: Mapping[str, Any] | None) -> str:
         False: ("failed", "The specification was not achieved."),
     }.get(verdict["achieved"], ("", "There is no verdict."))
     more = [
-        (name.replace("_", " "), _text(value))
-        for name, value in verdict.items()
-        if name not in ("achieved", "reason", "t_s") and value is not None
+        (title, _text(verdict[name]))
+        for name, title in _SAID_OF_THE_ENDING
+        if verdict.get(name) not in (None, "", False, 0)
     ]
-    reason = f"<br>{escape(str(verdict['reason']))}" if verdict["reason"] else ""
+    reason = f"<br>{escape(_sentence(str(verdict['reason'])))}" if verdict["reason"] else ""
     return f'<p class="verdict {kind}"><strong>{words}</strong>{reason}</p>' + (_facts(more) if more else "")
 
 
@@ -143,7 +154,7 @@ def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> lis
         ("Largest tracking error", _metres(flown["largest_error_m"])),
         (
             "Largest error on one axis",
-            f"{_metres(flown['largest_error_per_axis_m'])} (the tube allows {certificate['tube_m']:.3f} m)",
+            _against_tube(flown["largest_error_per_axis_m"], certificate["tube_m"]),
         ),
         ("Tracking error, rms", _metres(flown["rms_error_m"])),
         *(
@@ -159,6 +170,14 @@ def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> lis
     if flown["record_is_cut"]:
         rows.append(("Record", "its last line is cut; everything before it was read"))
     return rows
+
+
+def _against_tube(error_m: float | None, tube_m: float) -> str:
+    if error_m is None or tube_m == 0.0:
+        return _metres(error_m)
+    if error_m <= tube_m:
+        return f"{_metres(error_m)}, within the tube of {tube_m:.3f} m that is proved"
+    return f"{_metres(error_m)}, BEYOND the tube of {tube_m:.3f} m: the proof does not cover what was flown there"
 
 
 def _word(word: Iterable[Mapping[str, Any]]) -> str:
@@ -178,7 +197,10 @@ def _log(record: Record) -> str:
     entries += [row(entry, _severity(entry.values.get("severity"))) for entry in record.texts]
     entries.sort(key=lambda entry: entry[0])
     rows = [(_time(t_s), kind, f"{text} ({values})" if values else text) for t_s, kind, text, values in entries]
-    return _table(("vehicle time, s", "", ""), rows) if rows else "<p>None.</p>"
+    if not rows:
+        return "<p>None.</p>"
+    table = _table(("time, s", "kind", "what"), rows, kind="log")
+    return f"<details><summary>{len(rows):,} entries, in vehicle time</summary>{table}</details>"
 
 
 def _figure(picture: Picture) -> str:
@@ -193,10 +215,11 @@ def _facts(rows: Iterable[Row]) -> str:
     return "<table><tbody>\n" + "\n".join(lines) + "\n</tbody></table>" if lines else "<p>Nothing is known.</p>"
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]], *, kind: str = "") -> str:
     top = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
     lines = ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
-    return f"<table><thead><tr>{top}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table>"
+    attribute = f' class="{kind}"' if kind else ""
+    return f"<table{attribute}><thead><tr>{top}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table>"
 
 
 def _letter(labels: Sequence[str]) -> str:
@@ -209,6 +232,10 @@ def _triangle(triangle: int) -> str:
 
 def _severity(value: object) -> str:
     return SEVERITIES[value] if isinstance(value, int) and 0 <= value < len(SEVERITIES) else "message"
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:].rstrip('.')}."
 
 
 def _time(t_s: float | None) -> str:
