@@ -1,0 +1,72 @@
+"""Every mission file keeps what it promises: sound ones plan with a proof, broken ones give their error and line."""
+
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import pytest
+import yaml
+
+from tests.support.commands import MISSIONS, ran
+
+SOUND = sorted(MISSIONS.glob("*.yaml"))
+BROKEN = sorted((MISSIONS / "broken").glob("*.yaml"))
+WHOLE_FILE = {"empty.yaml", "only_comments.yaml"}
+"""Where there is no line to point at."""
+
+
+def name_of(file: Path) -> str:
+    return file.stem
+
+
+def test_there_are_missions_of_both_sorts() -> None:
+    assert len(SOUND) >= 5
+    assert len(BROKEN) >= 50
+
+
+@pytest.mark.parametrize("file", SOUND, ids=name_of)
+def test_a_sound_mission_is_planned_with_a_proof(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = ran(capsys, "plan", str(file), "--json")
+    assert (result.code, result.err) == (0, "")
+    plan = json.loads(result.out)
+    assert plan["certificate"]["holds"] is True
+    assert len(plan["run"]) == len(plan["controls"])
+    assert set(plan["controls"]) <= {0, 1, 2, 3}
+    assert plan["product_states"] == plan["triangles"] * plan["automaton_states"]
+    assert plan["shortest_runs"] >= 1
+    assert plan["length_m"] > 0.0
+    assert plan["duration_s"] > 0.0
+
+
+@pytest.mark.parametrize("file", SOUND, ids=name_of)
+def test_a_sound_mission_says_what_it_is_for(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    mission = yaml.safe_load(text)
+    assert text.startswith("# ")
+    assert mission["name"]
+    assert mission["description"].endswith(".")
+
+
+def test_the_printed_schema_accepts_every_sound_mission(capsys: pytest.CaptureFixture[str]) -> None:
+    result = ran(capsys, "schema")
+    assert (result.code, result.err) == (0, "")
+    schema = json.loads(result.out)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    validator = jsonschema.Draft202012Validator(schema)
+    for file in SOUND:
+        validator.validate(yaml.safe_load(file.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("file", BROKEN, ids=name_of)
+def test_a_broken_mission_gives_its_error_and_line(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = ran(capsys, "check", str(file))
+    assert (result.code, result.out) == (2, "")
+    first, *rest = result.err.splitlines()
+    place = "" if file.name in WHOLE_FILE else r":\d+:\d+"
+    assert re.fullmatch(rf"{re.escape(str(file))}{place}: .+", first), first
+    hints = [line for line in rest if line.startswith("    ") and not line.startswith("    |")]
+    assert hints, "what to write instead is missing"
+    if place:
+        assert rest[1].startswith("    | ")
+        assert rest[1].endswith("^")
