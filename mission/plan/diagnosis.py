@@ -184,8 +184,9 @@ class _Explanation:
         if missing is not None:
             return self._of(Cause.LABELS, self._labels(missing), missing.regions)
         if self._violated_at_start():
-            where = f"already violated where the flight starts, in {self._place}"
-            return self._of(Cause.START, self._said(f"is {where}", f"are together {where}"))
+            alone = f"is already violated where the flight starts, in {self._place}"
+            together = f"cannot all be met by a flight that starts in {self._place}"
+            return self._of(Cause.START, self._said(alone, together))
         if self._cut_off:
             return self._of(Cause.UNREACHABLE, self._unreachable(), self._cut_off)
         alone = f"contradicts the map: no flight from {self._place} satisfies it"
@@ -238,7 +239,16 @@ class _Explanation:
         way = f"no way leads to {them}"
         if barriers:
             way = f"{_and(barriers)} {'cuts' if len(barriers) == 1 else 'cut'} {them} off"
+        if others := self._other_barriers(barriers):
+            way = f"{way}, and so {'does' if len(others) == 1 else 'do'} {_and(others)}"
         return self._listed(f"{_and(self._cut_off)} cannot be reached from {self._place}: {way}")
+
+    def _other_barriers(self, known: Sequence[str]) -> list[str]:
+        """Regions beside ``known`` that the whole mission keeps out of, each enough to cut off the same regions."""
+        names = dict.fromkeys(part.barrier for part in self._question.parts if part.barrier)
+        area = self._question.map
+        cuts = {name: set(self._cut_off).isdisjoint(area.reached(area.closed(frozenset({name})))) for name in names}
+        return [name for name in names if cuts[name] and name not in known]
 
     def _how_far(self) -> str:
         """What the refusal of the search says of the core alone."""

@@ -1,0 +1,40 @@
+"""Warnings for missions that have a plan."""
+
+import pytest
+
+from mission.logic.parser import parse_formula
+from mission.plan.cautions import cautions
+from mission.spec.model import Semantics
+from tests.support.small_missions import SMALL, plan_of
+
+LETTERS = (frozenset[str](), frozenset({"home"}), frozenset({"a"}))
+AT_HOME = 1
+
+
+@pytest.mark.parametrize(
+    ("formula", "says"),
+    [
+        ("F home & F a", "`F home` already holds where the flight starts (home)"),
+        ("F a & X !a", "`X !a` may depend on the mesh"),
+        ("F a & G (a -> F a)", "`G (a -> F a)` asks nothing"),
+        ("F a & G !(a & home)", "`G !(a & home)` asks nothing: every flight on this map"),
+    ],
+)
+def test_one_conjunct_is_odd(formula: str, says: str) -> None:
+    (warning,) = cautions(parse_formula(formula), LETTERS, AT_HOME, Semantics.STANDARD)
+    assert warning.startswith(says)
+
+
+@pytest.mark.parametrize("formula", ["F (a & F home)", "G F home & F a", "F G home", "!a U home | F a & G !a"])
+def test_nothing_is_odd(formula: str) -> None:
+    assert cautions(parse_formula(formula), LETTERS, 0, Semantics.STANDARD) == ()
+
+
+def test_the_paper_does_not_read_the_label_of_the_start() -> None:
+    assert cautions(parse_formula("F home"), LETTERS, AT_HOME, Semantics.PAPER) == ()
+
+
+def test_a_plan_carries_its_warnings() -> None:
+    plan = plan_of(SMALL.replace("formula: F (goal", "formula: F home & F (goal"))
+    assert [warning.split(" already")[0] for warning in plan.warnings] == ["`F home`"]
+    assert plan_of(SMALL).warnings == ()

@@ -1,0 +1,155 @@
+"""Diagnoses against the search of the product itself, on random small domains."""
+
+from itertools import combinations
+from random import Random
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mission.errors import NoPlanError
+from mission.logic.automaton import compile_to_alphabet
+from mission.logic.formula import Formula, always, conjunction, eventually, negation, proposition
+from mission.logic.parser import parse_formula
+from mission.logic.translate import translate
+from mission.plan.coarse_map import CoarseMap
+from mission.plan.diagnosis import Cause, Part, conjuncts, diagnose, parts_of
+from mission.planning.product import Product
+from mission.planning.search import search
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.model import Semantics
+from tests.support.formulas import random_formula
+from tests.support.products import random_system
+
+NAMES = ("a", "b", "k")
+LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}), frozenset({"a", "b"}), frozenset({"k"}))
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def random_domain(seed: int) -> TransitionSystem:
+    """Up to eight triangles that carry any of the letters; the first is outside the restricted region."""
+    rng = np.random.default_rng(seed)
+    system = random_system(rng, int(rng.integers(2, 9)), len(LETTERS))
+    letter_of = np.array(system.letter_of)
+    letter_of[0] = rng.integers(len(LETTERS) - 1)
+    return TransitionSystem(system.successors, letter_of, LETTERS)
+
+
+def has_a_run(system: TransitionSystem, parts: tuple[Part, ...], semantics: Semantics) -> bool:
+    """Asked of the planner's own search, with restricted triangles blocked."""
+    closed = {part.restricted for part in parts if part.restricted}
+    blocked = np.array([bool(closed & letter) for letter in system.letters])[system.letter_of]
+    successors = np.where((system.successors >= 0) & ~blocked[system.successors], system.successors, -1)
+    narrowed = TransitionSystem(successors, system.letter_of, system.letters)
+    formula = conjunction(*(part.formula for part in parts if not part.restricted))
+    automaton = compile_to_alphabet(translate(formula), system.letters)
+    try:
+        search(Product(narrowed, automaton, 0, semantics))
+    except NoPlanError:
+        return False
+    return True
+
+
+def random_conjunction(seed: int) -> Formula:
+    random = Random(seed)  # noqa: S311 - draws a test
+    a, b = proposition("a"), proposition("b")
+    plain = [eventually(a), eventually(b), always(negation(a)), always(negation(b)), eventually(always(a))]
+    drawn = (random_formula(random, random.randint(0, 4), NAMES) for _ in range(random.randint(1, 2)))
+    return conjunction(*drawn, *random.sample(plain, random.randint(0, 3)))
+
+
+@settings(max_examples=150, deadline=None)
+@given(SEEDS, SEEDS, st.sampled_from(Semantics))
+def test_a_core_has_no_run_each_smaller_set_has_one_and_nothing_is_said_of_what_has_a_plan(
+    domain: int, draw: int, semantics: Semantics
+) -> None:
+    system, formula = random_domain(domain), random_conjunction(draw)
+    parts = parts_of(formula, ("k",), {})
+    found = diagnose(formula, system, ("k",), 0, semantics)
+    assert (found is None) == has_a_run(system, parts, semantics)
+    if found is None:
+        return
+    core = tuple(part for part in parts if part.restricted in found.restricted and part.restricted)
+    core = (*(part for part in parts if str(part.formula) in found.conjuncts and not part.restricted), *core)
+    assert found.smallest
+    assert len(core) == len(found.conjuncts) + len(found.restricted)
+    assert not has_a_run(system, core, semantics)
+    assert all(has_a_run(system, rest, semantics) for rest in combinations(parts, len(core) - 1))
+
+
+@settings(max_examples=60, deadline=None)
+@given(SEEDS, SEEDS, st.sampled_from(Semantics), st.booleans())
+def test_a_word_of_the_coarse_map_satisfies_its_formula(
+    domain: int,
+    draw: int,
+    semantics: Semantics,
+    keeps: bool,  # noqa: FBT001 - drawn
+) -> None:
+    system, formula = random_domain(domain), random_conjunction(draw)
+    area = CoarseMap.of(system, 0, keeps_triangles=keeps)
+    automaton = translate(formula)
+    word = area.word(compile_to_alphabet(automaton, system.letters), area.closed(frozenset({"k"})), semantics)
+    if word is not None:
+        assert automaton.accepts(word)
+        assert not any("k" in letter for letter in word.prefix + word.suffix)
+        assert semantics is Semantics.PAPER or (word.prefix + word.suffix)[0] == system.letters[system.letter_of[0]]
+
+
+def row(*labels: str) -> TransitionSystem:
+    """Triangles side by side, each with its regions."""
+    count = len(labels)
+    successors = np.full((count, 4), -1)
+    successors[:, 0] = np.arange(count)
+    successors[:-1, 1] = np.arange(1, count)
+    successors[1:, 2] = np.arange(count - 1)
+    letters = tuple(dict.fromkeys(frozenset(label.split()) for label in labels))
+    return TransitionSystem(
+        successors, np.array([letters.index(frozenset(label.split())) for label in labels]), letters
+    )
+
+
+def test_a_region_beyond_another_is_cut_off_by_it() -> None:
+    found = diagnose(parse_formula("F a & F b"), row("", "b", "k", "a"), ("k",), 0, Semantics.STANDARD)
+    assert found is not None
+    assert (found.cause, found.regions, found.restricted) == (Cause.UNREACHABLE, ("a",), ("k",))
+    assert "k cuts it off" in found.text
+
+
+def test_a_region_of_no_triangle_is_named() -> None:
+    found = diagnose(parse_formula("F a & F z"), row("", "a"), (), 0, Semantics.STANDARD)
+    assert found is not None
+    assert found.text == "`F z` asks for z, but no triangle has the label z"
+
+
+def test_a_map_without_open_space_is_named() -> None:
+    found = diagnose(parse_formula("F (!a & !b)"), row("a", "b", "a"), (), 0, Semantics.STANDARD)
+    assert found is not None
+    assert found.text == "`F (!a & !b)` asks for a place outside a, b, but no triangle lies there"
+
+
+def test_a_map_in_two_pieces_is_named() -> None:
+    apart = row("", "a")
+    system = TransitionSystem(
+        np.where(apart.successors == apart.successors[:, :1], apart.successors, -1), apart.letter_of, apart.letters
+    )
+    found = diagnose(parse_formula("F a"), system, (), 0, Semantics.STANDARD)
+    assert found is not None
+    assert "a cannot be reached from triangle 0 (no region): no way leads to it" in found.text
+
+
+def test_the_paper_does_not_read_the_label_of_the_start() -> None:
+    system = row("a", "")
+    assert diagnose(parse_formula("G !a"), system, (), 0, Semantics.PAPER) is None
+    found = diagnose(parse_formula("G !a"), system, (), 0, Semantics.STANDARD)
+    assert found is not None
+    assert found.cause is Cause.START
+
+
+def test_conjuncts_are_listed_once_and_true_is_none() -> None:
+    assert [str(c) for c in conjuncts(parse_formula("F a & (G b & F a) & true"))] == ["F a", "G b"]
+    assert conjuncts(parse_formula("F a | G b")) == (parse_formula("F a | G b"),)
+
+
+def test_a_restricted_region_that_a_conjunct_forbids_is_one_part() -> None:
+    parts = parts_of(parse_formula("F a & G !k"), ("k", "m"), {})
+    assert [str(part) for part in parts] == ["F a", "G !k", "m is restricted: it is never entered"]

@@ -1,0 +1,42 @@
+"""Missions that no flight satisfies, each beside the explanation that its writer reads."""
+
+from pathlib import Path
+
+import pytest
+
+from mission.errors import NoPlanError
+from mission.plan import plan_mission
+from mission.plan.diagnosis import Cause
+from mission.spec.loader import load_mission
+
+FOLDER = Path(__file__).parents[2] / "golden" / "refusals"
+MISSIONS = sorted(FOLDER.glob("*.yaml"))
+
+
+def refused(file: Path) -> NoPlanError:
+    with pytest.raises(NoPlanError) as caught:
+        plan_mission(load_mission(file))
+    return caught.value
+
+
+@pytest.mark.parametrize("file", MISSIONS, ids=lambda file: str(file.stem))
+def test_the_explanation_is_the_one_beside_the_mission(file: Path) -> None:
+    assert f"{refused(file)}\n" == file.with_suffix(".txt").read_text(encoding="utf-8")
+
+
+def test_every_explanation_has_its_mission() -> None:
+    assert len(MISSIONS) >= 10
+    assert {file.stem for file in FOLDER.glob("*.txt")} == {file.stem for file in MISSIONS}
+
+
+def test_every_cause_has_a_mission() -> None:
+    assert {refused(file).cause for file in MISSIONS} == set(Cause)
+
+
+def test_the_failure_carries_its_parts() -> None:
+    failure = refused(FOLDER / "behind_a_wall.yaml")
+    assert failure.cause == Cause.UNREACHABLE
+    assert failure.conjuncts == ("F silo",)
+    assert failure.restricted == ("wall",)
+    assert failure.regions == ("silo",)
+    assert failure.exit_code == 3
