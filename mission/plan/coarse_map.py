@@ -13,8 +13,6 @@ from mission.planning.product import Codes
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 
-_Graph = csr_array["np.float64", tuple[int, int]]
-
 
 @dataclass(frozen=True, eq=False)
 class CoarseMap:
@@ -99,11 +97,11 @@ class CoarseMap:
         return tuple(self.letters[int(self.letter_of[state % nodes])] for state in states)
 
 
-def _graph(sources: IntArray, targets: IntArray, size: int) -> _Graph:
+def _graph(sources: IntArray, targets: IntArray, size: int) -> "csr_array[np.float64, tuple[int, int]]":
     return coo_array((np.ones(len(sources)), (sources, targets)), shape=(size, size)).tocsr()
 
 
-def _on_loops(graph: _Graph, sources: IntArray, targets: IntArray) -> BoolArray:
+def _on_loops(graph: "csr_array[np.float64, tuple[int, int]]", sources: IntArray, targets: IntArray) -> BoolArray:
     _, components = connected_components(graph, directed=True, connection="strong")
     loops: BoolArray = np.bincount(components)[components] > 1
     loops[sources[sources == targets]] = True
