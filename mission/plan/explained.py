@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from mission.errors import NoPlanError
+from mission.errors import AutomatonSizeError, NoPlanError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.plan.diagnosis import conjuncts, diagnose
@@ -36,7 +36,10 @@ def explained(
         if number not in soft
         for conjunct in conjuncts(task_formula(task, spec.regions))
     }
-    found = diagnose(formula_of(spec, soft), every_way, names, start, spec.semantics, origins=origins)
+    try:
+        found = diagnose(formula_of(spec, soft), every_way, names, start, spec.semantics, origins=origins)
+    except AutomatonSizeError:
+        return error
     if found is None:
         return error
     return NoPlanError(

@@ -54,7 +54,7 @@ def random_conjunction(seed: int) -> Formula:
     random = Random(seed)  # noqa: S311 - draws a test
     a, b = proposition("a"), proposition("b")
     plain = [eventually(a), eventually(b), always(negation(a)), always(negation(b)), eventually(always(a))]
-    drawn = (random_formula(random, random.randint(0, 4), NAMES) for _ in range(random.randint(1, 2)))
+    drawn = (eventually(random_formula(random, random.randint(0, 4), NAMES)) for _ in range(random.randint(1, 2)))
     return conjunction(*drawn, *random.sample(plain, random.randint(0, 3)))
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mission.errors import NoPlanError
+from mission.errors import AutomatonSizeError, NoPlanError
 from mission.plan import plan_mission
 from mission.plan.diagnosis import Cause
 from mission.spec.loader import load_mission
@@ -40,3 +40,13 @@ def test_the_failure_carries_its_parts() -> None:
     assert failure.restricted == ("wall",)
     assert failure.regions == ("silo",)
     assert failure.exit_code == 3
+
+
+def test_a_question_that_is_too_large_leaves_the_reason_of_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_large(*_: object, **__: object) -> None:
+        raise AutomatonSizeError("too large")
+
+    monkeypatch.setattr("mission.plan.explained.diagnose", too_large)
+    failure = refused(FOLDER / "behind_a_wall.yaml")
+    assert failure.conjuncts == ()
+    assert "silo" in str(failure)
