@@ -23,6 +23,10 @@ def run(arguments: Namespace) -> int:
             f"{plan.path.length_m:.1f} m in {plan.trajectory.duration_s:.0f} s, proved",
             markup=False,
         )
+        if plan.spec.tasks:
+            out.print(f"  formula  {plan.specification}", markup=False, highlight=False)
+        for task in plan.dropped:
+            out.print(f"  dropped  {task.task} (weight {task.weight:g}): {task.reason}", markup=False, highlight=False)
         print_warnings(plan.warnings, source=name)
     bad = sum(code > 0 for code in codes)
     if bad and len(codes) > 1:

@@ -2,6 +2,7 @@
 
 import json
 from argparse import Namespace
+from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
 from mission.planning.run import Run
+from mission.spec.tasks import task_text
 
 
 def run(arguments: Namespace) -> int:
@@ -66,7 +68,9 @@ def summary(plan: FlightPlan) -> dict[str, object]:
     certificate = plan.certificate
     return {
         "name": plan.spec.name,
-        "formula": plan.spec.formula,
+        "formula": plan.specification,
+        "tasks": [task_text(task) for task in plan.spec.tasks],
+        "dropped_tasks": [asdict(task) for task in plan.dropped],
         "warnings": list(plan.warnings),
         "triangles": plan.partition.size,
         "automaton_states": plan.automaton.size,
@@ -100,10 +104,20 @@ def _print(text: str = "") -> None:
     out.out(text, highlight=False)
 
 
+def _print_mission(plan: FlightPlan) -> None:
+    lost = {task.number: task for task in plan.dropped}
+    for i, task in enumerate(plan.spec.tasks):
+        weight = "" if task.weight is None else f" (weight {task.weight:g})"
+        _print(f"  {'dropped' if i in lost else 'task':<11}{task_text(task)}{weight}")
+        if i in lost:
+            _print(f"               {lost[i].reason}")
+    _print(f"  formula    {plan.specification}")
+
+
 def _print_plan(plan: FlightPlan) -> None:
     spec = plan.spec
     _print(spec.name)
-    _print(f"  formula    {spec.formula}")
+    _print_mission(plan)
     _print()
     _print("Triangles of the partition (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")
     _print(f"  {'T':>6}  {'vertices':<20}{'neighbours 1 2 3':<22}label")

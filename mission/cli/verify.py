@@ -28,7 +28,7 @@ def run(arguments: Namespace) -> int:
         return _refused(arguments.plan, "it is not flown at the speeds and the altitude of its mission")
     out.print(
         f"{arguments.plan}: proved: every word within {certificate.tube_m:g} m per axis of the trajectory satisfies "
-        f"{plan.spec.formula}",
+        f"{plan.specification}",
         markup=False,
     )
     return 0

@@ -8,6 +8,7 @@ from typing import Any
 from mission.plan import FlightPlan
 from mission.report.figures import Picture
 from mission.report.reading import Entry, Record
+from mission.spec.tasks import task_text
 
 SEVERITIES = ("emergency", "alert", "critical", "error", "warning", "notice", "info", "debug")
 FIRST = "10_flown_path.png"
@@ -70,7 +71,8 @@ def page(
         _verdict(numbers["verdict"]),
         *(_figure(picture) for picture in pictures if picture.file == FIRST),
         "<h2>Mission</h2>",
-        f"<p>Specification ({escape(spec.semantics.value)} semantics):</p><pre>{escape(spec.formula)}</pre>",
+        f"<p>Specification ({escape(spec.semantics.value)} semantics):</p><pre>{escape(plan.specification)}</pre>",
+        _tasks(plan),
         f"<details><summary>Mission file</summary><pre>{escape(mission_text)}</pre></details>" if mission_text else "",
         "<h2>Plan</h2>",
         _facts(_planned_rows(numbers["planned"])),
@@ -96,6 +98,22 @@ def page(
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
         f"<style>\n{STYLE}</style>\n</head>\n<body>\n" + "\n".join(filter(None, parts)) + "\n</body>\n</html>\n"
     )
+
+
+def _tasks(plan: FlightPlan) -> str:
+    """The mission's tasks, and why some of them are not met."""
+    if not plan.spec.tasks:
+        return ""
+    reasons = {task.number: task.reason for task in plan.dropped}
+    rows = [
+        (
+            task_text(task),
+            "must be met" if task.weight is None else f"{task.weight:g}",
+            f"dropped: {reasons[i]}" if i in reasons else "",
+        )
+        for i, task in enumerate(plan.spec.tasks)
+    ]
+    return _table(("task", "weight", ""), rows)
 
 
 def _verdict(verdict: Mapping[str, Any] | None) -> str:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from itertools import groupby
 from typing import Any
 
@@ -12,6 +13,7 @@ from mission.plan import FlightPlan
 from mission.report.reading import Record, Visit
 from mission.report.tracking import distances_m, tilt, tracking_of
 from mission.spec.model import RegionKind
+from mission.spec.tasks import task_text
 
 
 def summary(plan: FlightPlan, record: Record | None) -> dict[str, Any]:
@@ -21,7 +23,9 @@ def summary(plan: FlightPlan, record: Record | None) -> dict[str, Any]:
     """
     return {
         "mission": plan.spec.name,
-        "formula": plan.spec.formula,
+        "formula": plan.specification,
+        "tasks": [task_text(task) for task in plan.spec.tasks],
+        "dropped_tasks": [asdict(task) for task in plan.dropped],
         "semantics": plan.spec.semantics.value,
         "verdict": None if record is None else _verdict(record),
         "planned": _planned(plan),
