@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 
 from mission.cli.arguments import build_parser, with_negative_wind
-from mission.errors import MissionError
+from mission.errors import MissionError, NoPlanError
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -37,7 +37,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MissionError as error:
         from mission.cli.screen import print_error  # noqa: PLC0415 - the terminal library is loaded when it is needed
 
-        print_error(error)
+        # A refusal to plan is about the mission file; a failure of the link is not.
+        print_error(error, getattr(arguments, "file", "") if isinstance(error, NoPlanError) else "")
         return error.exit_code
     except KeyboardInterrupt:
         return INTERRUPTED

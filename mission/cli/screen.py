@@ -7,7 +7,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 
-from mission.errors import Fault, MissionError, SpecError
+from mission.errors import Fault, FormulaSyntaxError, MissionError, SpecError
 
 _EXCERPT = 96
 _BEFORE = 64
@@ -42,6 +42,11 @@ def print_error(error: MissionError, source: str = "") -> None:
             _print_fault(fault, error.source or source)
         if len(error.faults) > 1:
             err.print(f"[bold red]{count(len(error.faults), 'fault')}[/]")
+    elif isinstance(error, FormulaSyntaxError):
+        err.print(f"[bold red]error:[/] {escape(str(error))}")
+        _print_pointed(error.text, error.column)
+        if error.hint:
+            err.print(f"    {escape(error.hint)}")
     else:
         place = f"[bold]{escape(source)}:[/] " if source else ""
         err.print(f"{place}[bold red]error:[/] {escape(str(error))}")
@@ -71,6 +76,11 @@ def _print_excerpt(file: Path, line: int, column: int) -> None:
             text = next(islice(lines, line - 1, None), b"").decode("utf-8-sig" if line == 1 else "utf-8", "replace")
     except OSError:
         return
+    _print_pointed(text, column)
+
+
+def _print_pointed(text: str, column: int) -> None:
+    """A line, or the part of it around a column, with a caret under that."""
     begin = max(0, column - 1 - _BEFORE)
     # A file may hold what would move the cursor or colour the terminal.
     shown = "".join(c if c.isprintable() else " " if c in "\t\r\n" else "?" for c in text[begin : begin + _EXCERPT])

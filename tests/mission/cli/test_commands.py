@@ -115,6 +115,14 @@ class TestCheck:
         assert said[0] == said[1]
 
 
+def test_a_formula_with_a_fault_is_shown_with_a_caret(capsys: pytest.CaptureFixture[str]) -> None:
+    result = ran(capsys, "automaton", "F (S1 & & F R)")
+    assert (result.code, result.out) == (2, "")
+    first, line, caret, _ = result.err.splitlines()
+    assert first.startswith("error: & has no left operand")
+    assert line[caret.index("^") :] == "& F R)"
+
+
 class TestPlan:
     def test_the_json_of_the_paper(self, capsys: pytest.CaptureFixture[str]) -> None:
         result = ran(capsys, "plan", PAPER, "--json")
@@ -164,7 +172,7 @@ class TestPlan:
         file.write_text(Path(PAPER).read_text(encoding="utf-8").replace("& G !K1", "& G !S1"), "utf-8")
         result = ran(capsys, "plan", str(file), "--json", "--out", str(tmp_path / "plan.json"))
         assert (result.code, result.out) == (3, "")
-        assert result.err.startswith("error: ")
+        assert result.err.startswith(f"{file}: error: ")
         assert list(tmp_path.iterdir()) == [file]
 
     def test_what_is_asked_for_is_written_whole(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
