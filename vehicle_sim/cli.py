@@ -44,7 +44,7 @@ wind:
 patience:
   At many times real time, a client that the machine keeps from its turn for a moment misses seconds of the vehicle's
   time. With --patience, vehicle time stands still while the vehicle flies by setpoints and the newest is older than
-  0.1 s, or while heartbeats that have come each second of vehicle time stay away. A stream that does not go on within
+  0.15 s, or while heartbeats that have come each second of vehicle time stay away. A stream that does not go on within
   that many seconds of real time has ended: vehicle time goes on, and failsafes come as ever. Heartbeats that come by
   real time, as from a ground station, are not waited for.
 

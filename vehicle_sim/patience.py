@@ -14,9 +14,6 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, NamedTuple
 
-_STREAM_AFTER: Final = 3
-"""Gaps without a break of the stream that make messages a stream."""
-
 _LESS_STRICT: Final = 4.0
 _MOST_STREAMS: Final = 64
 
@@ -27,15 +24,17 @@ class StreamKind(Enum):
     Attributes:
         late_s: Vehicle time after which the next message is late.
         break_s: Vehicle time without a message that is no part of a stream.
+        stream_after: How many gaps shorter than that make a stream.
     """
 
-    HEARTBEAT = (2.0, 1.5)
-    SETPOINT = (0.1, 1.0)
+    HEARTBEAT = (2.0, 1.5, 3)
+    SETPOINT = (0.15, 3.0, 1)
 
-    def __init__(self, late_s: float, break_s: float) -> None:
-        """Take the two times; heartbeats come once a second, setpoints at some 5 Hz at least."""
+    def __init__(self, late_s: float, break_s: float, stream_after: int) -> None:
+        """Take the three; heartbeats come once a second, and the second setpoint already tells of a stream."""
         self.late_s = late_s
         self.break_s = break_s
+        self.stream_after = stream_after
 
 
 class Source(NamedTuple):
@@ -52,17 +51,17 @@ class _Stream:
     """One stream: when it was last heard, of how many gaps it is, and after how long its next message is late."""
 
     heard_s: float
+    kind: StreamKind
     late_s: float
-    break_s: float
     gaps: int = 0
 
     def hear(self, vehicle_s: float) -> None:
-        if 0.0 < vehicle_s - self.heard_s <= self.break_s:  # what came in one burst tells nothing
+        if 0.0 < vehicle_s - self.heard_s <= self.kind.break_s:  # what came in one burst tells nothing
             self.gaps += 1
         self.heard_s = vehicle_s
 
     def is_late(self, vehicle_s: float) -> bool:
-        return self.gaps >= _STREAM_AFTER and vehicle_s - self.heard_s >= self.late_s
+        return self.gaps >= self.kind.stream_after and vehicle_s - self.heard_s >= self.late_s
 
     def give_up(self) -> None:
         """Wait for it no more; one that comes again has to show anew that it is one, and may be slower by design."""
@@ -99,7 +98,7 @@ class Patience:
             return
         if len(self._streams) >= _MOST_STREAMS:
             del self._streams[min(self._streams, key=lambda known: self._streams[known].heard_s)]
-        self._streams[source] = _Stream(vehicle_s, source.kind.late_s, source.kind.break_s)
+        self._streams[source] = _Stream(vehicle_s, source.kind, source.kind.late_s)
 
     def waits(self, vehicle_s: float, now_s: float, *, by_setpoints: bool) -> bool:
         """Return whether vehicle time stands still now.

@@ -32,33 +32,33 @@ def test_nothing_is_waited_for_where_nothing_flows() -> None:
 
 def test_an_old_setpoint_stops_vehicle_time_until_the_next_one() -> None:
     patience = flowing(SETPOINTS, 0.05, 1.0)
-    assert not waits(patience, 1.09)
-    assert waits(patience, 1.1, 7.0)
-    assert waits(patience, 1.1, 8.0)
-    patience.hear(SETPOINTS, 1.1)
-    assert not waits(patience, 1.1, 8.1)
+    assert not waits(patience, 1.14)
+    assert waits(patience, 1.16, 7.0)
+    assert waits(patience, 1.16, 8.0)
+    patience.hear(SETPOINTS, 1.16)
+    assert not waits(patience, 1.16, 8.1)
     assert patience.waited_s == pytest.approx(1.1)
 
 
 def test_a_stream_that_has_ended_is_noticed_after_the_bounded_wait_and_costs_no_second_one() -> None:
     patience = flowing(SETPOINTS, 0.05, 1.0)
-    assert waits(patience, 1.1, 5.0)
-    assert waits(patience, 1.1, 5.0 + MOST_S - 0.01)
-    assert not waits(patience, 1.1, 5.0 + MOST_S)
-    assert not any(waits(patience, 1.1 + ahead, 7.0 + 0.1 * ahead) for ahead in range(100))
+    assert waits(patience, 1.16, 5.0)
+    assert waits(patience, 1.16, 5.0 + MOST_S - 0.01)
+    assert not waits(patience, 1.16, 5.0 + MOST_S)
+    assert not any(waits(patience, 1.16 + ahead, 7.0 + 0.1 * ahead) for ahead in range(100))
 
 
 def test_a_stream_that_comes_again_is_waited_for_again() -> None:
     patience = flowing(SETPOINTS, 0.05, 1.0)
-    assert waits(patience, 1.1, 0.0)
-    assert not waits(patience, 1.1, MOST_S)
+    assert waits(patience, 1.16, 0.0)
+    assert not waits(patience, 1.16, MOST_S)
     for number in range(4):
         assert not waits(patience, 20.0 + 0.05 * number, 10.0)
         patience.hear(SETPOINTS, 20.0 + 0.05 * number)
-    assert waits(patience, 20.7, 11.0)
+    assert waits(patience, 20.8, 11.0)
 
 
-def test_a_slower_stream_by_vehicle_time_is_learned_after_few_waits() -> None:
+def test_a_slower_stream_by_vehicle_time_is_learned_from_one_wait() -> None:
     """The sender looks at vehicle time, and sends only once 0.5 s of it have passed."""
     patience, vehicle_s, now_s, sent_s, stood_still = Patience(MOST_S), 0.0, 0.0, 0.0, 0
     for _ in range(20_000):
@@ -70,7 +70,7 @@ def test_a_slower_stream_by_vehicle_time_is_learned_after_few_waits() -> None:
         if vehicle_s - sent_s >= 0.5:
             patience.hear(SETPOINTS, vehicle_s)
             sent_s = vehicle_s
-    assert stood_still * 0.01 == pytest.approx(2 * MOST_S, abs=0.1)
+    assert stood_still * 0.01 == pytest.approx(MOST_S, abs=0.1)
 
 
 def test_setpoints_matter_while_the_vehicle_flies_by_them() -> None:
@@ -99,10 +99,10 @@ def test_each_of_several_clients_is_waited_for() -> None:
     other = SETPOINTS._replace(link="tcp")
     for number in range(21):
         patience.hear(other, 0.05 * number)
-    patience.hear(SETPOINTS, 1.1)
-    assert waits(patience, 1.1)
-    patience.hear(other, 1.1)
-    assert not waits(patience, 1.1)
+    patience.hear(SETPOINTS, 1.16)
+    assert waits(patience, 1.16)
+    patience.hear(other, 1.16)
+    assert not waits(patience, 1.16)
 
 
 def test_streams_of_countless_senders_cost_bounded_memory_and_the_live_one_is_kept() -> None:
