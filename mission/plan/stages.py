@@ -50,7 +50,11 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         return Product(system, compile_to_alphabet(automaton, labelling.letters), triangle, spec.semantics)
 
     try:
-        dropped = dropped_tasks(spec, lambda tried: _refusal(product_of(translate(tried))))
+        dropped = dropped_tasks(
+            spec,
+            lambda tried: _refusal(product_of(translate(tried))),
+            lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
+        )
         formula = formula_of(spec, (task.number for task in dropped))
         automaton, refutation = translate(formula), translate(negation(formula))
         product = product_of(automaton)

@@ -6,7 +6,7 @@ the tasks that it leaves can be met, nothing cheaper can do; otherwise they cont
 """
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 
@@ -56,12 +56,17 @@ def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
     return conjunction(*own, *tasks)
 
 
-def dropped_tasks(spec: MissionSpec, refusal: Callable[[Formula], Refusal]) -> tuple[DroppedTask, ...]:
+def dropped_tasks(
+    spec: MissionSpec,
+    refusal: Callable[[Formula], Refusal],
+    explained: Callable[[NoPlanError, MissionSpec], NoPlanError] = lambda error, _: error,
+) -> tuple[DroppedTask, ...]:
     """Find the soft tasks to drop: of the least total weight; then as few as possible; then the last in the file.
 
     Args:
         spec: The mission.
         refusal: Why there is no run of a formula, or None where there is one.
+        explained: The same in better words, of a mission that has no run.
 
     Returns:
         What was dropped, in the order of the file; every soft task where not even the others can be met.
@@ -74,11 +79,20 @@ def dropped_tasks(spec: MissionSpec, refusal: Callable[[Formula], Refusal]) -> t
             known[kept] = refusal(formula_of(spec, soft.keys() - kept))
         return known[kept]
 
+    def said(conflict: Numbers) -> str:
+        error = refused(conflict)
+        if error is None:
+            return ""
+        # In the conflict alone, all its tasks must be met.
+        tasks = (task for i, task in enumerate(spec.tasks) if i in conflict or i not in soft)
+        must = replace(spec, tasks=tuple(replace(task, weight=None) for task in tasks))
+        return str(explained(error, must)).splitlines()[0].rstrip(":")
+
     everything = frozenset(soft)
     if not soft or not refused(everything):
         return ()
     if refused(frozenset()):
-        return tuple(_reported(spec, i, everything, [everything], refused) for i in sorted(everything))
+        return tuple(_reported(spec, i, everything, [everything], said) for i in sorted(everything))
     candidates = sorted(
         (frozenset(chosen) for size in range(len(soft) + 1) for chosen in combinations(sorted(soft), size)),
         key=lambda chosen: (sum(soft[i] for i in chosen), len(chosen), sorted(-i for i in chosen)),
@@ -88,7 +102,7 @@ def dropped_tasks(spec: MissionSpec, refusal: Callable[[Formula], Refusal]) -> t
     while refused(everything - dropped):
         conflicts.append(_least(everything - dropped, refused))
         dropped = next(chosen for chosen in candidates if all(chosen & conflict for conflict in conflicts))
-    return tuple(_reported(spec, i, dropped, conflicts, refused) for i in sorted(dropped))
+    return tuple(_reported(spec, i, dropped, conflicts, said) for i in sorted(dropped))
 
 
 def _least(conflict: Numbers, refused: Callable[[Numbers], Refusal]) -> Numbers:
@@ -104,7 +118,7 @@ def _reported(
     number: int,
     dropped: Numbers,
     conflicts: list[Numbers],
-    refused: Callable[[Numbers], Refusal],
+    said: Callable[[Numbers], str],
 ) -> DroppedTask:
     """Why one task was dropped: the conflict that no other dropped task hits, or else the smallest that it is in."""
     own = [conflict for conflict in conflicts if number in conflict]
@@ -112,4 +126,4 @@ def _reported(
     others = [task_text(spec.tasks[i]) for i in sorted(conflict - {number})]
     beside = f"together with {' and '.join(others)}, " if others else ""
     task = spec.tasks[number]
-    return DroppedTask(number, task_text(task), task.weight or 0.0, f"{beside}{refused(conflict)}")
+    return DroppedTask(number, task_text(task), task.weight or 0.0, f"{beside}{said(conflict)}")
