@@ -137,12 +137,15 @@ def exit_time(
     if distance <= _ROUNDING * (length + float(np.abs(corners_m).max())):  # the start lies on the facet
         return 0.0, start
 
+    # Counted from a corner of the exit, so that a domain far from its origin costs no digits.
+    near, drift = start - tail, g + F @ tail
+
     def remaining(t: float) -> float:
-        return float(normal @ (tail - flow(F, g, start, t)[0]))
+        return -float(normal @ flow(F, drift, near, t)[0])
 
     early, late = 0.0, distance / float(rates.min())
     while remaining(late) > 0.0:  # by rounding only
         early, late = late, 1.01 * late
-    time = float(brentq(remaining, early, late, xtol=1e-15 * late, rtol=8.9e-16))
-    share = float(np.clip((flow(F, g, start, time)[0] - tail) @ along / length**2, 0.0, 1.0))
+    time = float(brentq(remaining, early, late, xtol=1e-14 * late, rtol=1e-14, maxiter=1000))
+    share = float(np.clip(flow(F, drift, near, time)[0] @ along / length**2, 0.0, 1.0))
     return time, tail + share * along
