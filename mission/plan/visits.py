@@ -24,11 +24,12 @@ def earnest_visits(
     """Indices into ``run.states`` at which the path first settles: one, in the roomiest triangle, for each visit.
 
     Visits count of survey and home regions that are entered (not of the one in which the flight starts), where the
-    region asks for loitering, or where the visit moves the automaton on and the tube is not a line.
+    region asks for loitering, or where the visit moves the automaton on and the tube is not a line. Where the run
+    leaves a triangle by the facet by which it came, the path settles in any case: it would touch the facet and turn.
     """
     tube = spec.flight.disturbance_m_s2 > 0.0
     moved = _moves_on(labelling, automaton, run, spec.semantics)
-    chosen: set[int] = set()
+    chosen = _turns_back(run)
     for region in spec.regions:
         if region.kind is RegionKind.RESTRICTED or not (tube or region.loiter_s > 0.0):
             continue
@@ -37,6 +38,16 @@ def earnest_visits(
                 continue
             chosen.add(max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]])))
     return frozenset(chosen)
+
+
+def _turns_back(run: Run) -> set[int]:
+    """Indices of the states that the run enters and leaves by one facet."""
+    states, loop = run.states, len(run.prefix)
+    after = [*states[1:], run.suffix[0]]
+    turns = {i for i in range(1, len(states)) if states[i - 1] == after[i] != states[i]}
+    if run.recurrent and run.suffix[-1] == after[loop] != states[loop]:
+        turns.add(loop)  # from the second lap on
+    return turns
 
 
 def _moves_on(labelling: Labelling, automaton: CompiledAutomaton, run: Run, semantics: Semantics) -> list[bool]:

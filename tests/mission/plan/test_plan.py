@@ -11,7 +11,7 @@ from mission.errors import FormulaSyntaxError, NoPlanError, SpecError
 from mission.logic.word import LassoWord, satisfies
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.spec.loader import load_mission
-from mission.spec.model import MissionSpec, Semantics
+from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -41,6 +41,18 @@ def test_the_paper_is_reproduced(paper: FlightPlan) -> None:
     assert moved == pytest.approx(0.33, abs=0.005)  # the even extension moves the start
     assert paper.certificate.holds
     assert paper.certificate.word == tuple(map(frozenset, (["S2"], [], ["S1"], [], ["R"])))
+
+
+@pytest.mark.parametrize("extension", list(Extension))
+@pytest.mark.parametrize("run", range(4))
+def test_each_of_the_papers_runs_is_proved(run: int, extension: Extension) -> None:
+    spec = load_mission(MISSIONS / "paper.yaml")
+    smoothing = Smoothing(extension, 28) if extension is Extension.EVEN else Smoothing(extension, "auto")
+    plan = plan_mission(changed(spec, smoothing=smoothing), run=run)
+    assert plan.certificate.holds
+    turns = [i for i in range(1, 12) if plan.run.states[i - 1] == plan.run.states[i + 1]]
+    assert [i for i in turns if plan.run.states[i] == 3] == turns  # only S1 is turned back from
+    assert sum(segment.control == 0 for segment in plan.path.segments) == 1 + len(turns)
 
 
 def test_the_papers_own_semantics_gives_the_same_numbers() -> None:
