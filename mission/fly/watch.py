@@ -26,6 +26,7 @@ from mission.monitor.monitor import Monitor
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
 
+_GUARDED = (Stage.CLIMB, Stage.STREAM, Stage.OFFBOARD, Stage.SETTLE)
 _WATCHED = (Stage.FLY, Stage.ARRIVE, Stage.HOLD, Stage.LAND, Stage.TOUCH_DOWN)
 
 
@@ -40,8 +41,9 @@ class RecordWriter(Protocol):
 class FlightWatch:
     """Watches one flight of one plan.
 
-    The word begins when the trajectory does, at its start, and ends on the ground; what a standing vehicle's position
-    estimate does before take-off is not the flight.
+    The word begins when the trajectory does, at its start, and ends on the ground; while the vehicle climbs and settles
+    there, it must only not leave the domain or enter a restricted region. What a standing vehicle's position estimate
+    does before take-off is not the flight.
 
     Attributes:
         monitor: The word flown so far.
@@ -146,6 +148,9 @@ class FlightWatch:
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
         if self._stage in _WATCHED and self.began_s is not None and self.monitor.observe(event.t_s, place):
+            self._write_visits(event.t_s)
+        elif self._stage in _GUARDED:
+            self.monitor.guard(event.t_s, place)
             self._write_visits(event.t_s)
 
     def _write_visits(self, t_s: float) -> None:

@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from mission.geometry.arrays import BoolArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
@@ -118,6 +120,21 @@ class Monitor:
             self._enter(triangle, before + fraction * (t_s - before), at)
         self._last = (t_s, place)
         return True
+
+    def guard(self, t_s: float, position_m: Point) -> None:
+        """Take a position into account that spells nothing yet, but must not be outside or in a restricted region.
+
+        Before the word begins the vehicle climbs and settles where the flight starts; it may do no wrong there either.
+        """
+        place = (float(position_m[0]), float(position_m[1]))
+        if not all(map(math.isfinite, (t_s, *place))) or self._violations:
+            return
+        triangle = int(self._locator.triangle_at(np.array([place]))[0])
+        if triangle == OUTSIDE:
+            self._violations.append(Violation(ViolationKind.LEFT_DOMAIN, t_s, place, ()))
+        elif self._restricted[triangle]:
+            names = tuple(sorted(self._labelling.label(triangle)))
+            self._violations.append(Violation(ViolationKind.ENTERED_RESTRICTED, t_s, place, names))
 
     @property
     def visits(self) -> tuple[Visit, ...]:

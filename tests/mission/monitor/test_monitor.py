@@ -166,3 +166,22 @@ def test_a_word_that_violates_ends_a_recurrent_flight_in_failure() -> None:
     watch = flown(monitor("G F S1 & G !S2", suffix=(3, 7), laps=0), centre(8), centre(0))
     assert not watch.violations
     assert "violates the formula" in watch.verdict_at_end(stays=False).reason
+
+
+@pytest.mark.parametrize(
+    ("place", "kind"), [(centre(6), ViolationKind.ENTERED_RESTRICTED), ((-3.0, 5.0), ViolationKind.LEFT_DOMAIN)]
+)
+def test_before_the_word_begins_the_vehicle_may_do_no_wrong_either(
+    place: tuple[float, float], kind: ViolationKind
+) -> None:
+    watch = monitor("true")
+    watch.guard(0.0, centre(11))
+    watch.guard(0.5, (math.nan, 1.0))
+    assert not watch.violations
+    assert not watch.word
+    watch.guard(1.0, place)
+    watch.guard(2.0, place)
+    assert [(violation.kind, violation.time_s) for violation in watch.violations] == [(kind, 1.0)]
+    flown(watch, centre(11), centre(11), start_s=3.0)
+    assert watch.verdict is Verdict.FALSE
+    assert not watch.verdict_at_end(stays=True).achieved
