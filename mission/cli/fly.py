@@ -10,7 +10,7 @@ from pathlib import Path
 from mission.cli.inputs import planned, reason, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
-from mission.cli.screen import err, out, print_error
+from mission.cli.screen import err, out, print_error, reach
 from mission.clock import WallClock
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
@@ -42,8 +42,8 @@ def run(arguments: Namespace) -> int:
     _check_options(arguments)
     plan = planned(arguments.file, arguments.run)
     out.print(
-        f"{plan.spec.name}: {plan.path.length_m:.0f} m, {plan.trajectory.duration_s:.0f} s, proved within "
-        f"{plan.certificate.tube_m:g} m of the smoothed path",
+        f"{plan.spec.name}: {plan.path.length_m:.0f} m, {plan.trajectory.duration_s:.0f} s, proved "
+        f"{reach(plan.certificate.tube_m)}",
         markup=False,
     )
     with StopSignals() as stop:
@@ -157,13 +157,23 @@ def _print_verdict(result: FlightResult, folder: Path) -> None:
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for i, letter in enumerate(result.word) if _new(result, i))
     out.print(f"flown     {flown:.0f} s of vehicle time in {result.elapsed_s:.1f} s", markup=False)
     out.print(f"word      {word}", markup=False)
-    out.print(f"tracking  at most {result.largest_distance_m:.2f} m from the trajectory", markup=False)
+    out.print(
+        f"tracking  at most {result.largest_distance_m:.2f} m from the trajectory; {_covered(result)}", markup=False
+    )
     if result.plan.run.recurrent:
         out.print(f"laps      {result.laps} of {result.plan.spec.flight.laps}", markup=False)
     out.print(f"report    {folder / 'report.html'}", markup=False)
     colour, name = ("green", "ACHIEVED") if result.achieved else ("red", "NOT ACHIEVED")
     out.print(f"[bold {colour}]{name}[/]  ", end="")
     out.print(result.reason, markup=False)
+
+
+def _covered(result: FlightResult) -> str:
+    """Whether the proof speaks of the flight that was made."""
+    tube_m = result.plan.certificate.tube_m
+    if result.largest_error_m <= tube_m:
+        return f"within the {tube_m:g} m per axis of the proof"
+    return f"beyond the {tube_m:g} m per axis of the proof for up to {result.beyond_tube_s:.1f} s"
 
 
 def _new(result: FlightResult, index: int) -> bool:

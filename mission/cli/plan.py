@@ -7,7 +7,7 @@ from itertools import islice
 from pathlib import Path
 
 from mission.cli.inputs import planned, unwritable, write_named
-from mission.cli.screen import count, out, print_warnings
+from mission.cli.screen import count, out, print_warnings, reach
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
 from mission.planning.run import Run
 from mission.spec.tasks import task_text
@@ -150,7 +150,7 @@ def _print_plan(plan: FlightPlan) -> None:
 
 def _print_certificate(plan: FlightPlan) -> None:
     certificate = plan.certificate
-    _print(f"Certificate    holds within {certificate.tube_m:g} m per axis of the smoothed path")
+    _print(f"Certificate    holds {reach(certificate.tube_m)}")
     if certificate.clearance_m is not None:
         _print(f"               at least {certificate.clearance_m:.2f} m from every restricted triangle")
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for letter in certificate.word)

@@ -25,6 +25,13 @@ out = _Console(highlight=False, soft_wrap=True, emoji=False)
 err = _Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
 
 
+def reach(tube_m: float) -> str:
+    """Which vehicles a proof is about."""
+    if tube_m == 0.0:
+        return "for a vehicle exactly on the smoothed path (disturbance_m_s2 is 0)"
+    return f"within {tube_m:g} m per axis of the smoothed path"
+
+
 def count(number: int, noun: str) -> str:
     """``3 runs``, ``1 run``."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
