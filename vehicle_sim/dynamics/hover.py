@@ -15,7 +15,7 @@ which roll, pitch and their rates are counted. Commands and wind are held over a
 gives the exact step.
 """
 
-from math import cos, pi, sin
+from math import cos, exp, pi, sin
 from typing import Final
 
 import numpy as np
@@ -30,6 +30,8 @@ ROTOR_TIME_S: Final = 0.05
 MOST_THRUST_M_S2: Final = 2.0 * GRAVITY_M_S2
 MOST_ANGULAR_RAD_S2: Final = 60.0
 MOST_YAW_RAD_S2: Final = 10.0
+LEVELLING_S: Final = 0.1
+LEVEL_RAD: Final = 1e-6
 
 
 Vector4 = tuple[float, float, float, float]
@@ -104,6 +106,7 @@ class Hover:
             self._on_ground = False
         if self._on_ground:
             self._down = (0.0, 0.0, down[2])
+            self._north, self._east = self._levelled(self._north), self._levelled(self._east)
             self.motion = self._standing()
             return self.motion
         cos_yaw, sin_yaw = cos(self._yaw_rad), sin(self._yaw_rad)
@@ -140,23 +143,33 @@ class Hover:
         )
 
     def _touch_down(self) -> None:
-        """Stand where the ground was met: legs level the vehicle and friction holds it."""
+        """Stand where the ground was met: friction holds the vehicle, and its legs level it from now on."""
         self._on_ground = True
-        self._north = (self._north[0], 0.0, 0.0, 0.0)
-        self._east = (self._east[0], 0.0, 0.0, 0.0)
+        self._north = (self._north[0], 0.0, self._north[2], 0.0)
+        self._east = (self._east[0], 0.0, self._east[2], 0.0)
         self._down = (0.0, 0.0, self._down[2])
         self._yaw_rate_rad_s = 0.0
 
+    def _levelled(self, state: Vector4) -> Vector4:
+        """One step of levelling: no jump, so that the gyroscopes feel all of it."""
+        p, _, eta, _ = state
+        level = eta * exp(-self._step_s / LEVELLING_S) if abs(eta) > LEVEL_RAD else 0.0
+        return (p, 0.0, level, (level - eta) / self._step_s)
+
     def _standing(self) -> Motion:
+        (p_n, _, eta_n, rate_n), (p_e, _, eta_e, rate_e) = self._north, self._east
+        c, s = cos(self._yaw_rad), sin(self._yaw_rad)
+        roll, pitch = eta_e * c - eta_n * s, -(eta_n * c + eta_e * s)
+        still = (0.0, 0.0, 0.0)
         return Motion(
-            (self._north[0], self._east[0], 0.0),
-            (0.0, 0.0, 0.0),
-            (0.0, 0.0, 0.0),
-            0.0,
-            0.0,
+            (p_n, p_e, 0.0),
+            still,
+            still,
+            roll,
+            pitch,
             self._yaw_rad,
-            (0.0, 0.0, 0.0),
-            (0.0, 0.0, -GRAVITY_M_S2),
+            body_rates(roll, pitch, (rate_e * c - rate_n * s, -(rate_n * c + rate_e * s), 0.0)),
+            specific_force(roll, pitch, self._yaw_rad, still),
             True,
         )
 
