@@ -14,7 +14,7 @@ from mission.link.course import Course
 from mission.link.session import Ending, Session
 from mission.link.steps import Stage
 from mission.link.transport import Transport
-from mission.monitor.failsafe import Decision, Situation, decide
+from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.plan import FlightPlan, plan_mission
 
 _STRAY_M = 10.0
@@ -181,26 +181,20 @@ class _Flight:
         vehicle, tracking = session.vehicle, self.watch.tracking
         if vehicle.estimate_trusted and now_s - vehicle.position_at_s < _UNTRUSTED_FOR_S:
             self._trusted_s = now_s
-        ruling = decide(
+        if tracking.error_m <= self.options.stray_m:
+            self._near_s = now_s
+        reason = reason_to_stop(
             Situation(
-                telemetry_age_s=0.0,  # the session looks after silence, and after whoever else flies
-                mode_expected="",
-                mode_reported="",
                 estimate_healthy=now_s - max(self._trusted_s, self.watch.began_s) < _UNTRUSTED_FOR_S,
                 battery_critical=vehicle.battery_critical,
                 violation=self.watch.violation(),
                 verdict=self.watch.monitor.verdict,
-                excess_s=0.0,  # beyond the tube nothing is proved, but the reported word still decides
+                astray=now_s - max(self._near_s, self.watch.began_s) > _STRAY_FOR_S,
                 error_m=tracking.error_m,
-                tube_m=self.plan.certificate.tube_m,
             )
         )
-        if tracking.error_m <= self.options.stray_m:
-            self._near_s = now_s
-        if ruling.decision is Decision.HOLD_AND_LAND:
-            self.stop(ruling.reason, interrupted=False)
-        elif now_s - max(self._near_s, self.watch.began_s) > _STRAY_FOR_S:
-            self.stop(f"the vehicle does not follow: it is {tracking.error_m:.1f} m off", interrupted=False)
+        if reason:
+            self.stop(reason, interrupted=False)
 
     def stop(self, reason: str, *, interrupted: bool) -> None:
         """Give the flight up, once."""
