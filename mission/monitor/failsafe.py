@@ -1,8 +1,8 @@
 """When to give a flight up: one table, from the gravest reason to none.
 
 The first row that applies decides: what endangers the vehicle comes before what endangers others, or the mission. A
-vehicle that has fallen silent, and one that somebody else flies, are the link's business and never come this far. Beyond
-the certified tube nothing is proved, but the reported word still decides, so a flight goes on there.
+vehicle that has fallen silent, and one that somebody else flies, are the business of the link and never come this far.
+Beyond the certified tube nothing is proved, but the reported word still decides, so a flight goes on there.
 """
 
 from collections.abc import Callable
