@@ -40,11 +40,6 @@ class Battery:
         self._below_low_s = 0.0
         self._below_critical_s = 0.0
 
-    @property
-    def full_v(self) -> float:
-        """Open-circuit voltage of the full battery."""
-        return _CELLS * _FULL_CELL_V
-
     def drain(self, thrust_m_s2: float, duration_s: float, thresholds: BatteryThresholds) -> None:
         """Draw what `thrust_m_s2` of specific thrust costs for `duration_s`, and judge the level anew.
 

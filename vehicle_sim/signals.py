@@ -177,11 +177,6 @@ class Setpoint:
             raise ValueError("a setpoint's components are finite numbers or absent")
 
     @property
-    def asks_position(self) -> bool:
-        """Whether any axis of the position is asked for."""
-        return self.position_ned_m != FREE
-
-    @property
     def asks_motion(self) -> bool:
         """Whether any axis of velocity or acceleration is asked for."""
         return self.velocity_ned_m_s != FREE or self.acceleration_ned_m_s2 != FREE

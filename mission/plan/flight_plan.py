@@ -74,9 +74,14 @@ class FlightPlan:
         return self.trajectory.curve
 
     @property
+    def system(self) -> TransitionSystem:
+        """T of this domain, its restricted triangles closed."""
+        return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted)
+
+    @property
     def successors(self) -> IntArray:
         """The transition map of T, shape (M, 4)."""
-        return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted).successors
+        return self.system.successors
 
     @cached_property
     def restricted(self) -> BoolArray:

@@ -84,7 +84,6 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         spec,
         path,
         prover,
-        laps_from_s=path.laps_from_s,
         refuses=lambda curve: shallow_stop(stops_of(curve), tube_of(spec)),
     )
     stops = tuple((stop.s, stop.seconds) for stop in stops_of(smooth.curve))
@@ -118,8 +117,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
 
 def shortest_runs(plan: FlightPlan) -> ShortestRuns:
     """All the runs that a plan could have flown at the same cost."""
-    system = TransitionSystem.from_partition(plan.partition, plan.labelling, plan.restricted)
-    return search(Product(system, plan.compiled, plan.run.states[0], plan.spec.semantics))
+    return search(Product(plan.system, plan.compiled, plan.run.states[0], plan.spec.semantics))
 
 
 def _refusal(product: Product) -> NoPlanError | None:
@@ -145,15 +143,14 @@ def _smoothed(
     path: SteeringPath,
     prover: Prover,
     *,
-    laps_from_s: tuple[float, ...],
     refuses: Callable[[FourierCurve], str],
 ) -> ProvedCurve:
     """Smooth a path and prove it, with as many frequencies as the mission asks for."""
     extension, frequencies = spec.smoothing.extension, spec.smoothing.frequencies
     if frequencies == "auto":
-        return smooth_with_proof(path, prover, extension=extension, laps_from_s=laps_from_s, refuses=refuses)
+        return smooth_with_proof(path, prover, extension=extension, laps_from_s=path.laps_from_s, refuses=refuses)
     curve = fit_fourier(path, frequencies, extension)
-    certificate = prover.certify(curve, laps_from_s)
+    certificate = prover.certify(curve, path.laps_from_s)
     fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
     fault = fault or refuses(curve)
     if fault:
