@@ -64,6 +64,12 @@ class AutomatonSizeError(MissionError):
     exit_code = 2
 
 
+class SearchSizeError(MissionError):
+    """The best run of a mission is beyond an exact search; the message says which bound it meets."""
+
+    exit_code = 2
+
+
 class GeometryError(MissionError):
     """A domain, a region or a place on Earth that the geometry cannot work with; the message says which and why."""
 

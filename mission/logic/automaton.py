@@ -255,6 +255,19 @@ def compile_generalised(automaton: GeneralisedBuchi, letters: tuple[Letter, ...]
     )
 
 
+def generalised(automaton: CompiledAutomaton) -> CompiledGeneralised:
+    """The same automaton with one acceptance set: the transitions that leave accepting states."""
+    return CompiledGeneralised(
+        states=automaton.states,
+        sets=1,
+        sources=automaton.sources,
+        letters=automaton.letters,
+        targets=automaton.targets,
+        marks=_frozen_flags(automaton.accepting[automaton.sources][:, None]),
+        initial=automaton.initial,
+    )
+
+
 def _transitions(
     propositions: tuple[str, ...], edges: Sequence[Edge | MarkedEdge], letters: tuple[Letter, ...]
 ) -> tuple[IntArray, IntArray]:

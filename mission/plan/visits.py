@@ -6,7 +6,7 @@ that follows it exactly, and too little for a vehicle that may be a tube's width
 
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automaton import CompiledAutomaton
+from mission.logic.automaton import CompiledGeneralised
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, RegionKind, Semantics
 
@@ -19,7 +19,7 @@ def visits(inside: list[bool]) -> list[tuple[int, int]]:
 
 
 def earnest_visits(
-    spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: CompiledAutomaton, run: Run
+    spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: CompiledGeneralised, run: Run
 ) -> frozenset[int]:
     """Indices into ``run.states`` at which the path first settles: one, in the roomiest triangle, for each visit.
 
@@ -50,7 +50,7 @@ def _turns_back(run: Run) -> set[int]:
     return turns
 
 
-def _moves_on(labelling: Labelling, automaton: CompiledAutomaton, run: Run, semantics: Semantics) -> list[bool]:
+def _moves_on(labelling: Labelling, automaton: CompiledGeneralised, run: Run, semantics: Semantics) -> list[bool]:
     """Whether reading each state's label changes the set of automaton states that the run may be in."""
     read: dict[tuple[int, int], set[int]] = {}
     rows = (automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist())

@@ -1,52 +1,61 @@
-"""Chains: all sequences of triangles of one length between given ends, counted, ordered and picked by number.
+"""Chains: all sequences of triangles of least cost between given ends, counted, ordered and picked by number.
 
-Shortest ways form a layered graph over product states. Two ways may be one sequence of triangles and controls and
-differ in automaton states only; they are one run. Where the states of a layered graph have at most one successor for
-each control, and the first layer is one state, that cannot happen, and the graph is counted as it is. Elsewhere it is
-made deterministic: a node is then a triangle with the *set* of automaton states that the sequence may have led to.
-Either way sequences and ways through the nodes correspond one to one, and counting them is a sum over the steps into
-each node, in Python's integers, which have no largest.
+Cheapest ways form an acyclic graph over states, for no transition is free. Two ways may be one sequence of triangles
+and controls and differ in the states of the automaton only; they are one run. Where the states of the graph have at
+most one successor for each control, and it begins in one state, that cannot happen, and the graph is counted as it is.
+Elsewhere it is made deterministic: a node is then a triangle with the *set* of states that the sequence may have led
+to. Either way sequences and ways through the nodes correspond one to one, and counting them is a sum over the steps
+into each node, in Python's integers, which have no largest.
 
-Sets of automaton states are bit sets. For loops from several heads a bit stands for a pair (number of the head in
-which the loop began, state now), so that a sequence counts only where one and the same head closes it.
+Loops from several heads are graphs apart, so that a sequence counts only where one and the same head closes it.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from heapq import heappop, heappush
 from itertools import pairwise
 
 import numpy as np
 
-from mission.geometry.arrays import IntArray
-from mission.logic.automaton import CompiledAutomaton
-from mission.planning.product import Codes, Product
+from mission.geometry.arrays import FloatArray, IntArray
 
-Pair = tuple[int, int]
+Members = tuple[int, ...]
+"""States of the united ways, ascending."""
 
 
 @dataclass(frozen=True, eq=False)
-class Layered:
-    """Product states by layers; a state is in the first and in the last layer of a loop.
+class Ways:
+    """The states and transitions on the cheapest ways from some states to others.
 
     Attributes:
-        states: (n,) product states, ordered by layer and number.
-        layers: (n,) number of the layer of each, from 0, none left out.
+        triangles: (n,) the triangle of each state.
+        order: (n,) what orders states in one triangle, such as the automaton state.
+        distances: (n,) how far each state is from the beginning.
+        sources: (E,) the state that a transition leaves.
+        controls: (E,) the control of T that it takes.
+        targets: (E,) the state that it enters.
+        ends: The states at which the ways end.
     """
 
-    states: Codes
-    layers: IntArray
+    triangles: IntArray
+    order: IntArray
+    distances: FloatArray
+    sources: IntArray
+    controls: IntArray
+    targets: IntArray
+    ends: IntArray
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A graph of nodes, layer by layer, in which every way to a node is a sequence of triangles of its own.
+    """A graph of nodes in which every way to a node is a sequence of triangles of its own.
 
     Attributes:
         triangles: The triangle of each node.
         begins: Where the steps into each node begin in ``sources`` and ``controls``; one more than nodes.
         sources: The node that a step comes from; for each node ordered by control, then by triangle.
         controls: The control that leads from there.
-        ends: The nodes of the last layer, each with its bit set.
+        ends: The nodes at which ways end, each with the ends (states of the united ways) that it stands for.
         counts: How many sequences lead to each node.
     """
 
@@ -54,7 +63,7 @@ class Chain:
     begins: list[int]
     sources: list[int]
     controls: list[int]
-    ends: list[Pair]
+    ends: list[tuple[int, Members]]
     counts: list[int]
 
     def walk(self, node: int, rank: int) -> tuple[list[int], list[int]]:
@@ -76,111 +85,104 @@ class Chain:
         return triangles[::-1], controls[::-1]
 
 
+def chain(parts: Sequence[Ways]) -> Chain:
+    """Unite ways, whose states are numbered on from part to part, into one chain of distinct sequences."""
+    ways = _plain(parts[0] if len(parts) == 1 else _united(parts))
+    return _as_it_is(ways) if _deterministic(ways) else _made_deterministic(ways)
+
+
+def _united(parts: Sequence[Ways]) -> Ways:
+    shifts = np.cumsum([0, *(len(part.triangles) for part in parts[:-1])]).tolist()
+    return Ways(
+        np.concatenate([part.triangles for part in parts]),
+        np.concatenate([part.order for part in parts]),
+        np.concatenate([part.distances for part in parts]),
+        np.concatenate([part.sources + shift for part, shift in zip(parts, shifts, strict=True)]),
+        np.concatenate([part.controls for part in parts]),
+        np.concatenate([part.targets + shift for part, shift in zip(parts, shifts, strict=True)]),
+        np.concatenate([part.ends + shift for part, shift in zip(parts, shifts, strict=True)]),
+    )
+
+
+def _plain(ways: Ways) -> Ways:
+    """The same ways, with transitions of A that differ in their marks only as one transition."""
+    rows = np.unique(np.column_stack((ways.sources, ways.controls, ways.targets)), axis=0).reshape(-1, 3)
+    return replace(ways, sources=rows[:, 0], controls=rows[:, 1], targets=rows[:, 2])
+
+
+def _deterministic(ways: Ways) -> bool:
+    """Whether two ways are always two sequences."""
+    again = (np.diff(ways.sources) == 0) & (np.diff(ways.controls) == 0)  # ordered by these
+    return np.count_nonzero(ways.distances == 0) == 1 and not again.any()
+
+
+def _as_it_is(ways: Ways) -> Chain:
+    """The chain whose nodes are the states."""
+    size = len(ways.triangles)
+    node_of = np.empty(size, dtype=np.int64)
+    states = np.lexsort((ways.order, ways.triangles, ways.distances))
+    node_of[states] = np.arange(size)
+    sources, targets = node_of[ways.sources], node_of[ways.targets]
+    order = np.lexsort((ways.triangles[ways.sources], ways.controls, targets))
+    begins = np.concatenate(([0], np.cumsum(np.bincount(targets, minlength=size)))).tolist()
+    listed = sources[order].tolist()
+    ends = ways.ends[np.lexsort((ways.order[ways.ends], ways.triangles[ways.ends]))]
+    return Chain(
+        triangles=ways.triangles[states].tolist(),
+        begins=begins,
+        sources=listed,
+        controls=ways.controls[order].tolist(),
+        ends=[(node, (end,)) for node, end in zip(node_of[ends].tolist(), ends.tolist(), strict=True)],
+        counts=_counted(begins, listed),
+    )
+
+
+def _made_deterministic(ways: Ways) -> Chain:
+    """The chain whose nodes are triangles with the sets of states that a sequence leads to."""
+    onward: list[list[tuple[int, int]]] = [[] for _ in ways.triangles]
+    for source, control, target in zip(
+        ways.sources.tolist(), ways.controls.tolist(), ways.targets.tolist(), strict=True
+    ):
+        onward[source].append((control, target))
+    at, distance_of = ways.triangles.tolist(), ways.distances.tolist()
+    first: dict[int, list[int]] = {}
+    for state in np.flatnonzero(ways.distances == 0).tolist():
+        first.setdefault(at[state], []).append(state)
+    # What has been found but not been made a node, by distance: each set with the steps that lead to it.
+    waiting: dict[float, dict[Members, list[tuple[int, int, int]]]] = {0.0: {tuple(s): [] for s in first.values()}}
+    queue = [0.0]
+    triangles: list[int] = []
+    members: list[Members] = []
+    begins, sources, controls = [0], list[int](), list[int]()
+    while queue:
+        distance = heappop(queue)
+        for states, steps in sorted(waiting.pop(distance).items(), key=lambda item: (at[item[0][0]], item[0])):
+            node = len(triangles)
+            triangles.append(at[states[0]])
+            members.append(states)
+            for control, _, source in sorted(steps):
+                sources.append(source)
+                controls.append(control)
+            begins.append(len(sources))
+            reached: dict[int, set[int]] = {}
+            for state in states:
+                for control, target in onward[state]:
+                    reached.setdefault(control, set()).add(target)
+            for control, targets in reached.items():
+                found = tuple(sorted(targets))
+                after = distance_of[found[0]]
+                if after not in waiting:
+                    waiting[after] = {}
+                    heappush(queue, after)
+                waiting[after].setdefault(found, []).append((control, triangles[node], node))
+    ends = frozenset(ways.ends.tolist())
+    closing = [(node, tuple(s for s in states if s in ends)) for node, states in enumerate(members)]
+    listed = sorted(((node, found) for node, found in closing if found), key=lambda end: (triangles[end[0]], end[1]))
+    return Chain(triangles, begins, sources, controls, listed, _counted(begins, sources))
+
+
 def _counted(begins: list[int], sources: list[int]) -> list[int]:
     counts: list[int] = []
     for begin, end in pairwise(begins):
         counts.append(sum([counts[source] for source in sources[begin:end]]) if begin < end else 1)
     return counts
-
-
-def chain(product: Product, graphs: Sequence[Layered]) -> Chain:
-    """Unite layered graphs with equal numbers of layers, one for each head, into one chain of distinct sequences."""
-    if len(graphs) == 1:
-        plain = _as_it_is(product, graphs[0])
-        if plain is not None:
-            return plain
-    return _made_deterministic(product, graphs)
-
-
-def _as_it_is(product: Product, graph: Layered) -> Chain | None:
-    """The chain whose nodes are the product states, None where two ways may be one sequence."""
-    size = len(graph.states)
-    if np.count_nonzero(graph.layers == 0) > 1:
-        return None
-    node_of = np.full(product.full_size, -1, dtype=np.int64)
-    node_of[graph.states] = np.arange(size)  # of a state in two layers the last: nothing leads into the first one
-    steps = product.out(graph.states)
-    targets = node_of[steps.states]
-    onward = (targets >= 0) & (graph.layers[targets] == graph.layers[steps.rows] + 1)
-    sources, controls, targets = steps.rows[onward], steps.controls[onward], targets[onward]
-    if ((np.diff(sources) == 0) & (np.diff(controls) == 0)).any():
-        return None
-    triangles, automaton_states = product.parts(graph.states)
-    order = np.lexsort((triangles[sources], controls, targets))
-    begins = np.concatenate(([0], np.cumsum(np.bincount(targets, minlength=size)))).tolist()
-    sources_listed = sources[order].tolist()
-    last = np.flatnonzero(graph.layers == graph.layers[-1])
-    last = last[np.lexsort((automaton_states[last], triangles[last]))]
-    return Chain(
-        triangles=triangles.tolist(),
-        begins=begins,
-        sources=sources_listed,
-        controls=controls[order].tolist(),
-        ends=[(node, 1 << q) for node, q in zip(last.tolist(), automaton_states[last].tolist(), strict=True)],
-        counts=_counted(begins, sources_listed),
-    )
-
-
-def _made_deterministic(product: Product, graphs: Sequence[Layered]) -> Chain:
-    """The chain whose nodes are triangles with the sets of (head, automaton state) that a sequence leads to."""
-    allowed = _allowed(product, graphs)
-    reader = _Reader(product.automaton)
-    letter_of, successors = product.system.letter_of, product.system.successors
-    layer = sorted(allowed[0].items())  # (triangle, bit set) of each node
-    triangles, begins = [x for x, _ in layer], [0] * (len(layer) + 1)
-    sources: list[int] = []
-    controls: list[int] = []
-    for here in allowed[1:]:
-        first = len(triangles) - len(layer)
-        into: dict[Pair, list[tuple[int, int, int]]] = {}
-        for node, (x, bits) in enumerate(layer, first):
-            for control, y in enumerate(successors[x].tolist()):
-                if y in here and (reached := reader.read(bits, int(letter_of[y])) & here[y]):
-                    into.setdefault((y, reached), []).append((control, x, node))
-        layer = sorted(into)
-        for key in layer:
-            steps = sorted(into[key])
-            triangles.append(key[0])
-            sources.extend(node for _, _, node in steps)
-            controls.extend(control for control, _, _ in steps)
-            begins.append(len(sources))
-    ends = [(node, bits) for node, (_, bits) in enumerate(layer, len(triangles) - len(layer))]
-    return Chain(triangles, begins, sources, controls, ends, _counted(begins, sources))
-
-
-def _allowed(product: Product, graphs: Sequence[Layered]) -> list[dict[int, int]]:
-    """For each layer the triangles in it with the bit set of all (head, automaton state) there."""
-    states = product.automaton.states
-    layers: list[dict[int, int]] = [{} for _ in range(int(graphs[0].layers[-1]) + 1)]
-    for head, graph in enumerate(graphs):
-        triangles, automaton_states = product.parts(graph.states)
-        for layer, x, q in zip(graph.layers.tolist(), triangles.tolist(), automaton_states.tolist(), strict=True):
-            layers[layer][x] = layers[layer].get(x, 0) | 1 << (head * states + q)
-    return layers
-
-
-class _Reader:
-    """What reading a letter makes of a bit set of (head, automaton state); each distinct question is answered once."""
-
-    def __init__(self, automaton: CompiledAutomaton) -> None:
-        self._states = automaton.states
-        self._targets: dict[Pair, int] = {}
-        rows = zip(automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), strict=True)
-        for source, letter, target in rows:
-            self._targets[source, letter] = self._targets.get((source, letter), 0) | 1 << target
-        self._read: dict[Pair, int] = {}
-
-    def read(self, bits: int, letter: int) -> int:
-        if (bits, letter) not in self._read:
-            self._read[bits, letter] = _image(bits, letter, self._targets, self._states)
-        return self._read[bits, letter]
-
-
-def _image(bits: int, letter: int, targets: Mapping[Pair, int], states: int) -> int:
-    image = 0
-    while bits:
-        lowest = (bits & -bits).bit_length() - 1
-        head, q = divmod(lowest, states)
-        image |= targets.get((q, letter), 0) << (head * states)
-        bits &= bits - 1
-    return image

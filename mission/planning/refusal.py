@@ -4,11 +4,12 @@ from collections.abc import Iterable
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse.csgraph import breadth_first_order
 
 from mission.geometry.arrays import IntArray
-from mission.logic.automaton import CompiledAutomaton
-from mission.planning.product import UNREACHED, Product
+from mission.planning.product import Product
+from mission.planning.recurrence import recurrent_automaton_states
+from mission.planning.sweeps import Graph
 from mission.planning.transition_system import TransitionSystem
 
 
@@ -16,10 +17,10 @@ def refusal(product: Product) -> str:
     """The reason for a product without accepting runs.
 
     Asked in this order: does any word over the map's labels satisfy the formula, may the flight start where it does,
-    is there an accepting state that it can reach, and one that it can come back to.
+    can it take a transition that an accepting run takes again and again.
     """
     system = product.system
-    if not _accepts_anything(product.automaton):
+    if not _accepts_anything(product):
         regions = ", ".join(sorted(set[str]().union(*system.letters))) or "none"
         return (
             "no flight whatever satisfies the formula: it contradicts itself, or asks for regions together, or for a "
@@ -28,7 +29,7 @@ def refusal(product: Product) -> str:
     if not len(product.initial):
         label = _listed(system.letters[system.letter_of[product.start]])
         return f"the formula is violated where the flight starts, in triangle {product.start} ({label})"
-    if not len(product.accepting):
+    if not product.out(np.flatnonzero(np.isfinite(product.distances))).marks.any():
         return f"no run satisfies the formula: {_how_far(product)}"
     return f"the formula asks for something again and again that can happen only finitely often: {_how_far(product)}"
 
@@ -36,7 +37,7 @@ def refusal(product: Product) -> str:
 def _how_far(product: Product) -> str:
     """Which regions can be reached before the formula is violated, and what keeps the vehicle from the others."""
     system = product.system
-    x, _ = product.parts(np.flatnonzero(product.distances != UNREACHED).astype(np.int32))
+    x, _ = product.parts(np.flatnonzero(np.isfinite(product.distances)))
     reached = _regions(system, x)
     connected = _regions(system, _connected(system, product.start))
     text = f"from triangle {product.start} the flight can reach {_listed(reached)}"
@@ -63,15 +64,10 @@ def _connected(system: TransitionSystem, start: int) -> IntArray:
     return np.asarray(breadth_first_order(graph, start, return_predecessors=False), dtype=np.int64)
 
 
-def _accepts_anything(automaton: CompiledAutomaton) -> bool:
-    """Whether an initial state leads to an accepting one on a loop, the letters in any order."""
-    states = automaton.states
-    sources = np.concatenate((automaton.sources, np.full(len(automaton.initial), states)))
-    targets = np.concatenate((automaton.targets, automaton.initial))
-    ends = sources, targets
-    graph = coo_array((np.ones(len(sources), dtype=np.int8), ends), shape=(states + 1, states + 1)).tocsr()
-    reached = breadth_first_order(graph, states, return_predecessors=False)
-    _, components = connected_components(graph, directed=True, connection="strong")
-    on_loop = np.bincount(components)[components] > 1
-    on_loop[automaton.sources[automaton.sources == automaton.targets]] = True
-    return bool((on_loop[:-1] & automaton.accepting)[reached[1:]].any())
+def _accepts_anything(product: Product) -> bool:
+    """Whether an initial state leads to one that may recur, the letters in any order."""
+    automaton = product.automaton
+    begins = np.searchsorted(automaton.sources, np.arange(automaton.states + 1)).astype(np.int32)
+    graph = Graph(automaton.targets.astype(np.int32), begins, 1.0)
+    reached = np.isfinite(graph.distances(automaton.initial))
+    return bool((reached & recurrent_automaton_states(product)).any())

@@ -1,6 +1,7 @@
 """The transition system T of a partition (paper, Eq. 22), as arrays."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -20,25 +21,43 @@ class TransitionSystem:
         successors: Shape (M, 4), the triangle that each control leads to; -1 where the control is not admissible.
         letter_of: Shape (M,), index of each triangle's observation in ``letters``.
         letters: The observations of the domain.
+        weights: Shape (M, 4), what each transition costs, in whole units and at least 1, of controls that are not
+            admissible too; 1 by default, so that a run costs as much as it has transitions. Whole numbers make ties
+            exact, and a stay that is not free makes no loop free.
+
+    Raises:
+        ValueError: A weight is below 1.
     """
 
     successors: IntArray
     letter_of: IntArray
     letters: tuple[frozenset[str], ...]
+    weights: IntArray = field(default_factory=lambda: np.ones((1, CONTROLS), dtype=np.int64))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "successors", frozen_ints(self.successors))
         object.__setattr__(self, "letter_of", frozen_ints(self.letter_of))
+        object.__setattr__(self, "weights", frozen_ints(np.broadcast_to(self.weights, self.successors.shape)))
+        if (self.weights < 1).any():
+            raise ValueError("a transition costs at least 1")
 
     @property
     def size(self) -> int:
         """Number of states, M."""
         return len(self.successors)
 
+    @cached_property
+    def uniform(self) -> bool:
+        """Whether all transitions cost the same."""
+        return bool((self.weights == self.weights[0, 0]).all())
+
     @staticmethod
-    def from_partition(partition: Partition, labelling: Labelling, blocked: BoolArray) -> "TransitionSystem":
-        """One state for each triangle; no control leads into a ``blocked`` (M,) one."""
+    def from_partition(
+        partition: Partition, labelling: Labelling, blocked: BoolArray, weights: IntArray | None = None
+    ) -> "TransitionSystem":
+        """One state for each triangle; no control leads into a ``blocked`` (M,) one; ``weights`` (M, 4) or all 1."""
         across = partition.neighbours
         open_facet = (across >= 0) & ~blocked[across]
         successors = np.column_stack((np.arange(partition.size), np.where(open_facet, across, -1)))
-        return TransitionSystem(successors, labelling.letter_of, labelling.letters)
+        costs = np.ones((1, CONTROLS), dtype=np.int64) if weights is None else weights
+        return TransitionSystem(successors, labelling.letter_of, labelling.letters, costs)

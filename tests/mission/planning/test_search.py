@@ -13,12 +13,13 @@ from mission.geometry.triangulation import triangulate_nodes
 from mission.logic.automaton import CompiledAutomaton, compile_to_alphabet
 from mission.logic.parser import parse_formula
 from mission.logic.translate import translate
+from mission.planning.objective import Objective
 from mission.planning.product import Product
-from mission.planning.search import search
+from mission.planning.search import ShortestRuns, search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.loader import load_mission
 from mission.spec.model import NodesDomain, Semantics
-from tests.support.products import brute_force, random_automaton, random_system
+from tests.support.products import Lasso, Shape, best_lassos, listed_lassos, random_automaton, random_system, weighted
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 LETTERS = (frozenset[str](), frozenset({"R"}), frozenset({"S1"}), frozenset({"S2"}), frozenset({"K1"}))
@@ -61,30 +62,10 @@ def test_a_recurrent_run_moves_round_its_loop() -> None:
     assert 6 not in run.states
 
 
-@settings(max_examples=250, deadline=None)
-@given(
-    seed=st.integers(0, 2**32 - 1),
-    triangles=st.integers(1, 6),
-    states=st.integers(1, 4),
-    density=st.sampled_from([0.15, 0.3, 0.5]),
-    semantics=st.sampled_from(list(Semantics)),
-)
-def test_cost_count_and_runs_equal_brute_force(
-    seed: int, triangles: int, states: int, density: float, semantics: Semantics
-) -> None:
-    rng = np.random.default_rng(seed)
-    system = random_system(rng, triangles, 2)
-    automaton = random_automaton(rng, states, 2, density)
-    expected = brute_force(system, automaton, 0, reads_start=semantics is Semantics.STANDARD, most=6)
-    product = Product(system, automaton, 0, semantics)
-    try:
-        runs = search(product)
-    except NoPlanError:
-        assert expected is None
-        return
-    if expected is None:
-        assert runs.cost > 6
-        return
+SHAPES = st.builds(Shape, st.integers(1, 4), st.integers(0, 4), st.sampled_from([0.15, 0.3, 0.5]))
+
+
+def check(runs: ShortestRuns, expected: tuple[int, set[Lasso]], system: TransitionSystem) -> None:
     listed = list(runs)
     assert runs.cost == expected[0]
     assert runs.count == len(listed) == len(expected[1])
@@ -93,6 +74,58 @@ def test_cost_count_and_runs_equal_brute_force(
     for run in listed:
         entered = [*run.states[1:], run.suffix[0]]
         assert [system.successors[x, u] for x, u in zip(run.states, run.controls, strict=True)] == entered
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    triangles=st.integers(1, 6),
+    shape=SHAPES,
+    semantics=st.sampled_from(list(Semantics)),
+)
+def test_cost_count_and_runs_equal_those_of_listed_walks(
+    seed: int, triangles: int, shape: Shape, semantics: Semantics
+) -> None:
+    rng = np.random.default_rng(seed)
+    system = random_system(rng, triangles, 2)
+    automaton = random_automaton(rng, 2, shape)
+    expected = listed_lassos(system, automaton, 0, reads_start=semantics is Semantics.STANDARD, most=6)
+    product = Product(system, automaton, 0, semantics)
+    try:
+        runs = search(product, Objective(1, 1))
+    except NoPlanError:
+        assert expected is None
+        return
+    if expected is None:
+        assert runs.cost > 6
+        return
+    check(runs, expected, system)
+
+
+@settings(max_examples=250, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    triangles=st.integers(1, 9),
+    shape=SHAPES,
+    most=st.sampled_from([1, 3]),
+    objective=st.sampled_from([Objective(), Objective(1, 1), Objective(2, 3), Objective(1, 50)]),
+    semantics=st.sampled_from(list(Semantics)),
+)
+def test_cost_count_and_runs_equal_the_definition(
+    *, seed: int, triangles: int, shape: Shape, most: int, objective: Objective, semantics: Semantics
+) -> None:
+    rng = np.random.default_rng(seed)
+    system = weighted(rng, random_system(rng, triangles, 3), most)
+    automaton = random_automaton(rng, 3, shape)
+    expected = best_lassos(system, automaton, 0, objective, reads_start=semantics is Semantics.STANDARD)
+    product = Product(system, automaton, 0, semantics)
+    if expected is None:
+        with pytest.raises(NoPlanError):
+            search(product, objective)
+        return
+    runs = search(product, objective)
+    if len(expected[1]) <= 2000:
+        check(runs, expected, system)
 
 
 def test_numbers_of_runs_are_exact_beyond_every_machine_integer() -> None:
