@@ -24,6 +24,14 @@ class Semantics(StrEnum):
     PAPER = "paper"
 
 
+class Cost(StrEnum):
+    """What a run should have least of."""
+
+    TRANSITIONS = "transitions"
+    DISTANCE = "distance"
+    TIME = "time"
+
+
 class Extension(StrEnum):
     """How the planned path is extended before its Fourier series is taken."""
 
