@@ -29,10 +29,11 @@ from mission.logic.automaton import (
     states_with_nonempty_language,
 )
 from mission.logic.components import strong_components
+from mission.logic.conversion import with_marked_transitions
 from mission.logic.degeneralisation import degeneralised
 from mission.logic.determinisation import ParityAutomaton, determinised
 from mission.logic.diagrams import TooLargeError
-from mission.logic.lettered import Alphabet, Lettered, bits_of, with_marked_transitions
+from mission.logic.lettered import Alphabet, Lettered, bits_of
 from mission.logic.simulation import reduced
 from mission.logic.structure import state_based, structure_of
 from mission.logic.word import Letter

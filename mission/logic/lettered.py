@@ -7,7 +7,7 @@ from operator import or_
 
 import numpy as np
 
-from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi, MarkedEdge, compile_generalised
+from mission.logic.automaton import GeneralisedBuchi, MarkedEdge, compile_generalised
 from mission.logic.components import backward_reachable, strong_components
 from mission.logic.guards import Cube, Guard
 from mission.logic.word import Letter
@@ -130,15 +130,6 @@ class Lettered:
                     read.setdefault((q, target, tuple(states_of(marks))), []).append(letter)
         edges = tuple(MarkedEdge(q, alphabet.guard(read[q, t, marks]), t, marks) for q, t, marks in sorted(read))
         return GeneralisedBuchi(alphabet.propositions, self.size, self.initial, self.sets, edges)
-
-
-def with_marked_transitions(automaton: BuchiAutomaton) -> GeneralisedBuchi:
-    """An automaton with accepting states as one whose transitions from these are marked."""
-    edges = tuple(
-        MarkedEdge(edge.source, edge.guard, edge.target, (0,) * (edge.source in automaton.accepting))
-        for edge in automaton.edges
-    )
-    return GeneralisedBuchi(automaton.propositions, automaton.size, automaton.initial, 1, edges)
 
 
 def _useful(table: list[list[list[tuple[int, int]]]], initial: list[int], everything: int) -> list[int]:

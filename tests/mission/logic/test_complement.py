@@ -10,10 +10,10 @@ from mission.errors import AutomatonSizeError
 from mission.logic import complement as module
 from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
 from mission.logic.complement import complement
+from mission.logic.conversion import with_marked_transitions
 from mission.logic.formula import negation
 from mission.logic.guards import Guard
 from mission.logic.hoa import parse_generalised
-from mission.logic.lettered import with_marked_transitions
 from mission.logic.parser import parse_formula
 from mission.logic.translate import translate, translate_generalised
 from mission.logic.word import LassoWord, Letter, satisfies
