@@ -138,7 +138,7 @@ _MISSION: Final = _object(
             "type": "string",
             "minLength": 1,
             "maxLength": 1_000,
-            "examples": ["even.hoa"],
+            "examples": ["pairs.hoa"],
         },
         "semantics": {
             "description": "Whether the start's own region is read by the formula (standard) or not (paper).",
