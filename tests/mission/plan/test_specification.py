@@ -1,5 +1,6 @@
 """Missions that name an automaton: planned from every form that is read, proved, written, read back and warned of."""
 
+import json
 from dataclasses import replace
 from random import Random
 
@@ -88,7 +89,7 @@ def test_tasks_beside_it_are_met_too() -> None:
     assert [task.task for task in plan.dropped] == ["avoid goal"]
     assert plan.specification == "automaton it.hoa, and F home & G !pond"
     assert plan.required.satisfied_by(word_of(plan))
-    assert "goal" in plan.dropped[0].reason or "it.hoa" in plan.dropped[0].reason
+    assert plan.dropped[0].reason == "these contradict each other"
     forbidden = "tasks:\n  - avoid: goal\n"
     with pytest.raises(NoPlanError, match=r"contradict each other:\n    automaton it\.hoa\n    G !goal") as caught:
         plan_mission(mission_of(FORMS["two accepting states"], forbidden))
@@ -122,10 +123,12 @@ def test_a_plan_needs_no_other_file(pairs: FlightPlan) -> None:
 
 
 def test_a_plan_is_proved_against_the_automaton_in_it_and_not_what_stands_beside(pairs: FlightPlan) -> None:
-    odd = (
-        plan_to_json(pairs).replace('State: 2 \\"an odd', 'State: 2 {0} \\"an odd').replace('and at home\\" {0}', '\\"')
+    document = json.loads(plan_to_json(pairs))
+    text = document["mission_automaton"].replace('at home" {0}', 'at home"')
+    document["mission_automaton"] = text.replace(
+        'odd number of loads is delivered"', 'odd number of loads is delivered" {0}'
     )
-    again = plan_from_json(odd)
+    again = plan_from_json(json.dumps(document))
     assert again.required != pairs.required
     assert not certify_again(again).holds
 
@@ -170,13 +173,10 @@ def test_the_monitor_knows_when_an_automaton_is_met_or_lost_for_good() -> None:
 
 
 def test_an_automaton_that_counts_triangles_is_warned_of() -> None:
-    # Every second letter is free: it accepts or not by how many triangles are passed on the way.
-    text = HEAD + "Acceptance: 1 Inf(0) --BODY-- State: 0 [!0] 1 State: 1 [t] 0 [0] 2 State: 2 {0} [t] 2 --END--"
-    plan = plan_mission(mission_of(text))
-    assert plan.warnings == (
-        "the automaton it.hoa may depend on the mesh: it counts how many triangles of the same labels follow each "
-        "other",
-    )
+    # Two triangles of the goal are wanted, or a stay in one.
+    text = HEAD + "Acceptance: 1 Inf(0) --BODY-- State: 0 [t] 0 [0] 1 State: 1 [0] 2 State: 2 {0} [t] 2 --END--"
+    (warning,) = plan_mission(mission_of(text)).warnings
+    assert warning.startswith("the automaton it.hoa may depend on the mesh: it counts how many triangles")
 
 
 def test_an_automaton_that_asks_nothing_is_warned_of() -> None:
