@@ -122,7 +122,7 @@ def _explored(construction: _Construction[_State], alphabet: Alphabet) -> BuchiA
         if len(queue) > MAX_STATES or transitions > _MAX_TRANSITIONS:
             raise TooLargeError
     accepting = frozenset(index for index, state in enumerate(queue) if construction.accepting(state))
-    edges = tuple(Edge(source, alphabet.guard(read[source, target]), target) for source, target in sorted(read))
+    edges = tuple(Edge(source, alphabet.short_guard(read[source, target]), target) for source, target in sorted(read))
     return _trimmed(BuchiAutomaton(alphabet.propositions, len(queue), (0,), accepting, edges), alphabet)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import cache, reduce
+from functools import cache, cached_property, reduce
 from operator import or_
 
 import numpy as np
@@ -35,12 +35,42 @@ class Alphabet:
         return len(self.letters)
 
     def guard(self, read: Iterable[int]) -> Guard:
-        """The guard that allows exactly the letters of these numbers."""
-        return Guard(self.propositions, tuple(self._cube(letter) for letter in sorted(read)))
+        """The guard that allows, of all letters there are, exactly those of these numbers."""
+        return Guard(self.propositions, tuple(self._exact[letter] for letter in sorted(read)))
 
-    def _cube(self, letter: int) -> Cube:
-        holds = sum(1 << bit for bit, name in enumerate(self.propositions) if name in self.letters[letter])
-        return holds, (1 << len(self.propositions)) - 1 ^ holds
+    def short_guard(self, read: Iterable[int]) -> Guard:
+        """A guard that allows, of the letters that occur, exactly those of these numbers; others do not matter."""
+        return Guard(self.propositions, tuple(self._short[letter] for letter in sorted(read)))
+
+    @cached_property
+    def _exact(self) -> tuple[Cube, ...]:
+        whole = (1 << len(self.propositions)) - 1
+        holding = (
+            bits_of(bit for bit, name in enumerate(self.propositions) if name in letter) for letter in self.letters
+        )
+        return tuple((holds, whole ^ holds) for holds in holding)
+
+    @cached_property
+    def _short(self) -> tuple[Cube, ...]:
+        """Cubes of fewer literals that still tell each letter from all others."""
+        holding = [holds for holds, _ in self._exact]
+        return tuple(_shortened(cube, [bits for bits in holding if bits != cube[0]]) for cube in self._exact)
+
+
+def _shortened(cube: Cube, others: list[int]) -> Cube:
+    """A cube without literals that it does not need to allow none of the other letters; first those that forbid."""
+    holds, fails = cube
+    for bit in states_of(fails):
+        fewer = fails & ~(1 << bit)
+        fails = fails if _allows_any(holds, fewer, others) else fewer
+    for bit in states_of(holds):
+        fewer = holds & ~(1 << bit)
+        holds = holds if _allows_any(fewer, fails, others) else fewer
+    return holds, fails
+
+
+def _allows_any(holds: int, fails: int, letters: Iterable[int]) -> bool:
+    return any(not holds & ~bits and not fails & bits for bits in letters)
 
 
 @dataclass(frozen=True)
