@@ -59,7 +59,7 @@ class FormulaSyntaxError(MissionError):
 
 
 class AutomatonSizeError(MissionError):
-    """A formula, or the automaton that it asks for, is too large to be built; the message says which bound it meets."""
+    """A formula, an automaton, or one that these ask for, is too large to be built; the message says which bound."""
 
     exit_code = 2
 

@@ -23,8 +23,9 @@ def run(arguments: Namespace) -> int:
             f"{plan.path.length_m:.1f} m in {plan.trajectory.duration_s:.0f} s, proved",
             markup=False,
         )
-        if plan.spec.tasks:
-            out.print(f"  formula  {plan.specification}", markup=False, highlight=False)
+        if plan.spec.tasks or plan.spec.automaton:
+            for kind, text in plan.written:
+                out.print(f"  {kind}  {text}", markup=False, highlight=False)
         for task in plan.dropped:
             out.print(f"  dropped  {task.task} (weight {task.weight:g}): {task.reason}", markup=False, highlight=False)
         print_warnings(plan.warnings, source=name)

@@ -21,6 +21,7 @@ from mission.report.files import write_whole
 from mission.report.record import FlightRecord
 
 _OF_THE_BUNDLED_VEHICLE = ("speed", "seed", "wind", "flavour", "no_ground_station")
+AUTOMATON_SUFFIX = ".hoa"
 _UNHEARD = (
     "check that the vehicle or its simulator runs and sends MAVLink there; "
     "udpin: waits for a vehicle that calls, udpout: and tcp: call one"
@@ -127,9 +128,17 @@ def _begin_record(root: Path, plan: FlightPlan, file: Path) -> tuple[Path, Fligh
         folder = record.folder or root
         write_whole(folder / MISSION_FILE, mission_text)
         write_whole(folder / PLAN_FILE, plan_to_json(plan))
+        _write_automaton(folder, plan)
     except OSError as error:
         raise unwritable("--out", root, error) from error
     return folder, record
+
+
+def _write_automaton(folder: Path, plan: FlightPlan) -> None:
+    """Lay the mission's automaton beside the copy of the mission, where that will look for it."""
+    named = plan.spec.automaton
+    if named is not None and named.file == Path(named.file).name and named.file.endswith(AUTOMATON_SUFFIX):
+        write_whole(folder / named.file, named.text)
 
 
 def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:

@@ -69,6 +69,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
     return {
         "name": plan.spec.name,
         "formula": plan.specification,
+        "automaton_file": plan.spec.automaton.file if plan.spec.automaton else None,
         "tasks": [task_text(task) for task in plan.spec.tasks],
         "dropped_tasks": [asdict(task) for task in plan.dropped],
         "warnings": list(plan.warnings),
@@ -111,7 +112,8 @@ def _print_mission(plan: FlightPlan) -> None:
         _print(f"  {'dropped' if i in lost else 'task':<11}{task_text(task)}{weight}")
         if i in lost:
             _print(f"               {lost[i].reason}")
-    _print(f"  formula    {plan.specification}")
+    for kind, text in plan.written:
+        _print(f"  {kind:<11}{text}")
 
 
 def _print_plan(plan: FlightPlan) -> None:

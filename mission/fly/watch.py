@@ -60,7 +60,7 @@ class FlightWatch:
         self.monitor = Monitor(
             plan.locator,
             plan.labelling,
-            formula=plan.formula,
+            satisfied_by=plan.required.satisfied_by,
             automaton=plan.compiled,
             refutation=plan.compiled_refutation,
             semantics=plan.spec.semantics,

@@ -14,6 +14,9 @@ Diagram = int
 Cube = tuple[int, int]
 """A conjunction of literals: the bits of the variables that hold, and of those that do not."""
 
+MAX_CUBES: Final = 100_000
+"""Cubes of a disjunction at which ``cover`` gives up."""
+
 LEAF: Final = 1 << 60
 """The ``variable`` of a leaf: after every variable."""
 
@@ -25,7 +28,8 @@ class TooLargeError(Exception):
 class Diagrams:
     """A pool of diagrams; diagrams of different pools have nothing to do with each other.
 
-    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last.
+    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last, and ``cover`` when it needs
+    more than ``MAX_CUBES``.
     """
 
     def __init__(self) -> None:
@@ -275,6 +279,8 @@ class Diagrams:
             *((holds, fails | bit) for holds, fails in low_cubes),
             *free_cubes,
         )
+        if len(cubes) > MAX_CUBES:
+            raise TooLargeError
         covered = self.either(free, self.test(variable, low, high))
         known[lower, upper] = cubes, covered
         return cubes, covered

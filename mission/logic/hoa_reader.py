@@ -6,10 +6,11 @@ labels, aliases, and several initial states. Everything else that the format all
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
 
+from collections.abc import Iterable
 from typing import Final
 
 from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
-from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.diagrams import MAX_CUBES, Diagram, Diagrams, TooLargeError
 from mission.logic.formula import proposition
 from mission.logic.guards import Guard
 from mission.logic.hoa_tokens import Token, refusal, tokens
@@ -45,9 +46,12 @@ class Reader:
         Raises:
             SpecError: The text is no such automaton, or one that this reader refuses; with line, column and reason.
         """
-        self._header()
-        self._body()
-        return self._finished()
+        try:
+            self._header()
+            self._body()
+            return self._finished()
+        except TooLargeError as error:
+            raise refusal("the labels of this automaton are too complicated", self._next) from error
 
     # Tokens
 
@@ -312,10 +316,22 @@ class Reader:
             )
             key = (state, int(target.text), marks)
             letters[key] = self._diagrams.either(letters.get(key, self._diagrams.false), label)
+        guards = self._guards(dict.fromkeys(letters.values()))
         edges = tuple(
-            MarkedEdge(source, Guard(self._names, self._diagrams.cover(letters[source, target, marks])), target, marks)
+            MarkedEdge(source, guards[letters[source, target, marks]], target, marks)
             for source, target, marks in sorted(letters)
             if letters[source, target, marks] != self._diagrams.false
         )
         initial = tuple(sorted({int(token.text) for token in self._starts}))
         return GeneralisedBuchi(self._names, size, initial, len(conditions), edges)
+
+    def _guards(self, labels: Iterable[Diagram]) -> dict[Diagram, Guard]:
+        """Each label as a guard; all together have no more cubes than one may have."""
+        guards: dict[Diagram, Guard] = {}
+        cubes = 0
+        for label in labels:
+            guards[label] = Guard(self._names, self._diagrams.cover(label))
+            cubes += len(guards[label].cubes)
+            if cubes > MAX_CUBES:
+                raise TooLargeError
+        return guards

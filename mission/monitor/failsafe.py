@@ -36,7 +36,7 @@ _TABLE: tuple[tuple[Callable[[Situation], bool], Callable[[Situation], str]], ..
     (lambda now: not now.estimate_healthy, lambda _: "the vehicle no longer trusts its own position"),
     (lambda now: now.battery_critical, lambda _: "the battery is critical"),
     (lambda now: bool(now.violation), lambda now: now.violation),
-    (lambda now: now.verdict is Verdict.FALSE, lambda _: "the formula can no longer be satisfied"),
+    (lambda now: now.verdict is Verdict.FALSE, lambda _: "the specification can no longer be satisfied"),
     (lambda now: now.astray, lambda now: f"the vehicle does not follow: it is {now.error_m:.1f} m off"),
 )
 

@@ -6,6 +6,7 @@ standard semantics only; at the end of a flight that stays, the last label repea
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -15,8 +16,7 @@ from mission.geometry.arrays import BoolArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
 from mission.logic.automaton import CompiledAutomaton
-from mission.logic.formula import Formula
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.word import LassoWord
 from mission.monitor.laps import LapCounter
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics
@@ -31,7 +31,7 @@ class Visit:
 
 
 class ViolationKind(StrEnum):
-    """What a flight must never do, whatever its formula says."""
+    """What a flight must never do, whatever its specification says."""
 
     LEFT_DOMAIN = "left the domain"
     ENTERED_RESTRICTED = "entered a restricted region"
@@ -68,9 +68,9 @@ class Monitor:
     Args:
         locator: Point location in the domain.
         labelling: Labels of the domain.
-        formula: The specification.
-        automaton: Of the formula, over ``labelling.letters``.
-        refutation: Of its negation, over the same.
+        satisfied_by: Whether a word satisfies the specification, by its definition.
+        automaton: Of the words that do, over ``labelling.letters``.
+        refutation: Of those that do not, over the same.
         semantics: Whether the label of the first triangle is read.
         restricted: Shape (M,), triangles that must not be entered.
         suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
@@ -82,7 +82,7 @@ class Monitor:
         locator: Locator,
         labelling: Labelling,
         *,
-        formula: Formula,
+        satisfied_by: Callable[[LassoWord], bool],
         automaton: CompiledAutomaton,
         refutation: CompiledAutomaton,
         semantics: Semantics,
@@ -91,7 +91,7 @@ class Monitor:
         laps: int = 0,
     ) -> None:
         self._locator, self._labelling = locator, labelling
-        self._formula, self._semantics = formula, semantics
+        self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
         self._watch = FormulaWatch(automaton, refutation, labelling.letters)
         self._laps = LapCounter(suffix, labelling) if suffix else None
@@ -159,7 +159,7 @@ class Monitor:
 
     @property
     def progress(self) -> Progress:
-        """How far the automaton of the formula has come."""
+        """How far the automaton of the specification has come."""
         return self._watch.progress
 
     @property
@@ -172,8 +172,8 @@ class Monitor:
 
         Args:
             stays: Whether the vehicle is taken to stay where it is for ever. The word closed that way is judged by the
-                definition of LTL, not by automata. Otherwise the flight is one of laps: it is achieved if the laps
-                asked for were flown and nothing was violated.
+                definition of the specification, not by the automata made of it. Otherwise the flight is one of laps: it
+                is achieved if the laps asked for were flown and nothing was violated.
         """
         if not self._visits:
             return Outcome(achieved=False, reason="no position inside the domain was reported")
@@ -183,11 +183,11 @@ class Monitor:
             return Outcome(achieved=False, reason=f"the vehicle {first.kind}{named} at {first.time_s:.1f} s")
         if stays:
             last = self._labelling.label(self._visits[-1].triangle)
-            if satisfies(LassoWord(self.word, (last,)), self._formula):
-                return Outcome(achieved=True, reason="the word that was flown satisfies the formula")
-            return Outcome(achieved=False, reason="the word that was flown does not satisfy the formula")
+            if self._satisfied_by(LassoWord(self.word, (last,))):
+                return Outcome(achieved=True, reason="the word that was flown satisfies the specification")
+            return Outcome(achieved=False, reason="the word that was flown does not satisfy the specification")
         if self._watch.verdict is Verdict.FALSE:
-            return Outcome(achieved=False, reason="the word that was flown violates the formula")
+            return Outcome(achieved=False, reason="the word that was flown violates the specification")
         counted = f"{self.laps} of {self._laps_asked} laps were flown, nothing was violated"
         return Outcome(achieved=self.laps >= self._laps_asked, reason=counted)
 

@@ -1,46 +1,71 @@
 """What the writer of a mission that can be flown may not have meant."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 from mission.errors import AutomatonSizeError
-from mission.logic.automaton import compile_to_alphabet
+from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.conversion import with_accepting_states
 from mission.logic.formula import Formula, Operator, negation, postorder
+from mission.logic.stutter import tells_repeats_apart
 from mission.logic.translate import translate
 from mission.logic.word import Letter
 from mission.plan.diagnosis import conjuncts
 from mission.plan.missing_letters import violated_by_first
-from mission.spec.model import Semantics
+from mission.plan.specification import Specification
+from mission.spec.model import NamedAutomaton, Semantics
 
 
-def cautions(formula: Formula, letters: tuple[Letter, ...], start: int, semantics: Semantics) -> tuple[str, ...]:
-    """Warnings for a formula that a plan satisfies, conjunct by conjunct.
+def cautions(
+    specification: Specification, letters: tuple[Letter, ...], start: int, semantics: Semantics
+) -> tuple[str, ...]:
+    """Warnings for a specification that a plan satisfies: for its automaton, and conjunct by conjunct.
 
-    A conjunct already holds at the start where every word over the labels of the map that begins with the start's
-    satisfies it, and asks nothing where every word does. One with ``X`` may mean another thing on another mesh.
+    A part already holds at the start where every word over the labels of the map that begins with the start's
+    satisfies it, and asks nothing where every word does. One with ``X``, and an automaton that counts repeats, may mean
+    another thing on another mesh.
 
     Args:
-        formula: The specification.
+        specification: The specification.
         letters: The observations of the map.
         start: Number of the start triangle's letter.
         semantics: Whether that letter is read.
     """
-    return tuple(
-        warning for conjunct in conjuncts(formula) for warning in _cautions(conjunct, letters, start, semantics)
-    )
+    found: list[str] = []
+    if specification.given is not None and specification.outside is not None:
+        name = f"the automaton {specification.given.file}"
+        found += _of_automaton(name, specification.given, specification.outside, letters)
+        found += _of_empty(name, compile_to_alphabet(specification.outside, letters), letters, start, semantics)
+    for conjunct in conjuncts(specification.formula):
+        found += _of_conjunct(conjunct, letters, start, semantics)
+    return tuple(found)
 
 
-def _cautions(conjunct: Formula, letters: tuple[Letter, ...], start: int, semantics: Semantics) -> Iterator[str]:
+def _of_automaton(
+    name: str, given: NamedAutomaton, outside: BuchiAutomaton, letters: tuple[Letter, ...]
+) -> Iterator[str]:
+    with suppress(AutomatonSizeError):
+        if tells_repeats_apart(with_accepting_states(given.automaton), outside, letters):
+            yield f"{name} may depend on the mesh: it counts how many triangles of the same labels follow each other"
+
+
+def _of_conjunct(conjunct: Formula, letters: tuple[Letter, ...], start: int, semantics: Semantics) -> Iterator[str]:
     if any(node.operator is Operator.NEXT for node in postorder(conjunct)):
         yield (
             f"`{conjunct}` may depend on the mesh: X speaks of the next triangle on the way, "
             "or of the same one where the vehicle stays"
         )
-    try:
+    with suppress(AutomatonSizeError):
         refutation = compile_to_alphabet(translate(negation(conjunct)), letters)
-    except AutomatonSizeError:
-        return
+        yield from _of_empty(f"`{conjunct}`", refutation, letters, start, semantics)
+
+
+def _of_empty(
+    name: str, refutation: CompiledAutomaton, letters: tuple[Letter, ...], start: int, semantics: Semantics
+) -> Iterator[str]:
+    """Whether a part of a specification asks nothing, or nothing of what comes after the start."""
     if all(violated_by_first(refutation, letter) for letter in range(len(letters))):
-        yield f"`{conjunct}` asks nothing: every flight on this map satisfies it"
+        yield f"{name} asks nothing: every flight on this map satisfies it"
     elif semantics is Semantics.STANDARD and violated_by_first(refutation, start):
         where = ", ".join(sorted(letters[start])) or "no region"
-        yield f"`{conjunct}` already holds where the flight starts ({where}): it asks nothing of the rest"
+        yield f"{name} already holds where the flight starts ({where}): it asks nothing of the rest"

@@ -1,6 +1,7 @@
 """Why a mission has no plan: the smallest set of its parts that cannot be met, and what stands against them.
 
-The parts are the conjuncts of the formula and, for each restricted region, that it is never entered. A smallest set of
+The parts are the conjuncts of the formula, the automaton that the mission names, if it does, and, for each restricted
+region, that it is never entered. A smallest set of
 them that no flight meets is explained by the weakest assumption that suffices: the parts contradict themselves; they
 ask for regions together, or apart, that are not so on the map; the start violates them; a region cannot be reached; or
 they contradict the map in another way.
@@ -14,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from mission.geometry.arrays import BoolArray
-from mission.logic.automaton import CompiledAutomaton, compile_to_alphabet
+from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.formula import (
     TRUE,
     Formula,
@@ -25,15 +26,21 @@ from mission.logic.formula import (
     postorder,
     proposition,
 )
-from mission.logic.translate import translate
-from mission.logic.word import satisfies
+from mission.logic.word import LassoWord, satisfies
 from mission.plan.coarse_map import CoarseMap
 from mission.plan.core import Core, smallest_core
-from mission.plan.missing_letters import Missing, contradicts_itself, missing_letter, violated_by_first
+from mission.plan.missing_letters import (
+    Missing,
+    accepts_nothing,
+    accepts_something,
+    missing_letter,
+    violated_by_first,
+)
+from mission.plan.specification import accepts, automaton_of, described
 from mission.planning.product import Product
 from mission.planning.refusal import refusal
 from mission.planning.transition_system import TransitionSystem
-from mission.spec.model import Semantics
+from mission.spec.model import NamedAutomaton, Semantics
 
 
 class Cause(StrEnum):
@@ -72,14 +79,16 @@ class Part:
     """A part of the specification.
 
     Attributes:
-        formula: What it asks for.
+        formula: What it asks for; TRUE where that is an automaton.
         restricted: The region that it keeps the vehicle out of because of its kind; empty for a conjunct.
         origin: Where a conjunct comes from, if not from the formula; may be empty.
+        given: The automaton that it asks for; None for a formula.
     """
 
     formula: Formula
     restricted: str = ""
     origin: str = ""
+    given: NamedAutomaton | None = None
 
     @property
     def barrier(self) -> str:
@@ -88,15 +97,26 @@ class Part:
             return self.formula.operands[0].operands[0].name
         return ""
 
+    def met_by(self, word: LassoWord) -> bool:
+        """Whether a word is as it asks for."""
+        return satisfies(word, self.formula) if self.given is None else accepts(self.given, word)
+
+    @property
+    def written(self) -> str:
+        """What it asks for, as text."""
+        return described(self.given, self.formula)
+
     @property
     def quoted(self) -> str:
         """A conjunct within a sentence."""
-        return f"`{self.formula}`" + (f" ({self.origin})" if self.origin else "")
+        if self.given is not None:
+            return f"the {self.written}"
+        return f"`{self.written}`" + (f" ({self.origin})" if self.origin else "")
 
     def __str__(self) -> str:
         if self.restricted:
             return f"{self.restricted} is restricted: it is never entered"
-        return f"{self.formula}" + (f"  ({self.origin})" if self.origin else "")
+        return f"{self.written}" + (f"  ({self.origin})" if self.origin else "")
 
 
 def conjuncts(formula: Formula) -> tuple[Formula, ...]:
@@ -105,12 +125,15 @@ def conjuncts(formula: Formula) -> tuple[Formula, ...]:
     return tuple(dict.fromkeys(operand for operand in operands if operand is not TRUE))
 
 
-def parts_of(formula: Formula, restricted: Iterable[str], origins: Mapping[Formula, str]) -> tuple[Part, ...]:
-    """The conjuncts, then the restricted regions that no conjunct keeps the vehicle out of already."""
+def parts_of(
+    formula: Formula, restricted: Iterable[str], origins: Mapping[Formula, str], given: NamedAutomaton | None = None
+) -> tuple[Part, ...]:
+    """The automaton, the conjuncts, then the restricted regions that no conjunct keeps the vehicle out of already."""
+    automata = () if given is None else (Part(TRUE, given=given),)
     written = conjuncts(formula)
     kept_out = {name: always(negation(proposition(name))) for name in restricted}
     implicit = (Part(avoidance, name) for name, avoidance in kept_out.items() if avoidance not in written)
-    return (*(Part(conjunct, origin=origins.get(conjunct, "")) for conjunct in written), *implicit)
+    return (*automata, *(Part(conjunct, origin=origins.get(conjunct, "")) for conjunct in written), *implicit)
 
 
 def diagnose(
@@ -120,22 +143,24 @@ def diagnose(
     start: int,
     semantics: Semantics,
     *,
+    given: NamedAutomaton | None = None,
     origins: Mapping[Formula, str] | None = None,
 ) -> Diagnosis | None:
-    """Explain why no run satisfies a formula.
+    """Explain why no run satisfies a specification.
 
     Args:
-        formula: The specification.
+        formula: The specification, or what it asks for beside the automaton.
         system: T with every facet open, those of restricted triangles too.
         restricted: Names of the restricted regions.
         start: The start triangle, in none of them.
         semantics: Whether the label of the start is read.
+        given: The automaton that the mission names; None without one.
         origins: Where conjuncts come from, in words, of those that the user did not write so.
 
     Returns:
         None where a run exists, or the question is too large.
     """
-    question = _Question(parts_of(formula, restricted, origins or {}), system, start, semantics)
+    question = _Question(parts_of(formula, restricted, origins or {}, given), system, start, semantics)
     core = smallest_core(len(question.parts), question.met_with)
     if core is None:
         return None
@@ -147,8 +172,13 @@ class _Question:
 
     def __init__(self, parts: tuple[Part, ...], system: TransitionSystem, start: int, semantics: Semantics) -> None:
         self.parts, self.system, self.start, self.semantics = parts, system, start, semantics
-        has_next = any(node.operator is Operator.NEXT for part in parts for node in postorder(part.formula))
-        self.map = CoarseMap.of(system, start, keeps_triangles=has_next)
+        # An automaton, too, may count triangles.
+        counts = any(
+            part.given is not None or node.operator is Operator.NEXT
+            for part in parts
+            for node in postorder(part.formula)
+        )
+        self.map = CoarseMap.of(system, start, keeps_triangles=counts)
 
     def met_with(self, members: tuple[int, ...]) -> int | None:
         """The parts that a flight meets which meets ``members``, as bits; None where there is no such flight."""
@@ -156,16 +186,22 @@ class _Question:
         word = self.map.word(self.compiled(chosen), self.closed(chosen), self.semantics)
         if word is None:
             return None
-        return sum(1 << i for i, part in enumerate(self.parts) if satisfies(word, part.formula))
+        return sum(1 << i for i, part in enumerate(self.parts) if part.met_by(word))
 
     def closed(self, parts: Sequence[Part]) -> BoolArray:
         """(N,) the nodes of the map that restricted regions among ``parts`` close."""
         return self.map.closed(frozenset(part.restricted for part in parts))
 
     def compiled(self, parts: Sequence[Part]) -> CompiledAutomaton:
-        """An automaton of the conjuncts among ``parts``, over the letters of the map."""
-        formula = conjunction(*(part.formula for part in parts if not part.restricted))
-        return compile_to_alphabet(translate(formula), self.map.letters)
+        """An automaton of the parts that are no restricted regions, over the letters of the map."""
+        return compile_to_alphabet(_automaton(part for part in parts if not part.restricted), self.map.letters)
+
+
+def _automaton(parts: Iterable[Part]) -> BuchiAutomaton:
+    """An automaton of what all parts ask for."""
+    chosen = tuple(parts)
+    given = next((part.given for part in chosen if part.given is not None), None)
+    return automaton_of(conjunction(*(part.formula for part in chosen)), given)
 
 
 class _Explanation:
@@ -174,13 +210,13 @@ class _Explanation:
     def __init__(self, question: _Question, core: Core) -> None:
         self._question, self._core = question, core
         self._parts = [question.parts[member] for member in core.members]
-        self._formula = conjunction(*(part.formula for part in self._parts))
+        self._automaton = _automaton(self._parts)
 
     def diagnosis(self) -> Diagnosis:
-        if contradicts_itself(self._formula):
+        if accepts_nothing(self._automaton):
             text = self._said("contradicts itself: no flight whatever satisfies it", "contradict each other")
             return self._of(Cause.THEMSELVES, text)
-        missing = missing_letter(self._formula, self._question.map.letters)
+        missing = missing_letter(self._automaton, self._question.map.letters)
         if missing is not None:
             return self._of(Cause.LABELS, self._labels(missing), missing.regions)
         if self._violated_at_start():
@@ -194,7 +230,7 @@ class _Explanation:
         return self._of(Cause.MAP, f"{said}\n{self._how_far()}")
 
     def _of(self, cause: Cause, text: str, regions: tuple[str, ...] = ()) -> Diagnosis:
-        written = tuple(str(part.formula) for part in self._parts if not part.restricted)
+        written = tuple(part.written for part in self._parts if not part.restricted)
         restricted = tuple(part.restricted for part in self._parts if part.restricted)
         return Diagnosis(cause, written, restricted, regions, self._core.smallest, text)
 
@@ -208,15 +244,26 @@ class _Explanation:
     def _cut_off(self) -> tuple[str, ...]:
         """Regions of the map that the parts ask for, and that no way leads to which keeps out of the others."""
         barriers = frozenset(part.barrier for part in self._parts) - {""}
-        asked = frozenset[str]().union(*(_asked_for(part.formula) for part in self._parts))
+        asked = frozenset[str]().union(*(self._asked_for(part) for part in self._parts))
         reached = self._question.map.reached(self._question.map.closed(barriers))
         return tuple(sorted(asked - reached - barriers))
+
+    def _asked_for(self, part: Part) -> frozenset[str]:
+        """The regions that a part may ask for; those that it cannot do without, where it is an automaton."""
+        if part.given is None:
+            return _asked_for(part.formula)
+        automaton, letters = _automaton([part]), self._question.map.letters
+        return frozenset(
+            name
+            for name in automaton.propositions
+            if not accepts_something(automaton, tuple(letter for letter in letters if name not in letter))
+        )
 
     def _violated_at_start(self) -> bool:
         question = self._question
         if question.semantics is Semantics.PAPER:
             return False
-        compiled = compile_to_alphabet(translate(self._formula), question.map.letters)
+        compiled = compile_to_alphabet(self._automaton, question.map.letters)
         return violated_by_first(compiled, int(question.system.letter_of[question.start]))
 
     def _said(self, alone: str, together: str) -> str:

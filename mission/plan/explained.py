@@ -37,7 +37,15 @@ def explained(
         for conjunct in conjuncts(task_formula(task, spec.regions))
     }
     try:
-        found = diagnose(formula_of(spec, soft), every_way, names, start, spec.semantics, origins=origins)
+        found = diagnose(
+            formula_of(spec, soft),
+            every_way,
+            names,
+            start,
+            spec.semantics,
+            given=spec.automaton,
+            origins=origins,
+        )
     except AutomatonSizeError:
         return error
     if found is None:

@@ -8,8 +8,9 @@ from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
-from mission.logic.formula import Formula
+from mission.logic.formula import TRUE, Formula
 from mission.plan.cautions import cautions
+from mission.plan.specification import Specification
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
@@ -30,9 +31,8 @@ class FlightPlan:
         start_m: Where the flight begins, ENU in the domain.
         partition: The domain's triangles.
         labelling: Their labels.
-        formula: What the flight satisfies: the mission's formula and its tasks, but for those that were dropped.
-        automaton: A Büchi automaton of the formula.
-        refutation: One of its negation.
+        required: What the flight satisfies: the mission's formula or automaton and its tasks, but for those that were
+            dropped.
         product_states: Number of states of the product, reachable or not.
         product_states_reachable: How many of them can be reached from the start.
         shortest_runs: How many runs have the least cost.
@@ -41,7 +41,7 @@ class FlightPlan:
         path: The path that steers through it.
         stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
         trajectory: The smoothed path with its time law.
-        certificate: The proof that every flight within the tube satisfies the formula.
+        certificate: The proof that every flight within the tube satisfies it.
         dropped: The soft tasks that could not be met, in the order of the file.
     """
 
@@ -49,9 +49,7 @@ class FlightPlan:
     start_m: Point
     partition: Partition
     labelling: Labelling
-    formula: Formula
-    automaton: BuchiAutomaton
-    refutation: BuchiAutomaton
+    required: Specification
     product_states: int
     product_states_reachable: int
     shortest_runs: int
@@ -65,8 +63,28 @@ class FlightPlan:
 
     @property
     def specification(self) -> str:
-        """The formula as text: as it was written, where the mission has no tasks."""
-        return str(self.formula) if self.spec.tasks else self.spec.formula
+        """What the flight satisfies as text: a formula as it was written, where the mission has no tasks."""
+        return str(self.required) if self.spec.tasks or self.spec.automaton else self.spec.formula
+
+    @property
+    def written(self) -> tuple[tuple[str, str], ...]:
+        """The same in parts, of kind ``automaton`` or ``formula``, each with its text."""
+        if self.spec.automaton is None:
+            return (("formula", self.specification),)
+        return (
+            ("automaton", self.spec.automaton.file),
+            *([("formula", str(self.formula))] * (self.formula is not TRUE)),
+        )
+
+    @property
+    def formula(self) -> Formula:
+        """The formula that the flight satisfies; true where the mission is an automaton alone."""
+        return self.required.formula
+
+    @property
+    def automaton(self) -> BuchiAutomaton:
+        """A Büchi automaton of what the flight satisfies."""
+        return self.required.automaton
 
     @property
     def curve(self) -> FourierCurve:
@@ -97,7 +115,7 @@ class FlightPlan:
     def warnings(self) -> tuple[str, ...]:
         """What the writer of the mission may not have meant, in words; empty where nothing is odd."""
         start = int(self.labelling.letter_of[self.run.states[0]])
-        return cautions(self.formula, self.labelling.letters, start, self.spec.semantics)
+        return cautions(self.required, self.labelling.letters, start, self.spec.semantics)
 
     @cached_property
     def compiled(self) -> CompiledAutomaton:
@@ -106,8 +124,8 @@ class FlightPlan:
 
     @cached_property
     def compiled_refutation(self) -> CompiledAutomaton:
-        """The automaton of the negation over the letters of the domain."""
-        return compile_to_alphabet(self.refutation, self.labelling.letters)
+        """The automaton of what the flight must not be, over the letters of the domain."""
+        return compile_to_alphabet(self.required.refutation, self.labelling.letters)
 
 
 def tube_of(spec: MissionSpec) -> float:
@@ -134,6 +152,6 @@ def prover_of(
 
 
 def certify_again(plan: FlightPlan) -> Certificate:
-    """Prove a plan's trajectory anew, from the trajectory, the domain and the formula alone."""
+    """Prove a plan's trajectory anew, from the trajectory, the domain and what it must satisfy alone."""
     prover = prover_of(plan.spec, plan.partition, plan.labelling, plan.compiled_refutation, plan.restricted)
     return prover.certify(plan.curve, plan.path.laps_from_s)

@@ -1,4 +1,4 @@
-"""What a formula needs to be true in one place, and no triangle of the map offers."""
+"""What is needed to be true in one place, and no triangle of the map offers."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,8 +13,6 @@ from mission.logic.automaton import (
     compile_to_alphabet,
     states_with_nonempty_language,
 )
-from mission.logic.formula import Formula, proposition_order
-from mission.logic.translate import translate
 from mission.logic.word import Letter
 
 _MOST_TOGETHER: Final = 4
@@ -36,29 +34,27 @@ class Missing:
     regions: tuple[str, ...]
 
 
-def contradicts_itself(formula: Formula) -> bool:
-    """Whether no word whatever satisfies a formula."""
-    automaton = translate(formula)
+def accepts_nothing(automaton: BuchiAutomaton) -> bool:
+    """Whether no word whatever is accepted."""
     names = automaton.propositions
     # One letter for each edge keeps every run: an accepting one may read these.
     holding = {next(holds for holds, _ in edge.guard.cubes) for edge in automaton.edges}
     letters = (frozenset(name for bit, name in enumerate(names) if holds >> bit & 1) for holds in sorted(holding))
-    return not _accepts_something(automaton, tuple(letters))
+    return not accepts_something(automaton, tuple(letters))
 
 
-def missing_letter(formula: Formula, letters: tuple[Letter, ...]) -> Missing | None:
-    """What a formula asks for that no triangle offers; None where some word over ``letters`` satisfies it.
+def missing_letter(automaton: BuchiAutomaton, letters: tuple[Letter, ...]) -> Missing | None:
+    """What an automaton asks for that no triangle offers; None where it accepts some word over ``letters``.
 
-    A letter is to blame where the formula could be satisfied if the map had it. Where several would do, the first in
+    A letter is to blame where something would be accepted if the map had it. Where several would do, the first in
     this order is named: a region without a triangle, regions together, a region outside another, no region at all.
     """
-    automaton = translate(formula)
-    if _accepts_something(automaton, letters):
+    if accepts_something(automaton, letters):
         return None
-    names = proposition_order(formula)
+    names = automaton.propositions
     seen = tuple(dict.fromkeys(frozenset(names) & letter for letter in letters))
     for added, missing in islice(_candidates(names, seen), _MAX_CANDIDATES):
-        if _accepts_something(automaton, (*seen, *added)):
+        if accepts_something(automaton, (*seen, *added)):
             return missing
     return Missing("places", "no triangle has the labels for them", ())
 
@@ -70,7 +66,8 @@ def violated_by_first(compiled: CompiledAutomaton, letter: int) -> bool:
     return not alive[compiled.targets[first]].any()
 
 
-def _accepts_something(automaton: BuchiAutomaton, letters: tuple[Letter, ...]) -> bool:
+def accepts_something(automaton: BuchiAutomaton, letters: tuple[Letter, ...]) -> bool:
+    """Whether an automaton accepts some word over ``letters``."""
     compiled = compile_to_alphabet(automaton, letters)
     return bool(states_with_nonempty_language(compiled)[compiled.initial].any())
 

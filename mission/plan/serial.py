@@ -1,7 +1,8 @@
 """A plan as JSON, and back.
 
-The file holds everything that was decided. The automata are written for readers; reading a plan translates the
-formula anew, so that a proof from the file rests on the formula and not on what somebody wrote beside it.
+The file holds everything that was decided, and the automaton that the mission names, if it does. The automata of the
+plan are written for readers; reading a plan makes them anew from the formula or from the mission's automaton, so that a
+proof from the file rests on these and not on what somebody wrote beside them.
 """
 
 import json
@@ -14,10 +15,9 @@ from mission.errors import Fault, SpecError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton
-from mission.logic.formula import negation
-from mission.logic.translate import translate
 from mission.plan.flight_plan import FlightPlan
-from mission.plan.tasks import DroppedTask, formula_of
+from mission.plan.specification import of_mission
+from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
@@ -28,6 +28,7 @@ from mission.steering.path import Segment, SteeringPath
 from mission.steering.trajectory import Trajectory
 
 FORMAT = "ltl-mission plan 1"
+_NAMED = "mission_automaton"
 
 
 def plan_to_json(plan: FlightPlan) -> str:
@@ -36,6 +37,7 @@ def plan_to_json(plan: FlightPlan) -> str:
     document = {
         "format": FORMAT,
         "mission": document_of(plan.spec),
+        **_named(plan.spec),
         "start_m": list(plan.start_m),
         "partition": {
             "vertices_m": partition.vertices_m.tolist(),
@@ -47,7 +49,7 @@ def plan_to_json(plan: FlightPlan) -> str:
             "letter_of": plan.labelling.letter_of.tolist(),
         },
         "automaton": _automaton(plan.automaton),
-        "refutation": _automaton(plan.refutation),
+        "refutation": _automaton(plan.required.refutation),
         "product_states": plan.product_states,
         "product_states_reachable": plan.product_states_reachable,
         "shortest_runs": plan.shortest_runs,
@@ -92,19 +94,18 @@ def plan_from_json(text: str) -> FlightPlan:
 def _plan(document: dict[str, Any]) -> FlightPlan:
     if document["format"] != FORMAT:
         raise ValueError(f"the format is not {FORMAT!r}")
-    spec = parse_mission(json.dumps(document["mission"]).encode())
+    named = str(document.get(_NAMED, "")).encode()
+    spec = parse_mission(json.dumps(document["mission"]).encode(), read=lambda _: named)
     dropped = tuple(_dropped(spec, task) for task in document.get("dropped", []))
-    formula = formula_of(spec, (task.number for task in dropped))
     run, labels, path = document["run"], document["labels"], document["path"]
+    labelling = Labelling(tuple(frozenset(letter) for letter in labels["letters"]), np.array(labels["letter_of"]))
     start = document["start_m"]
     return FlightPlan(
         spec=spec,
         start_m=(float(start[0]), float(start[1])),
         partition=Partition(**{name: np.array(rows) for name, rows in document["partition"].items()}),
-        labelling=Labelling(tuple(frozenset(letter) for letter in labels["letters"]), np.array(labels["letter_of"])),
-        formula=formula,
-        automaton=translate(formula),
-        refutation=translate(negation(formula)),
+        labelling=labelling,
+        required=of_mission(spec, labelling.letters, (task.number for task in dropped)),
         product_states=int(document["product_states"]),
         product_states_reachable=int(document["product_states_reachable"]),
         shortest_runs=int(document["shortest_runs"]),
@@ -118,6 +119,11 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         certificate=Certificate.from_json(document["certificate"]),
         dropped=dropped,
     )
+
+
+def _named(spec: MissionSpec) -> dict[str, str]:
+    """The content of the file that the mission names, so that the plan needs no other file."""
+    return {} if spec.automaton is None else {_NAMED: spec.automaton.text}
 
 
 def _dropped(spec: MissionSpec, data: dict[str, Any]) -> DroppedTask:

@@ -7,12 +7,11 @@ import numpy as np
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.geometry.location import OUTSIDE, Locator
 from mission.logic.automaton import BuchiAutomaton, compile_to_alphabet
-from mission.logic.formula import negation
-from mission.logic.translate import translate
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of, tube_of
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
-from mission.plan.tasks import dropped_tasks, formula_of
+from mission.plan.specification import automaton_of, of_mission
+from mission.plan.tasks import dropped_tasks
 from mission.plan.visits import earnest_visits
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
@@ -37,6 +36,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
 
     Raises:
         FormulaSyntaxError: If the formula cannot be parsed.
+        AutomatonSizeError: If the formula or the automaton asks for one that is too large.
         SpecError: If the domain, the start or the number of the run cannot be used.
         NoPlanError: If no run, or no smoothing with a proof, exists.
     """
@@ -52,12 +52,11 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     try:
         dropped = dropped_tasks(
             spec,
-            lambda tried: _refusal(product_of(translate(tried))),
+            lambda tried: _refusal(product_of(automaton_of(tried, spec.automaton))),
             lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
         )
-        formula = formula_of(spec, (task.number for task in dropped))
-        automaton, refutation = translate(formula), translate(negation(formula))
-        product = product_of(automaton)
+        specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
+        product = product_of(specification.automaton)
         runs = search(product)
     except NoPlanError as error:
         raise explained(error, spec, partition, labelling, start=triangle) from error
@@ -75,7 +74,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         laps=spec.flight.laps,
         settle_in=earnest_visits(spec, partition, labelling, product.automaton, chosen),
     )
-    prover = prover_of(spec, partition, labelling, compile_to_alphabet(refutation, labelling.letters), restricted)
+    refutation = compile_to_alphabet(specification.refutation, labelling.letters)
+    prover = prover_of(spec, partition, labelling, refutation, restricted)
 
     def stops_of(curve: FourierCurve) -> tuple[Stop, ...]:
         return loiter_stops(path, curve, partition, labelling, spec.regions)
@@ -99,9 +99,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         start_m=start,
         partition=partition,
         labelling=labelling,
-        formula=formula,
-        automaton=automaton,
-        refutation=refutation,
+        required=specification,
         product_states=product.full_size,
         product_states_reachable=product.reachable_size,
         shortest_runs=runs.count,

@@ -23,15 +23,17 @@ def refusal(product: Product) -> str:
     if not _accepts_anything(product):
         regions = ", ".join(sorted(set[str]().union(*system.letters))) or "none"
         return (
-            "no flight whatever satisfies the formula: it contradicts itself, or asks for regions together, or for a "
-            f"region, that no triangle has (regions of this map: {regions})"
+            "no flight whatever satisfies the specification: it contradicts itself, or asks for regions together, or "
+            f"for a region, that no triangle has (regions of this map: {regions})"
         )
     if not len(product.initial):
         label = _listed(system.letters[system.letter_of[product.start]])
-        return f"the formula is violated where the flight starts, in triangle {product.start} ({label})"
+        return f"the specification is violated where the flight starts, in triangle {product.start} ({label})"
     if not product.out(np.flatnonzero(np.isfinite(product.distances))).marks.any():
-        return f"no run satisfies the formula: {_how_far(product)}"
-    return f"the formula asks for something again and again that can happen only finitely often: {_how_far(product)}"
+        return f"no run satisfies the specification: {_how_far(product)}"
+    return (
+        f"the specification asks for something again and again that can happen only finitely often: {_how_far(product)}"
+    )
 
 
 def _how_far(product: Product) -> str:
@@ -44,7 +46,7 @@ def _how_far(product: Product) -> str:
     if cut_off := set[str]().union(*system.letters) - connected - reached:
         text += f", but not {_listed(cut_off)}: no open way leads there"
     if connected - reached:
-        text += f"; it can reach {_listed(connected - reached)} only by violating the formula"
+        text += f"; it can reach {_listed(connected - reached)} only by violating the specification"
     return text
 
 

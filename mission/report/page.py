@@ -73,7 +73,8 @@ def page(
         "<h2>Mission</h2>",
         f"<p>Specification ({escape(spec.semantics.value)} semantics):</p><pre>{escape(plan.specification)}</pre>",
         _tasks(plan),
-        f"<details><summary>Mission file</summary><pre>{escape(mission_text)}</pre></details>" if mission_text else "",
+        _details(f"Automaton {spec.automaton.file}", spec.automaton.text) if spec.automaton else "",
+        _details("Mission file", mission_text) if mission_text else "",
         "<h2>Plan</h2>",
         _facts(_planned_rows(numbers["planned"])),
         "<h2>Certificate</h2>",
@@ -98,6 +99,10 @@ def page(
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
         f"<style>\n{STYLE}</style>\n</head>\n<body>\n" + "\n".join(filter(None, parts)) + "\n</body>\n</html>\n"
     )
+
+
+def _details(title: str, text: str) -> str:
+    return f"<details><summary>{escape(title)}</summary><pre>{escape(text)}</pre></details>"
 
 
 def _tasks(plan: FlightPlan) -> str:

@@ -24,6 +24,7 @@ def summary(plan: FlightPlan, record: Record | None) -> dict[str, Any]:
     return {
         "mission": plan.spec.name,
         "formula": plan.specification,
+        "automaton_file": plan.spec.automaton.file if plan.spec.automaton else None,
         "tasks": [task_text(task) for task in plan.spec.tasks],
         "dropped_tasks": [asdict(task) for task in plan.dropped],
         "semantics": plan.spec.semantics.value,

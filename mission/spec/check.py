@@ -26,23 +26,23 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
     """
     findings = []
     regions = data.get("regions") if isinstance(data, dict) else None
-    if _clean(_FORMULA, structural) and "formula" in data.get("mission", {}):
+    if is_clean(_FORMULA, structural) and "formula" in data.get("mission", {}):
         names = frozenset(regions) if isinstance(regions, dict) else None
         findings.extend(_formula_findings(data["mission"]["formula"], names))
-    if _clean(("tasks",), [f for f in structural if len(f.path) <= 1]) and "tasks" in data:
+    if is_clean(("tasks",), [f for f in structural if len(f.path) <= 1]) and "tasks" in data:
         findings.extend(weight_findings(data["tasks"]))
         kinds = {name: str(_kind(value)) for name, value in regions.items()} if isinstance(regions, dict) else None
         for i, task in enumerate(data["tasks"] if kinds else ()):
-            if _clean(("tasks", i), structural):
+            if is_clean(("tasks", i), structural):
                 findings.extend(task_findings(i, task, kinds or {}))
-    if all(_clean(("domain", key), structural) for key in ("nodes", "boundary", "points")):
+    if all(is_clean(("domain", key), structural) for key in ("nodes", "boundary", "points")):
         known = _known_regions(data.get("regions"), structural)
-        start_m: Point | None = point_of(data["start"]["position_m"]) if _clean(_START, structural) else None
+        start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
         findings.extend(examine_domain(domain_of(data["domain"]), known, start_m)[2])
     return findings
 
 
-def _clean(path: Path, findings: list[Finding]) -> bool:
+def is_clean(path: Path, findings: list[Finding]) -> bool:
     """Whether nothing was found at a path, in it, or about what it stands in; what is missing was found, too."""
     return not any(path[: len(f.path)] == f.path or f.path[: len(path)] == path for f in findings)
 
@@ -56,8 +56,8 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
     known = []
     for name, value in regions.items() if isinstance(regions, dict) else ():
         path: Path = ("regions", name)
-        if all(_clean((*path, key), structural) for key in ("triangle", "at", "polygon")):
-            kind = value["kind"] if _clean((*path, "kind"), structural) else RegionKind.SURVEY
+        if all(is_clean((*path, key), structural) for key in ("triangle", "at", "polygon")):
+            kind = value["kind"] if is_clean((*path, "kind"), structural) else RegionKind.SURVEY
             known.append(region_of(name, {**value, "kind": kind, "loiter_s": 0.0}))
     return known
 

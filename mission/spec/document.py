@@ -34,6 +34,8 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
     }
     if spec.formula:
         document["mission"]["formula"] = spec.formula
+    if spec.automaton is not None:
+        document["mission"]["automaton"] = spec.automaton.file
     if spec.tasks:
         document["tasks"] = [task_data(task) for task in spec.tasks]
     if spec.origin is not None:

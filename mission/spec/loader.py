@@ -1,14 +1,19 @@
 """Mission files, read strictly: every fault of a file is reported, all at once, each with its line and path.
 
 The way of a file: bytes -> text -> tree with positions (``yaml_tree``) -> plain data -> against the schema
-(``structure``) -> its meaning, where the structure is sound (``check``) -> frozen values (``values``).
+(``structure``) -> its meaning, where the structure is sound (``check``), and that of the automaton that it may name
+(``named_automaton``) -> frozen values (``values``).
 """
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from mission.errors import Fault, SpecError
-from mission.spec.check import meaning_findings
-from mission.spec.model import MissionSpec
+from mission.spec.check import is_clean, meaning_findings
+from mission.spec.finding import Finding, shortened
+from mission.spec.model import MissionSpec, NamedAutomaton
+from mission.spec.named_automaton import AUTOMATON, named_automaton
 from mission.spec.placing import placed
 from mission.spec.structure import MOST_ERRORS, plain_data, structure_findings
 from mission.spec.values import mission_of
@@ -18,34 +23,42 @@ MOST_FAULTS = 100
 """As many faults are listed; the rest is counted."""
 
 
+class UnreadableError(Exception):
+    """A file that cannot be read: why, and what to do about it."""
+
+    def __init__(self, message: str, hint: str) -> None:
+        self.message, self.hint = message, hint
+        super().__init__(message)
+
+
+Reader = Callable[[str], bytes]
+"""From a file that a mission names, as it names it, to its content, a byte more than ``MAX_BYTES`` at most.
+
+It raises UnreadableError.
+"""
+
+
 def load_mission(path: str | Path) -> MissionSpec:
-    """Read a mission file.
+    """Read a mission file, and the automaton beside it if it names one.
 
     Raises:
         SpecError: If the file cannot be read, or with every fault that it has.
     """
     source = str(path)
     try:
-        with Path(path).open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except FileNotFoundError:
-        fault = Fault(0, 0, "", "there is no such file", "check the path")
-    except IsADirectoryError:
-        fault = Fault(0, 0, "", "this is a directory", "name a mission file in it")
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        fault = Fault(0, 0, "", f"the file cannot be read: {reason}", "check the path and its permissions")
-    else:
-        return parse_mission(content, source)
-    raise SpecError((fault,), source)
+        content = _content(Path(path))
+    except UnreadableError as error:
+        raise SpecError((Fault(0, 0, "", error.message, error.hint),), source) from None
+    return parse_mission(content, source, lambda name: _content(Path(path).parent / name))
 
 
-def parse_mission(content: bytes, source: str = "") -> MissionSpec:
+def parse_mission(content: bytes, source: str = "", read: Reader | None = None) -> MissionSpec:
     """Read the content of a mission file.
 
     Args:
         content: The bytes of the file.
         source: Where they come from, for messages and for the name of a mission that gives itself none.
+        read: Gives the content of a file that the mission names; without it, there is none.
 
     Raises:
         SpecError: With every fault of the content, sorted by line, the first ``MOST_FAULTS`` of them.
@@ -57,12 +70,50 @@ def parse_mission(content: bytes, source: str = "") -> MissionSpec:
         raise SpecError(error.faults, source) from None
     data, findings = plain_data(tree)
     findings.extend(structure_findings(data, tree))
+    automaton = None
     if len(findings) < MOST_ERRORS:
-        findings.extend(meaning_findings(data, findings))
+        found = meaning_findings(data, findings)
+        automaton, unsound = _automaton(data, findings, read or _nothing_beside)
+        findings += [*found, *unsound]
     faults.extend(placed(finding, tree, text) for finding in findings)
     if faults:
         raise SpecError(_bounded(sorted(set(faults))), source)
-    return mission_of(data, Path(source).stem.encode("utf-8", "replace").decode() or "mission")
+    return mission_of(data, Path(source).stem.encode("utf-8", "replace").decode() or "mission", automaton)
+
+
+def _automaton(data: Any, structural: list[Finding], read: Reader) -> tuple[NamedAutomaton | None, list[Finding]]:  # noqa: ANN401 - any JSON value
+    """The automaton that the mission names, if it does, and what is wrong with it."""
+    if not is_clean(AUTOMATON, structural) or "automaton" not in data.get("mission", {}):
+        return None, []
+    file = data["mission"]["automaton"]
+    try:
+        content = read(file)
+    except UnreadableError as error:
+        hint = "name a file in the Hanoi Omega-Automata format, by its path relative to the mission file"
+        return None, [Finding(AUTOMATON, f"{shortened(file)}: {error.message}", hint)]
+    if len(content) > MAX_BYTES:
+        message = f"{shortened(file)}: the file is larger than {MAX_BYTES} bytes"
+        return None, [Finding(AUTOMATON, message, "an automaton of this size cannot be planned with")]
+    regions = data.get("regions")
+    return named_automaton(file, content, regions if isinstance(regions, dict) else None)
+
+
+def _content(path: Path) -> bytes:
+    """The bytes of a file, one more than ``MAX_BYTES`` at most."""
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_BYTES + 1)
+    except FileNotFoundError:
+        raise UnreadableError("there is no such file", "check the path") from None
+    except IsADirectoryError:
+        raise UnreadableError("this is a directory", "name a mission file in it") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise UnreadableError(f"the file cannot be read: {reason}", "check the path and its permissions") from None
+
+
+def _nothing_beside(_: str) -> bytes:
+    raise UnreadableError("there is no such file", "name a file in the mission file that is read")
 
 
 def _decoded(content: bytes) -> str:

@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import Literal
 
 from mission.geometry.geodesy import LatLon
+from mission.logic.automaton import GeneralisedBuchi
 
 Point = tuple[float, float]
 
@@ -193,8 +194,26 @@ class Task:
 
 
 @dataclass(frozen=True)
+class NamedAutomaton:
+    """An automaton that a mission names instead of giving a formula.
+
+    Attributes:
+        file: Where it was read, as the mission file has it: relative to that file.
+        text: What was read, in the Hanoi Omega-Automata format.
+        automaton: The same, its propositions being names of regions.
+    """
+
+    file: str
+    text: str
+    automaton: GeneralisedBuchi
+
+
+@dataclass(frozen=True)
 class MissionSpec:
-    """A whole, valid mission file; ``formula`` is as written, empty where the file gives tasks only."""
+    """A whole, valid mission file.
+
+    ``formula`` is as written, empty where the file names an automaton instead, or gives tasks only.
+    """
 
     name: str
     description: str
@@ -209,3 +228,4 @@ class MissionSpec:
     smoothing: Smoothing
     limits: Limits
     tasks: tuple[Task, ...] = ()
+    automaton: NamedAutomaton | None = None

@@ -132,6 +132,14 @@ _MISSION: Final = _object(
             "maxLength": MAX_LENGTH,
             "examples": _FORMULAS,
         },
+        "automaton": {
+            "description": "Instead of a formula, a file with a Büchi automaton in the Hanoi Omega-Automata format: "
+            "its path, relative to this file. Its propositions are region names.",
+            "type": "string",
+            "minLength": 1,
+            "maxLength": 1_000,
+            "examples": ["pairs.hoa"],
+        },
         "semantics": {
             "description": "Whether the start's own region is read by the formula (standard) or not (paper).",
             "enum": ["standard", "paper"],
@@ -152,6 +160,7 @@ _MISSION: Final = _object(
             "default": 2,
         },
     },
+    **{"not": {"required": ["formula", "automaton"]}},
     examples=_MISSIONS,
 )
 
@@ -265,14 +274,14 @@ _SCHEMA: Final[Schema] = {
         "limits": _LIMITS,
     },
     **{
-        # Without tasks there must be a formula.
+        # Without tasks there must be a formula or an automaton.
         "if": {"not": {"required": ["tasks"]}},
         "then": {
             "required": ["mission"],
             "properties": {
                 "mission": {
-                    "required": ["formula"],
-                    "properties": {"formula": {"examples": _FORMULAS}},
+                    "if": {"not": {"required": ["automaton"]}},
+                    "then": {"required": ["formula"], "properties": {"formula": {"examples": _FORMULAS}}},
                     "examples": _MISSIONS,
                 }
             },

@@ -71,10 +71,10 @@ def _worded(error: ValidationError, tree: Node) -> Iterable[Finding]:
         yield from _unknown_keys(path, instance, schema)
     elif keyword == "required":
         yield from _missing_keys(path, instance, schema)
-    elif keyword == "oneOf":
+    elif keyword == "oneOf" or (keyword == "not" and "required" in limit):
         # What is no mapping lacks no key, says the schema: its type is the fault, and is reported.
         if isinstance(instance, dict):
-            yield from _alternatives(path, instance, limit)
+            yield from _alternatives(path, instance, limit if keyword == "oneOf" else _each(limit["required"]))
     elif keyword == "anyOf" and not any("const" in option for option in limit):
         yield from _of_its_kind(error, tree)
     elif keyword == "dependentRequired":
@@ -110,8 +110,12 @@ def _missing_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Itera
         if key not in instance:
             example = _example(schema["properties"][key])
             where = f" in `{dotted(path)}`" if path else ""
-            instead = ", or give tasks" if key in ("mission", "formula") else ""
+            instead = {"mission": ", or give tasks", "formula": ", or name an automaton, or give tasks"}.get(key, "")
             yield Finding((*path, key), f"`{key}` is missing{where}", f"add {key}: {example}{instead}", at_key=True)
+
+
+def _each(keys: list[str]) -> list[Schema]:
+    return [{"required": [key]} for key in keys]
 
 
 def _alternatives(path: Path, instance: dict[str, Any], options: list[Schema]) -> Iterable[Finding]:

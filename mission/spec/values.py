@@ -9,6 +9,7 @@ from mission.spec.model import (
     Flight,
     Limits,
     MissionSpec,
+    NamedAutomaton,
     NodesDomain,
     Origin,
     Point,
@@ -27,8 +28,8 @@ from mission.spec.tasks import task_of
 Data = dict[str, Any]
 
 
-def mission_of(data: Data, name: str) -> MissionSpec:
-    """The mission of a whole file; ``name`` is used where the file gives none."""
+def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> MissionSpec:
+    """The mission of a whole file; ``name`` is used where the file gives none, ``automaton`` is the one it names."""
     start, origin = data["start"], data.get("origin")
     frequencies = _given(data, "smoothing", "frequencies")
     return MissionSpec(
@@ -59,6 +60,7 @@ def mission_of(data: Data, name: str) -> MissionSpec:
             tilt_rad=math.radians(_measure(data, "limits", "tilt_deg")),
         ),
         tasks=tuple(task_of(task) for task in data.get("tasks", [])),
+        automaton=automaton,
     )
 
 

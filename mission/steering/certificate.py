@@ -272,7 +272,7 @@ class Prover:
         """The certificate of a curve about which nothing was found to fail."""
         return Certificate(
             holds=True,
-            reason="every word that the tube can spell satisfies the formula, and it meets nothing restricted",
+            reason="every word that the tube can spell satisfies the specification, and it meets nothing restricted",
             where_s=None,
             where_m=None,
             knots_s=enclosure.knots_s,

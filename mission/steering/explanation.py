@@ -82,7 +82,7 @@ def explain(
         for letter, times in repeats
     )
     verb = "spells" if sure else "may spell"
-    reason = f"{verb} the word {word}, which violates the formula"
+    reason = f"{verb} the word {word}, which violates the specification"
     wanted = _heeded(refutation, labelling.letters) - flown.keys()
     wanted -= {name for triangle in np.flatnonzero(ignored).tolist() for name in labelling.label(triangle)}
     wanted = {name for name in wanted if len(labelling.triangles_of(name))}

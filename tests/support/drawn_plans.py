@@ -11,10 +11,9 @@ import numpy as np
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.simplices import Partition
-from mission.logic.formula import negation
 from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
 from mission.plan import FlightPlan
+from mission.plan.specification import of_formula
 from mission.planning.run import Run
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
@@ -119,15 +118,12 @@ def plan_of(tour: Tour) -> FlightPlan:
         tube_m=tube_m,
         frequencies=curve.frequencies,
     )
-    formula = parse_formula(spec.formula)
     return FlightPlan(
         spec=spec,
         start_m=spec.start.position_m,
         partition=partition,
         labelling=labelling,
-        formula=formula,
-        automaton=translate(formula),
-        refutation=translate(negation(formula)),
+        required=of_formula(parse_formula(spec.formula)),
         product_states=partition.size * 3,
         product_states_reachable=partition.size,
         shortest_runs=4,

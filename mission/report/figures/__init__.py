@@ -67,7 +67,7 @@ PICTURES: tuple[_OfPlan | _OfFlight, ...] = (
         Picture(
             "04_automaton.png",
             "Automaton",
-            "The Büchi automaton of the formula. A flight satisfies the formula if its word can be read from the "
+            "The Büchi automaton of the specification. A flight satisfies that if its word can be read from the "
             "arrow on the left so that a state with a double circle is met again and again.",
         ),
         automaton,

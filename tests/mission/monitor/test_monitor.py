@@ -36,7 +36,7 @@ def monitor(
     return Monitor(
         Locator(paper_partition()),
         labels,
-        formula=parse_formula(formula),
+        satisfied_by=lambda word: satisfies(word, parse_formula(formula)),
         automaton=compiled(formula, labels.letters),
         refutation=refuting(formula, labels.letters),
         semantics=semantics,
@@ -165,7 +165,7 @@ def test_laps_decide_a_recurrent_flight() -> None:
 def test_a_word_that_violates_ends_a_recurrent_flight_in_failure() -> None:
     watch = flown(monitor("G F S1 & G !S2", suffix=(3, 7), laps=0), centre(8), centre(0))
     assert not watch.violations
-    assert "violates the formula" in watch.verdict_at_end(stays=False).reason
+    assert "violates the specification" in watch.verdict_at_end(stays=False).reason
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ SYSTEM = TransitionSystem.from_partition(paper_partition(), LABELLING, marked(pa
         ("G !S2", "violated where the flight starts, in triangle 0 (S2)"),
         ("F K1", "from triangle 0 the flight can reach R, S1, S2, but not K1: no open way leads there"),
         ("(S2 | R) U S1", "can reach S2, but not K1: no open way leads there; it can reach R, S1 only by violating"),
-        ("F R & G !R", "no flight whatever satisfies the formula: it contradicts itself"),
+        ("F R & G !R", "no flight whatever satisfies the specification: it contradicts itself"),
         ("F (S1 & R)", "asks for regions together, or for a region, that no triangle has (regions of this map: K1, R"),
         ("F nowhere", "that no triangle has (regions of this map: K1, R, S1, S2)"),
     ],

@@ -13,6 +13,32 @@ BROKEN = Path(__file__).parents[3] / "missions" / "broken"
 
 EXPECTED = [
     # file, line, column, path, message
+    ("automaton_and_formula", 8, 1, "mission", "formula and automaton exclude each other"),
+    ("automaton_empty", 9, 14, "mission.automaton", "the text is empty"),
+    ("automaton_is_a_directory", 9, 14, "mission.automaton", ".: this is a directory"),
+    ("automaton_missing", 9, 14, "mission.automaton", "feild.hoa: there is no such file"),
+    (
+        "automaton_not_buchi",
+        9,
+        14,
+        "mission.automaton",
+        "not_buchi.hoa, line 7, column 15: 'Fin' is in no Büchi or generalised Büchi condition",
+    ),
+    (
+        "automaton_not_hoa",
+        9,
+        14,
+        "mission.automaton",
+        "automaton_not_hoa.yaml, line 1, column 1: '#' has no meaning here",
+    ),
+    ("automaton_not_text", 9, 14, "mission.automaton", "expected text, found `7`"),
+    (
+        "automaton_unknown_region",
+        9,
+        14,
+        "mission.automaton",
+        "the automaton in unknown_region.hoa speaks of `Hoem`, which is no region",
+    ),
     ("bad_indentation", 6, 4, "", "the indentation fits nothing above it"),
     (
         "boundary_closed_twice",
@@ -298,7 +324,13 @@ def test_the_same_is_said_without_the_fast_parser(name: str, monkeypatch: pytest
 
 
 def test_each_file_of_the_folder_has_its_expectation() -> None:
-    assert sorted(path.stem for path in BROKEN.iterdir()) == sorted({row[0] for row in EXPECTED})
+    assert sorted(path.stem for path in BROKEN.glob("*.yaml")) == sorted({row[0] for row in EXPECTED})
+
+
+def test_each_other_file_of_the_folder_is_named_by_one_of_them() -> None:
+    texts = [path.read_bytes() for path in BROKEN.glob("*.yaml")]
+    others = [path.name for path in BROKEN.iterdir() if path.suffix != ".yaml"]
+    assert all(path.endswith(".hoa") and any(path.encode() in text for text in texts) for path in others)
 
 
 def test_each_file_says_what_is_wrong_with_it() -> None:

@@ -1,0 +1,103 @@
+"""What a flight must satisfy, and the automata that plan and judge it.
+
+A mission gives a formula or names an automaton, and tasks beside either. A word satisfies it if the automaton accepts
+it, where there is one, and it satisfies the formula that everything else makes together.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi
+from mission.logic.combination import intersection, union
+from mission.logic.complement import complement
+from mission.logic.conversion import with_accepting_states
+from mission.logic.formula import TRUE, Formula, negation
+from mission.logic.translate import translate, translate_generalised
+from mission.logic.word import LassoWord, Letter, satisfies
+from mission.plan.tasks import formula_of
+from mission.spec.model import MissionSpec, NamedAutomaton
+
+
+@dataclass(frozen=True)
+class Specification:
+    """What a flight must satisfy.
+
+    Attributes:
+        formula: The mission's formula and its tasks; TRUE where there is nothing of the kind.
+        given: The automaton that the mission names; None without one.
+        automaton: A Büchi automaton of the words that satisfy all of it.
+        refutation: One of the words that do not; with ``given``, among those over the letters of the map.
+        outside: One of the words over the letters of the map that ``given`` does not accept; None without one.
+    """
+
+    formula: Formula
+    given: NamedAutomaton | None
+    automaton: BuchiAutomaton
+    refutation: BuchiAutomaton
+    outside: BuchiAutomaton | None = None
+
+    def satisfied_by(self, word: LassoWord) -> bool:
+        """Whether a word satisfies it: by the definition of LTL and by the automaton that was given, as they are."""
+        return satisfies(word, self.formula) and (self.given is None or accepts(self.given, word))
+
+    def __str__(self) -> str:
+        return described(self.given, self.formula)
+
+
+def of_formula(formula: Formula) -> Specification:
+    """The specification that a formula is.
+
+    Raises:
+        AutomatonSizeError: The formula or its automaton is too large to be built.
+    """
+    return Specification(formula, None, translate(formula), translate(negation(formula)))
+
+
+def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable[int] = ()) -> Specification:
+    """The specification of a mission.
+
+    Args:
+        spec: The mission.
+        letters: The observations of its map.
+        dropped: Tasks that are left out, by their places in the file.
+
+    Raises:
+        FormulaSyntaxError: If the mission's own formula is none.
+        AutomatonSizeError: An automaton of it is too large to be built.
+    """
+    formula, given = formula_of(spec, dropped), spec.automaton
+    if given is None:
+        return of_formula(formula)
+    outside = complement(given.automaton, letters)
+    refutation = outside if formula is TRUE else union(outside, translate(negation(formula)))
+    return Specification(formula, given, automaton_of(formula, given), refutation, outside)
+
+
+def automaton_of(formula: Formula, given: NamedAutomaton | None) -> BuchiAutomaton:
+    """An automaton of the words that satisfy a formula and are accepted by a given automaton, if there is one.
+
+    Raises:
+        AutomatonSizeError: It is too large to be built.
+    """
+    return translate(formula) if given is None else with_accepting_states(generalised_of(formula, given))
+
+
+def generalised_of(formula: Formula, given: NamedAutomaton) -> GeneralisedBuchi:
+    """The same with a given automaton as one with marked transitions; without a formula it is the given one.
+
+    Raises:
+        AutomatonSizeError: It is too large to be built.
+    """
+    return given.automaton if formula is TRUE else intersection(given.automaton, translate_generalised(formula))
+
+
+def accepts(given: NamedAutomaton, word: LassoWord) -> bool:
+    """Whether a mission's automaton accepts a word."""
+    return with_accepting_states(given.automaton).accepts(word)
+
+
+def described(given: NamedAutomaton | None, formula: Formula) -> str:
+    """A formula beside a given automaton, as text."""
+    if given is None:
+        return str(formula)
+    return f"automaton {given.file}" + ("" if formula is TRUE else f", and {formula}")
