@@ -9,7 +9,9 @@ from pathlib import Path
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
+from mission.plan.costs import UNIT, run_costs
 from mission.planning.run import Run
+from mission.spec.model import Cost
 from mission.spec.tasks import task_text
 
 
@@ -77,9 +79,15 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "automaton_states": plan.automaton.size,
         "automaton_edges": plan.automaton.edge_count,
         "automaton_deterministic": plan.automaton.deterministic,
+        "searched_automaton_states": plan.product_states // plan.partition.size,
         "product_states": plan.product_states,
         "product_states_reachable": plan.product_states_reachable,
         "shortest_runs": plan.shortest_runs,
+        "cost": str(plan.spec.search.cost),
+        "costs": dict(
+            zip(("prefix", "suffix"), run_costs(plan.system.weights, plan.run, plan.spec.search.cost), strict=True)
+        ),
+        "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
         "run": list(plan.run.states),
         "prefix_states": len(plan.run.prefix),
@@ -133,8 +141,12 @@ def _print_plan(plan: FlightPlan) -> None:
     _print()
     _print(f"T  {count(plan.partition.size, 'state')}")
     _print(f"A  {count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
-    _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable")
-    _print(f"Shortest runs  {plan.shortest_runs:,}, of {count(plan.run.cost, 'transition')} each")
+    searched = plan.product_states // plan.partition.size
+    several = (
+        "" if searched == automaton.size else f" (with A of {count(searched, 'state')} and several acceptance sets)"
+    )
+    _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable{several}")
+    _print(f"Best runs  {plan.shortest_runs:,}{_costs(plan)}")
     _print()
     _print(f"Run {plan.run_index}: state, label, control")
     for i, (state, control) in enumerate(zip(plan.run.states, plan.run.controls, strict=True)):
@@ -148,6 +160,15 @@ def _print_plan(plan: FlightPlan) -> None:
     tried = " (as few as the proof needs)" if spec.smoothing.frequencies == "auto" else ""
     _print(f"Smoothing      {spec.smoothing.extension.value} extension, {plan.curve.frequencies} frequencies{tried}")
     _print_certificate(plan)
+
+
+def _costs(plan: FlightPlan) -> str:
+    cost = plan.spec.search.cost
+    prefix, suffix = run_costs(plan.system.weights, plan.run, cost)
+    if cost is Cost.TRANSITIONS:
+        return f", of {count(plan.run.cost, 'transition')} each"
+    unit, _ = UNIT[cost]
+    return f" by {cost}: {prefix:.1f} {unit} up to the loop, {suffix:.1f} {unit} round it (number {plan.run_index})"
 
 
 def _print_certificate(plan: FlightPlan) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from mission.geometry.arrays import FloatArray, IntArray
 from mission.geometry.simplices import Partition
+from mission.planning.run import Run
 from mission.planning.transition_system import CONTROLS
 from mission.spec.model import Cost
 from mission.steering.facet_control import exit_velocities
@@ -31,6 +32,19 @@ def transition_weights(partition: Partition, cost: Cost, speed_m_s: float) -> In
     weights[:, 1:] = np.maximum(1, np.rint(exact / UNIT[cost][1]))
     weights[:, 0] = weights[:, 1:].min()
     return weights
+
+
+def run_costs(weights: IntArray, run: Run, cost: Cost) -> tuple[float, float]:
+    """What the prefix and the suffix of a run cost, in transitions, metres or seconds.
+
+    Args:
+        weights: As from ``transition_weights``.
+        run: The run.
+        cost: What they count.
+    """
+    costs = weights[list(run.states), list(run.controls)] * UNIT[cost][1]
+    head = len(run.prefix)
+    return float(costs[:head].sum()), float(costs[head:].sum())
 
 
 def passage_lengths(partition: Partition) -> FloatArray:

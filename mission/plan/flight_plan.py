@@ -10,6 +10,7 @@ from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.formula import TRUE, Formula
 from mission.plan.cautions import cautions
+from mission.plan.costs import transition_weights
 from mission.plan.specification import Specification
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
@@ -36,6 +37,8 @@ class FlightPlan:
         product_states: Number of states of the product, reachable or not.
         product_states_reachable: How many of them can be reached from the start.
         shortest_runs: How many runs have the least cost.
+        best_in_any_order: Whether no other order of the tasks that recur has a better run; False where they are too
+            many for an exact search.
         run_index: Which of them is flown.
         run: That run.
         path: The path that steers through it.
@@ -53,6 +56,7 @@ class FlightPlan:
     product_states: int
     product_states_reachable: int
     shortest_runs: int
+    best_in_any_order: bool
     run_index: int
     run: Run
     path: SteeringPath
@@ -93,8 +97,9 @@ class FlightPlan:
 
     @property
     def system(self) -> TransitionSystem:
-        """T of this domain, its restricted triangles closed."""
-        return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted)
+        """T of this domain, its restricted triangles closed, with the mission's costs."""
+        weights = transition_weights(self.partition, self.spec.search.cost, self.spec.flight.speed_m_s)
+        return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted, weights)
 
     @property
     def successors(self) -> IntArray:
@@ -115,7 +120,13 @@ class FlightPlan:
     def warnings(self) -> tuple[str, ...]:
         """What the writer of the mission may not have meant, in words; empty where nothing is odd."""
         start = int(self.labelling.letter_of[self.run.states[0]])
-        return cautions(self.required, self.labelling.letters, start, self.spec.semantics)
+        found = cautions(self.required, self.labelling.letters, start, self.spec.semantics)
+        if self.best_in_any_order:
+            return found
+        return (
+            *found,
+            "the tasks that recur are too many to try every order: the loop is the best in one order of them",
+        )
 
     @cached_property
     def compiled(self) -> CompiledAutomaton:

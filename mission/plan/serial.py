@@ -53,6 +53,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "product_states": plan.product_states,
         "product_states_reachable": plan.product_states_reachable,
         "shortest_runs": plan.shortest_runs,
+        "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
         "run": {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)},
         "path": {
@@ -109,6 +110,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         product_states=int(document["product_states"]),
         product_states_reachable=int(document["product_states_reachable"]),
         shortest_runs=int(document["shortest_runs"]),
+        best_in_any_order=bool(document["best_in_any_order"]),
         run_index=int(document["run_index"]),
         run=Run(tuple(run["prefix"]), tuple(run["suffix"]), tuple(run["controls"])),
         path=SteeringPath(

@@ -6,6 +6,7 @@ it, where there is one, and it satisfies the formula that everything else makes 
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.combination import intersection, union
@@ -35,6 +36,15 @@ class Specification:
     automaton: BuchiAutomaton
     refutation: BuchiAutomaton
     outside: BuchiAutomaton | None = None
+
+    @cached_property
+    def generalised(self) -> GeneralisedBuchi:
+        """A generalised Büchi automaton of the same words as ``automaton``, often smaller.
+
+        Raises:
+            AutomatonSizeError: It is too large to be built.
+        """
+        return translate_generalised(self.formula) if self.given is None else generalised_of(self.formula, self.given)
 
     def satisfied_by(self, word: LassoWord) -> bool:
         """Whether a word satisfies it: by the definition of LTL and by the automaton that was given, as they are."""

@@ -7,6 +7,8 @@ import numpy as np
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.geometry.location import OUTSIDE, Locator
 from mission.logic.automaton import BuchiAutomaton, compile_to_alphabet
+from mission.plan.best_runs import best_runs, objective_of
+from mission.plan.costs import transition_weights
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of, tube_of
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
@@ -44,7 +46,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     partition, labelling = build_domain(spec)
     restricted = restricted_triangles(spec, labelling)
     triangle = _start_triangle(Locator(partition), restricted, start)
-    system = TransitionSystem.from_partition(partition, labelling, restricted)
+    weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
+    system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
     def product_of(automaton: BuchiAutomaton) -> Product:
         return Product(system, compile_to_alphabet(automaton, labelling.letters), triangle, spec.semantics)
@@ -56,10 +59,10 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
             lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
         )
         specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
-        product = product_of(specification.automaton)
-        runs = search(product)
+        found = best_runs(system, specification, triangle, spec.semantics, objective_of(spec))
     except NoPlanError as error:
         raise explained(error, spec, partition, labelling, start=triangle) from error
+    runs = found.runs
     index = spec.run if run is None else run
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
@@ -72,7 +75,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         speed_m_s=spec.flight.speed_m_s,
         final_stay_s=spec.flight.final_stay_s,
         laps=spec.flight.laps,
-        settle_in=earnest_visits(spec, partition, labelling, product.automaton, chosen),
+        settle_in=earnest_visits(spec, partition, labelling, found.product.automaton, chosen),
     )
     refutation = compile_to_alphabet(specification.refutation, labelling.letters)
     prover = prover_of(spec, partition, labelling, refutation, restricted)
@@ -100,9 +103,10 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         partition=partition,
         labelling=labelling,
         required=specification,
-        product_states=product.full_size,
-        product_states_reachable=product.reachable_size,
+        product_states=found.product.full_size,
+        product_states_reachable=found.product.reachable_size,
         shortest_runs=runs.count,
+        best_in_any_order=found.exact,
         run_index=index,
         run=chosen,
         path=path,
@@ -115,7 +119,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
 
 def shortest_runs(plan: FlightPlan) -> ShortestRuns:
     """All the runs that a plan could have flown at the same cost."""
-    return search(Product(plan.system, plan.compiled, plan.run.states[0], plan.spec.semantics))
+    objective = objective_of(plan.spec)
+    return best_runs(plan.system, plan.required, plan.run.states[0], plan.spec.semantics, objective).runs
 
 
 def _refusal(product: Product) -> NoPlanError | None:

@@ -4,6 +4,8 @@ A run asks only that a triangle is entered; its path may clip a corner by a few 
 that follows it exactly, and too little for a vehicle that may be a tube's width away, or that is to loiter there.
 """
 
+import numpy as np
+
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import CompiledGeneralised
@@ -51,17 +53,24 @@ def _turns_back(run: Run) -> set[int]:
 
 
 def _moves_on(labelling: Labelling, automaton: CompiledGeneralised, run: Run, semantics: Semantics) -> list[bool]:
-    """Whether reading each state's label changes the set of automaton states that the run may be in."""
-    read: dict[tuple[int, int], set[int]] = {}
-    rows = (automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist())
-    for source, letter, target in zip(*rows, strict=True):
-        read.setdefault((source, letter), set()).add(target)
-    states = set(automaton.initial.tolist())
-    moved = []
-    for index, triangle in enumerate(run.states):
-        before = states
-        if index > 0 or semantics is Semantics.STANDARD:
-            letter = int(labelling.letter_of[triangle])
-            states = set().union(*(read.get((q, letter), set()) for q in before))
-        moved.append(states != before)
+    """Whether reading each state's label moves the automaton on.
+
+    It does where the set of automaton states that the run may be in changes, or where the loop meets an acceptance set
+    that it has not met in this lap.
+    """
+    read: dict[tuple[int, int], list[tuple[int, frozenset[int]]]] = {}
+    rows = (automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), automaton.marks)
+    for source, letter, target, marks in zip(*rows, strict=True):
+        read.setdefault((source, letter), []).append((target, frozenset(np.flatnonzero(marks).tolist())))
+    states, met = set(automaton.initial.tolist()), frozenset[int]()
+    moved = [False] * len(run.states)
+    head = len(run.prefix)
+    for index, lap in (*((i, i > head) for i in range(len(run.states))), (head, True)):
+        if index == 0 and not lap and semantics is Semantics.PAPER:
+            continue
+        letter = int(labelling.letter_of[run.states[index]])
+        steps = [step for q in states for step in read.get((q, letter), ())]
+        after, borne = {target for target, _ in steps}, frozenset[int]().union(*(marks for _, marks in steps))
+        moved[index] = moved[index] or after != states or (lap and not borne <= met)
+        states, met = after, met | borne if lap else met
     return moved

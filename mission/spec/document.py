@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from mission.spec.model import BoundaryDomain, MissionSpec, PointShape, Region, TriangleShape
+from mission.spec.model import SUFFIX_DECIDES, BoundaryDomain, MissionSpec, PointShape, Region, TriangleShape
 from mission.spec.tasks import task_data
 
 
@@ -25,6 +25,11 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
         "mission": {"semantics": spec.semantics.value, "run": spec.run, "laps": laps},
         "start": {"position_m": list(spec.start.position_m), "velocity_m_s": list(spec.start.velocity_m_s)},
         "flight": flight,
+        "search": {
+            "cost": spec.search.cost.value,
+            "prefix_weight": spec.search.prefix_weight,
+            "suffix_weight": SUFFIX_DECIDES if spec.search.suffix_weight is None else spec.search.suffix_weight,
+        },
         "smoothing": {"extension": spec.smoothing.extension.value, "frequencies": spec.smoothing.frequencies},
         "limits": {
             "speed_m_s": spec.limits.speed_m_s,

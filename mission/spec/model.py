@@ -2,12 +2,18 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+from typing import Final, Literal
 
 from mission.geometry.geodesy import LatLon
 from mission.logic.automaton import GeneralisedBuchi
 
 Point = tuple[float, float]
+
+
+SUFFIX_DECIDES: Final = "decides"
+"""In the place of a weight of the suffix: it is made best first, whatever leads to it."""
+
+MOST_WEIGHT: Final = 1_000_000
 
 
 class RegionKind(StrEnum):
@@ -122,6 +128,21 @@ class Flight:
 
 
 @dataclass(frozen=True)
+class Search:
+    """Which runs are best.
+
+    Attributes:
+        cost: What is counted.
+        prefix_weight: How much the part that is flown once weighs.
+        suffix_weight: How much the part that is repeated weighs; None where it decides.
+    """
+
+    cost: Cost = Cost.TRANSITIONS
+    prefix_weight: int = 1
+    suffix_weight: int | None = None
+
+
+@dataclass(frozen=True)
 class Smoothing:
     """Fourier smoothing of the planned path (Sec. 4.3); ``auto`` takes as few frequencies as the proof needs."""
 
@@ -227,5 +248,6 @@ class MissionSpec:
     flight: Flight
     smoothing: Smoothing
     limits: Limits
+    search: Search = Search()
     tasks: tuple[Task, ...] = ()
     automaton: NamedAutomaton | None = None

@@ -8,6 +8,7 @@ from copy import deepcopy
 from typing import Any, Final
 
 from mission.logic.parser import MAX_LENGTH
+from mission.spec.model import MOST_WEIGHT, SUFFIX_DECIDES, Cost
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
 Schema = dict[str, Any]
@@ -211,6 +212,36 @@ _FLIGHT: Final = _object(
     examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
 )
 
+
+def _weight(part: str, default: int | str) -> Schema:
+    whole = {"type": "integer", "minimum": 1, "maximum": MOST_WEIGHT}
+    if default == SUFFIX_DECIDES:
+        return {
+            "description": f"How much a unit of the {part} weighs; decides: the {part} is made best first, "
+            "and only what leads to it is chosen by cost.",
+            "anyOf": [whole, {"const": SUFFIX_DECIDES}],
+            "default": default,
+            "examples": [SUFFIX_DECIDES, 10],
+        }
+    return {"description": f"How much a unit of the {part} weighs.", "default": default} | whole
+
+
+_SEARCH: Final = _object(
+    "Which runs are best: those with the least cost.",
+    (),
+    {
+        "cost": {
+            "description": "What is counted: the transitions between triangles, the metres over the middles of their "
+            "edges, or the seconds that the fields take at most.",
+            "enum": [cost.value for cost in Cost],
+            "default": Cost.TRANSITIONS.value,
+        },
+        "prefix_weight": _weight("prefix, which is flown once,", 1),
+        "suffix_weight": _weight("suffix, which is repeated,", SUFFIX_DECIDES),
+    },
+    examples=[{"cost": "distance"}],
+)
+
 _SMOOTHING: Final = _object(
     "The Fourier series that smooths the planned path.",
     (),
@@ -270,6 +301,7 @@ _SCHEMA: Final[Schema] = {
         "start": _START,
         "origin": _ORIGIN,
         "flight": _FLIGHT,
+        "search": _SEARCH,
         "smoothing": _SMOOTHING,
         "limits": _LIMITS,
     },

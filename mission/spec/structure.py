@@ -160,7 +160,7 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
     example = _example(schema)
     options = schema.get("enum") or [o["const"] for o in schema.get("anyOf", []) if "const" in o]
     if options:
-        expected = "auto or a whole number from 1 to 10000" if "anyOf" in schema else f"one of {listed(options)}"
+        expected = f"one of {listed(options)}" if "enum" in schema else _name_or_number(options[0], schema)
         close = nearest(instance, options) if isinstance(instance, str) else ""
         hint = f"did you mean `{close}`?" if close else f"write for example {options[0]}"
     else:
@@ -176,6 +176,11 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
     if isinstance(node, Scalar) and node.plain and not isinstance(instance, str) and schema.get("type") == "string":
         hint = f'put it in quotes: "{shortened(node.text)}"' if node.text else hint
     return Finding(path, f"expected {expected}, found {_found(instance, node)}", hint)
+
+
+def _name_or_number(name: str, schema: Schema) -> str:
+    whole = next(option for option in schema["anyOf"] if "type" in option)
+    return f"{name} or a whole number from {whole['minimum']} to {whole['maximum']}"
 
 
 def _found(instance: Any, node: Node) -> str:  # noqa: ANN401 - any JSON value

@@ -4,7 +4,9 @@ import math
 from typing import Any
 
 from mission.spec.model import (
+    SUFFIX_DECIDES,
     BoundaryDomain,
+    Cost,
     Extension,
     Flight,
     Limits,
@@ -17,6 +19,7 @@ from mission.spec.model import (
     PolygonShape,
     Region,
     RegionKind,
+    Search,
     Semantics,
     Smoothing,
     Start,
@@ -31,6 +34,7 @@ Data = dict[str, Any]
 def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> MissionSpec:
     """The mission of a whole file; ``name`` is used where the file gives none, ``automaton`` is the one it names."""
     start, origin = data["start"], data.get("origin")
+    suffix = _given(data, "search", "suffix_weight")
     frequencies = _given(data, "smoothing", "frequencies")
     return MissionSpec(
         name=data.get("name", name),
@@ -53,6 +57,11 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
         smoothing=Smoothing(
             Extension(_given(data, "smoothing", "extension")),
             "auto" if frequencies == "auto" else int(frequencies),
+        ),
+        search=Search(
+            cost=Cost(_given(data, "search", "cost")),
+            prefix_weight=int(_given(data, "search", "prefix_weight")),
+            suffix_weight=None if suffix == SUFFIX_DECIDES else int(suffix),
         ),
         limits=Limits(
             speed_m_s=_measure(data, "limits", "speed_m_s"),

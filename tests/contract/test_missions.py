@@ -33,7 +33,8 @@ def test_a_sound_mission_is_planned_with_a_proof(file: Path, capsys: pytest.Capt
     assert plan["certificate"]["holds"] is True
     assert len(plan["run"]) == len(plan["controls"])
     assert set(plan["controls"]) <= {0, 1, 2, 3}
-    assert plan["product_states"] == plan["triangles"] * plan["automaton_states"]
+    assert plan["product_states"] == plan["triangles"] * plan["searched_automaton_states"]
+    assert plan["searched_automaton_states"] <= plan["automaton_states"]
     assert plan["shortest_runs"] >= 1
     assert plan["length_m"] > 0.0
     assert plan["duration_s"] > 0.0

@@ -127,6 +127,7 @@ def plan_of(tour: Tour) -> FlightPlan:
         product_states=partition.size * 3,
         product_states_reachable=partition.size,
         shortest_runs=4,
+        best_in_any_order=True,
         run_index=0,
         run=run,
         path=path,
