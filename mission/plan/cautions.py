@@ -32,7 +32,7 @@ def cautions(
         semantics: Whether that letter is read.
     """
     found: list[str] = []
-    if specification.given is not None and specification.outside is not None:
+    if specification.given and specification.outside:
         name = f"the automaton {specification.given.file}"
         found += _of_automaton(name, specification.given, specification.outside, letters)
         found += _of_empty(name, compile_to_alphabet(specification.outside, letters), letters, start, semantics)

@@ -21,21 +21,34 @@ from mission.spec.model import MissionSpec, NamedAutomaton
 
 @dataclass(frozen=True)
 class Specification:
-    """What a flight must satisfy.
+    """What a flight must satisfy. Its automata are built when they are asked for; each may raise AutomatonSizeError.
 
     Attributes:
         formula: The mission's formula and its tasks; TRUE where there is nothing of the kind.
         given: The automaton that the mission names; None without one.
-        automaton: A Büchi automaton of the words that satisfy all of it.
-        refutation: One of the words that do not; with ``given``, among those over the letters of the map.
-        outside: One of the words over the letters of the map that ``given`` does not accept; None without one.
+        letters: The observations of the map; an automaton that is given is complemented over these.
     """
 
     formula: Formula
-    given: NamedAutomaton | None
-    automaton: BuchiAutomaton
-    refutation: BuchiAutomaton
-    outside: BuchiAutomaton | None = None
+    given: NamedAutomaton | None = None
+    letters: tuple[Letter, ...] = ()
+
+    @cached_property
+    def automaton(self) -> BuchiAutomaton:
+        """A Büchi automaton of the words that satisfy all of it."""
+        return automaton_of(self.formula, self.given)
+
+    @cached_property
+    def outside(self) -> BuchiAutomaton | None:
+        """One of the words over the letters of the map that the given automaton does not accept; None without one."""
+        return None if self.given is None else complement(self.given.automaton, self.letters)
+
+    @cached_property
+    def refutation(self) -> BuchiAutomaton:
+        """One of the words that do not satisfy it; with a given automaton, among those over the letters of the map."""
+        if self.outside is None:
+            return translate(negation(self.formula))
+        return self.outside if self.formula is TRUE else union(self.outside, translate(negation(self.formula)))
 
     @cached_property
     def generalised(self) -> GeneralisedBuchi:
@@ -54,15 +67,6 @@ class Specification:
         return described(self.given, self.formula)
 
 
-def of_formula(formula: Formula) -> Specification:
-    """The specification that a formula is.
-
-    Raises:
-        AutomatonSizeError: The formula or its automaton is too large to be built.
-    """
-    return Specification(formula, None, translate(formula), translate(negation(formula)))
-
-
 def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable[int] = ()) -> Specification:
     """The specification of a mission.
 
@@ -73,14 +77,8 @@ def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable
 
     Raises:
         FormulaSyntaxError: If the mission's own formula is none.
-        AutomatonSizeError: An automaton of it is too large to be built.
     """
-    formula, given = formula_of(spec, dropped), spec.automaton
-    if given is None:
-        return of_formula(formula)
-    outside = complement(given.automaton, letters)
-    refutation = outside if formula is TRUE else union(outside, translate(negation(formula)))
-    return Specification(formula, given, automaton_of(formula, given), refutation, outside)
+    return Specification(formula_of(spec, dropped), spec.automaton, letters)
 
 
 def automaton_of(formula: Formula, given: NamedAutomaton | None) -> BuchiAutomaton:

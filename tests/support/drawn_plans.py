@@ -13,7 +13,7 @@ from mission.geometry.arrays import FloatArray
 from mission.geometry.simplices import Partition
 from mission.logic.parser import parse_formula
 from mission.plan import FlightPlan
-from mission.plan.specification import of_formula
+from mission.plan.specification import Specification
 from mission.planning.run import Run
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
@@ -123,7 +123,7 @@ def plan_of(tour: Tour) -> FlightPlan:
         start_m=spec.start.position_m,
         partition=partition,
         labelling=labelling,
-        required=of_formula(parse_formula(spec.formula)),
+        required=Specification(parse_formula(spec.formula)),
         product_states=partition.size * 3,
         product_states_reachable=partition.size,
         shortest_runs=4,

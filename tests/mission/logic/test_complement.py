@@ -3,7 +3,7 @@
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 
 from mission.errors import AutomatonSizeError
@@ -39,17 +39,25 @@ def test_each_word_is_accepted_by_the_one_or_the_other(
     seed: int, size: int, sets: int, degree: float, letters: int
 ) -> None:
     random = Random(seed)  # noqa: S311 - no secrets here
-    complements(random, random_automaton(random, size, sets, degree, letters), letters, 12)
+    try:
+        complements(random, random_automaton(random, size, sets, degree, letters), letters, 12)
+    except AutomatonSizeError:
+        reject()
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(6))
 def test_each_word_is_accepted_by_the_one_or_the_other_at_length(seed: int) -> None:
     random = Random(seed)  # noqa: S311 - no secrets here
+    refused = 0
     for _ in range(150):
         letters = random.randint(1, 4)
         automaton = random_automaton(random, random.randint(1, 5), random.randrange(3), 1.6, letters)
-        complements(random, automaton, letters, 40)
+        try:
+            complements(random, automaton, letters, 40)
+        except AutomatonSizeError:
+            refused += 1
+    assert refused <= 3
 
 
 @pytest.mark.parametrize("seed", range(2))

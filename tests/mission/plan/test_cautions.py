@@ -4,7 +4,7 @@ import pytest
 
 from mission.logic.parser import parse_formula
 from mission.plan.cautions import cautions
-from mission.plan.specification import of_formula
+from mission.plan.specification import Specification
 from mission.spec.model import Semantics
 from tests.support.small_missions import SMALL, plan_of
 
@@ -22,17 +22,17 @@ AT_HOME = 1
     ],
 )
 def test_one_conjunct_is_odd(formula: str, says: str) -> None:
-    (warning,) = cautions(of_formula(parse_formula(formula)), LETTERS, AT_HOME, Semantics.STANDARD)
+    (warning,) = cautions(Specification(parse_formula(formula)), LETTERS, AT_HOME, Semantics.STANDARD)
     assert warning.startswith(says)
 
 
 @pytest.mark.parametrize("formula", ["F (a & F home)", "G F home & F a", "F G home", "!a U home | F a & G !a"])
 def test_nothing_is_odd(formula: str) -> None:
-    assert cautions(of_formula(parse_formula(formula)), LETTERS, 0, Semantics.STANDARD) == ()
+    assert cautions(Specification(parse_formula(formula)), LETTERS, 0, Semantics.STANDARD) == ()
 
 
 def test_the_paper_does_not_read_the_label_of_the_start() -> None:
-    assert cautions(of_formula(parse_formula("F home")), LETTERS, AT_HOME, Semantics.PAPER) == ()
+    assert cautions(Specification(parse_formula("F home")), LETTERS, AT_HOME, Semantics.PAPER) == ()
 
 
 def test_a_plan_carries_its_warnings() -> None:

@@ -195,3 +195,9 @@ def test_an_automaton_that_cannot_be_complemented_is_refused_with_what_to_do(mon
     with pytest.raises(AutomatonSizeError, match="give a smaller automaton, or a deterministic one") as caught:
         plan_mission(mission_of(FORMS["nondeterministic"]))
     assert caught.value.exit_code == 2
+
+
+def test_that_there_is_no_run_is_said_before_anything_is_complemented(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(complement_module, "MAX_STATES", 1)
+    with pytest.raises(NoPlanError, match="asks for goal and home at once, but no triangle lies in both"):
+        plan_mission(mission_of(FORMS["nondeterministic"].replace("[0] 1", "[0&1] 1")))
