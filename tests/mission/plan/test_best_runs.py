@@ -11,7 +11,7 @@ from mission.logic.parser import parse_formula
 from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.plan.best_runs import best_runs
 from mission.plan.costs import run_costs, transition_weights
-from mission.plan.specification import of_formula
+from mission.plan.specification import Specification
 from mission.planning.objective import Objective
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.loader import load_mission, parse_mission
@@ -75,7 +75,7 @@ def test_a_heavier_suffix_shortens_the_loop_at_the_cost_of_the_prefix() -> None:
         successors[i, 2], successors[i + 1, 1] = i + 1, i
     letters = (frozenset[str](), frozenset({"p"}), frozenset({"q"}))
     system = TransitionSystem(successors, np.array([1, 0, 2, 0, 0, 0, 0, 1, 2]), letters)
-    patrol = of_formula(parse_formula("G F p & G F q"))
+    patrol = Specification(parse_formula("G F p & G F q"))
     near = best_runs(system, patrol, 2, Semantics.STANDARD, Objective(1, 1))
     far = best_runs(system, patrol, 2, Semantics.STANDARD, Objective(1, 5))
     decided = best_runs(system, patrol, 2, Semantics.STANDARD, Objective())
@@ -91,7 +91,7 @@ def test_more_recurring_tasks_than_can_be_ordered_exactly_are_met_in_turn_and_th
     letters = tuple(frozenset({f"r{i}"}) for i in range(side))
     system = TransitionSystem(successors, np.arange(side), letters)
     names = [f"r{i}" for i in range(13)]
-    patrol = of_formula(parse_formula(" & ".join(f"G F {name}" for name in names)))
+    patrol = Specification(parse_formula(" & ".join(f"G F {name}" for name in names)))
     found = best_runs(system, patrol, 0, Semantics.STANDARD, Objective())
     assert not found.exact
     assert set(range(13)) <= set(found.runs[0].suffix)
