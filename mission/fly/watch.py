@@ -2,9 +2,8 @@
 
 import math
 from bisect import bisect_right
+from dataclasses import replace
 from typing import Protocol
-
-import numpy as np
 
 from mission.fly.result import Progress
 from mission.geometry.location import OUTSIDE
@@ -52,6 +51,7 @@ class FlightWatch:
         beyond_tube_s: Longest time without a break that the vehicle was beyond the certified tube.
         began_s: Vehicle time at which the trajectory began; None before.
         vehicle: Name of the autopilot; empty before it is known.
+        returning: Whether the vehicle was asked to return after the lap that it was in.
     """
 
     def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
@@ -66,18 +66,19 @@ class FlightWatch:
             semantics=plan.spec.semantics,
             restricted=plan.restricted,
             suffix=plan.run.suffix if plan.run.recurrent else (),
-            laps=plan.spec.flight.laps,
+            laps=plan.trajectory.laps,
         )
         self.tracking = TrackingWatch(plan.certificate.tube_m)
         self.largest_distance_m = 0.0
         self.beyond_tube_s = 0.0
         self.began_s: float | None = None
         self.vehicle = ""
+        self.returning = False
         self._record = record
         self._stage = Stage.CONNECT
         self._visits_written = self._violations_written = 0
-        starts_s = [segment.start_s for segment in plan.path.segments]
-        self._leg_starts_s = plan.trajectory.law.time_at(np.array(starts_s)).tolist()
+        self._trajectory = plan.trajectory
+        self._leg_starts_s = [segment.start_s for segment in plan.path.segments]
 
     def take(self, event: Event) -> None:
         """Write an event down and draw the consequences."""
@@ -105,22 +106,24 @@ class FlightWatch:
     def progress(self, session: Session) -> Progress:
         """Where the flight is now."""
         guidance, newest_s = session.guidance, session.vehicle.clock.newest_s
-        duration_s = self.plan.trajectory.duration_s
-        left_s = duration_s if guidance is None or newest_s is None else max(guidance.left_s(newest_s), 0.0)
-        counted = self.monitor.progress
-        flown_s = duration_s - left_s
+        flown_s = 0.0 if guidance is None or newest_s is None else guidance.flown_s(newest_s)
+        if guidance is not None and guidance.course.laps != self._trajectory.laps:
+            self._trajectory = replace(self._trajectory, laps=guidance.course.laps)
+        counted, place = self.monitor.progress, float(self._trajectory.parameter(flown_s)[0])
         return Progress(
             stage=session.stage,
             waiting_for=session.waiting_for,
             t_s=newest_s,
             trajectory_s=flown_s,
-            duration_s=duration_s,
-            leg=max(bisect_right(self._leg_starts_s, flown_s) - 1, 0),
+            duration_s=self._trajectory.duration_s,
+            leg=max(bisect_right(self._leg_starts_s, place) - 1, 0),
             legs=len(self._leg_starts_s),
             done=counted.done,
             total=counted.total,
             awaited=counted.awaited,
             laps=self.monitor.laps,
+            laps_asked=self._trajectory.laps,
+            returning=self.returning or 0.0 < self._trajectory.laps_end_s <= flown_s,
             verdict=self.monitor.verdict,
         )
 

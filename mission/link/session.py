@@ -154,6 +154,13 @@ class Session:
         if not goes_on:
             self._end(*self._outcome)
 
+    def end_laps(self, now_s: float) -> bool:
+        """Let the present lap be the last one; then the vehicle returns and lands. False where no lap is flown now."""
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        if self.stage is not Stage.FLY or self.guidance is None or vehicle_s is None:
+            return False
+        return self.guidance.end_laps(vehicle_s)
+
     def outgoing(self) -> list[bytes]:
         """Frames to send, oldest first; they are forgotten here."""
         frames = list(self.contact.out)

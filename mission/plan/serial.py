@@ -17,6 +17,7 @@ from mission.logic.automaton import BuchiAutomaton
 from mission.logic.formula import negation
 from mission.logic.translate import translate
 from mission.plan.flight_plan import FlightPlan
+from mission.plan.homeward import Homeward
 from mission.plan.tasks import DroppedTask, formula_of
 from mission.planning.run import Run
 from mission.spec.document import document_of
@@ -27,12 +28,12 @@ from mission.steering.certificate import Certificate
 from mission.steering.path import Segment, SteeringPath
 from mission.steering.trajectory import Trajectory
 
-FORMAT = "ltl-mission plan 1"
+FORMAT = "ltl-mission plan 2"
 
 
 def plan_to_json(plan: FlightPlan) -> str:
     """The whole plan as JSON text; every number is kept to the last bit."""
-    run, path, partition = plan.run, plan.path, plan.partition
+    path, partition = plan.path, plan.partition
     document = {
         "format": FORMAT,
         "mission": document_of(plan.spec),
@@ -52,9 +53,9 @@ def plan_to_json(plan: FlightPlan) -> str:
         "product_states_reachable": plan.product_states_reachable,
         "shortest_runs": plan.shortest_runs,
         "run_index": plan.run_index,
-        "run": {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)},
+        "run": _run_data(plan.run),
         "path": {
-            "lap_segments": list(path.lap_segments),
+            "lap": path.lap,
             "segments": [
                 {
                     "triangle": segment.triangle,
@@ -72,6 +73,9 @@ def plan_to_json(plan: FlightPlan) -> str:
         "trajectory": plan.trajectory.to_json(),
         "certificate": plan.certificate.to_json(),
         "dropped": [asdict(task) for task in plan.dropped],
+        "homeward": None
+        if plan.homeward is None
+        else {"run": _run_data(plan.homeward.run), "certificate": plan.homeward.certificate.to_json()},
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"
 
@@ -95,7 +99,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
     spec = parse_mission(json.dumps(document["mission"]).encode())
     dropped = tuple(_dropped(spec, task) for task in document.get("dropped", []))
     formula = formula_of(spec, (task.number for task in dropped))
-    run, labels, path = document["run"], document["labels"], document["path"]
+    labels, path, homeward = document["labels"], document["path"], document["homeward"]
     start = document["start_m"]
     return FlightPlan(
         spec=spec,
@@ -109,15 +113,27 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         product_states_reachable=int(document["product_states_reachable"]),
         shortest_runs=int(document["shortest_runs"]),
         run_index=int(document["run_index"]),
-        run=Run(tuple(run["prefix"]), tuple(run["suffix"]), tuple(run["controls"])),
+        run=_run(document["run"]),
         path=SteeringPath(
-            tuple(_segment(segment) for segment in path["segments"]), tuple(int(i) for i in path["lap_segments"])
+            tuple(_segment(segment) for segment in path["segments"]),
+            None if path["lap"] is None else (int(path["lap"][0]), int(path["lap"][1])),
         ),
         stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
         trajectory=Trajectory.from_json(document["trajectory"]),
         certificate=Certificate.from_json(document["certificate"]),
         dropped=dropped,
+        homeward=None
+        if homeward is None
+        else Homeward(_run(homeward["run"]), Certificate.from_json(homeward["certificate"])),
     )
+
+
+def _run_data(run: Run) -> dict[str, list[int]]:
+    return {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)}
+
+
+def _run(data: dict[str, Any]) -> Run:
+    return Run(tuple(data["prefix"]), tuple(data["suffix"]), tuple(data["controls"]))
 
 
 def _dropped(spec: MissionSpec, data: dict[str, Any]) -> DroppedTask:

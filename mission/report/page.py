@@ -148,8 +148,22 @@ def _planned_rows(planned: Mapping[str, Any]) -> list[Row]:
         ("Controls", " ".join(f"u{control}" for control in planned["controls"])),
         ("Length of the planned path", f"{planned['length_m']:.2f} m"),
         ("Duration under the steering law", f"{planned['steering_duration_s']:.1f} s"),
-        ("Duration of the trajectory", f"{planned['duration_s']:.1f} s, at {planned['altitude_m']:g} m"),
+        ("Duration of the trajectory", f"{_duration(planned)}, at {planned['altitude_m']:g} m"),
+        *(
+            [("Way back from the laps", " ".join(f"T{state}" for state in planned["way_back"]))]
+            if planned["way_back"]
+            else []
+        ),
     ]
+
+
+def _duration(planned: Mapping[str, Any]) -> str:
+    if planned["laps"] is None:
+        return f"{planned['duration_s']:.1f} s"
+    each = f"laps of {planned['lap_duration_s']:.1f} s each"
+    if planned["duration_s"] is None:
+        return f"{each}, until the vehicle is told to return"
+    return f"{planned['duration_s']:.1f} s, {planned['laps']:,} {each}"
 
 
 def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
@@ -164,6 +178,7 @@ def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
             "nothing is restricted" if clearance is None else f"at least {clearance:.3f} m",
         ),
         ("Word that it surely spells", word or "(empty)"),
+        *([("Way back from the laps", certificate["way_back"])] if certificate["way_back"] else []),
     ]
 
 

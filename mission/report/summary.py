@@ -55,7 +55,10 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "controls": list(plan.run.controls),
         "length_m": plan.path.length_m,
         "steering_duration_s": plan.path.duration_s,
-        "duration_s": plan.trajectory.duration_s,
+        "duration_s": plan.trajectory.duration_s if math.isfinite(plan.trajectory.duration_s) else None,
+        "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
+        "lap_duration_s": None if plan.trajectory.lap is None else plan.trajectory.legs[plan.trajectory.lap].duration_s,
+        "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "altitude_m": plan.trajectory.altitude_m,
     }
 
@@ -69,6 +72,7 @@ def _certificate(plan: FlightPlan) -> dict[str, Any]:
         "tube_m": certificate.tube_m,
         "clearance_m": certificate.clearance_m,
         "word": [sorted(letter) for letter in certificate.word],
+        "way_back": None if plan.homeward is None else plan.homeward.certificate.reason,
     }
 
 

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from mission.spec.model import (
+    UNTIL_STOPPED,
     BoundaryDomain,
     Extension,
     Flight,
@@ -29,7 +30,7 @@ Data = dict[str, Any]
 
 def mission_of(data: Data, name: str) -> MissionSpec:
     """The mission of a whole file; ``name`` is used where the file gives none."""
-    start, origin = data["start"], data.get("origin")
+    start, origin, laps = data["start"], data.get("origin"), _given(data, "mission", "laps")
     frequencies = _given(data, "smoothing", "frequencies")
     return MissionSpec(
         name=data.get("name", name),
@@ -42,7 +43,7 @@ def mission_of(data: Data, name: str) -> MissionSpec:
         start=Start(point_of(start["position_m"]), point_of(_given(data, "start", "velocity_m_s"))),
         origin=Origin(float(origin["latitude_deg"]), float(origin["longitude_deg"])) if origin else None,
         flight=Flight(
-            laps=int(_given(data, "mission", "laps")),
+            laps=UNTIL_STOPPED if laps == UNTIL_STOPPED else int(laps),
             speed_m_s=_measure(data, "flight", "speed_m_s"),
             altitude_m=_measure(data, "flight", "altitude_m"),
             final_stay_s=_measure(data, "flight", "final_stay_s"),

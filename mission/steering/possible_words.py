@@ -21,7 +21,7 @@ they are pushed through the layers once, and only the loop is searched for accep
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -74,6 +74,8 @@ class Violations:
         letter_of: Shape (M,), the letter of each triangle.
         refutation: The automaton of the negated formula, over the same letters.
         semantics: Whether the label of the start triangle is read.
+        begins: Of a flight that goes on from another one, the automaton states (bits) that are possible in each
+            triangle in which it begins; None where the word begins here.
     """
 
     def __init__(
@@ -84,12 +86,14 @@ class Violations:
         letter_of: IntArray,
         refutation: CompiledAutomaton,
         semantics: Semantics,
+        begins: Mapping[int, int] | None = None,
     ) -> None:
         self._layers = layers
         self._corners = corners
         self._letter_of = letter_of
         self._semantics = semantics
         self._refutation = refutation
+        self._begins = begins
         self._images: dict[tuple[int, int], int] = {}
         self._near: dict[tuple[int, ...], dict[int, tuple[int, ...]]] = {}
         self._letters = {t: int(letter_of[t]) for layer in set(layers.triangles) for t in layer}
@@ -97,6 +101,10 @@ class Violations:
     def exists(self) -> bool:
         """Whether the vehicle can spell a word that violates the formula."""
         return bool(self._bad_nodes)
+
+    def at_end(self) -> dict[int, int]:
+        """The automaton states (bits) that are possible in each triangle of the last layer, after any laps."""
+        return self._reach[-1]
 
     def witness(self, expected: tuple[frozenset[int], ...]) -> tuple[tuple[int, int], ...]:
         """One violating way, as (layer, triangle) at the start and at each change of either, up to its loop.
@@ -209,6 +217,8 @@ class Violations:
 
     @cached_property
     def _start_masks(self) -> dict[int, int]:
+        if self._begins is not None:
+            return {t: self._begins.get(t, 0) for t in self._layers.triangles[0]}
         initial = sum(1 << int(state) for state in set(self._refutation.initial.tolist()))
         first = self._layers.triangles[0]
         if self._semantics is Semantics.PAPER:

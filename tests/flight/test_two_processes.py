@@ -53,7 +53,7 @@ class TwoProcesses:
                         options=FlightOptions(land_when_stopped=True),
                         on_progress=watch,
                         vehicle_failure=vehicle.failure,
-                        stop_reason=stop.reason,
+                        stop_request=stop.take,
                     )
                 finally:
                     transport.close()
