@@ -47,7 +47,7 @@ class PathPlanner:
         )
 
     def smoothed(
-        self, path: SteeringPath, certify: Callable[[JoinedCurve], Certificate], *, joins: bool
+        self, path: SteeringPath, certify: Callable[[JoinedCurve], Certificate], *, joins: bool, share: float = 1.0
     ) -> ProvedCurve:
         """Smooth a path and prove it, with as many frequencies as the mission asks for.
 
@@ -56,6 +56,7 @@ class PathPlanner:
             certify: Proves a curve, or says what fails.
             joins: Whether the path has legs that must join each other or another path's; they are continued oddly then,
                 whatever the mission asks for, for that keeps their ends.
+            share: The part of the number of frequencies that the mission asks for, where it asks for one.
 
         Raises:
             NoPlanError: There is no proof.
@@ -68,13 +69,14 @@ class PathPlanner:
 
         if smoothing.frequencies == "auto":
             return smooth_with_proof(legs, certify, extension=extension, refuses=refuses)
-        curve = fit_legs(legs, smoothing.frequencies, extension)
+        frequencies = max(1, round(share * smoothing.frequencies))
+        curve = fit_legs(legs, frequencies, extension)
         certificate = certify(curve)
         fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
         fault = fault or refuses(curve)
         if fault:
             raise NoPlanError(
-                f"the path smoothed with {smoothing.frequencies} frequencies is not proved to satisfy the mission: "
+                f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: "
                 f"{fault}; ask for more frequencies, or for `auto`"
             )
         return ProvedCurve(curve, certificate)

@@ -61,10 +61,12 @@ def way_back(
     # The label of the triangle in which the laps end was read when they did.
     onward = replace(planner, spec=replace(planner.spec, semantics=Semantics.PAPER))
     end = proved.curve.position([proved.curve.duration_s])[0]
+    longest_s = max(leg.duration_s for leg in proved.curve.legs)
     for run in found:
         path = onward.path(run, refutation, (float(end[0]), float(end[1])))
         try:
-            smooth = onward.smoothed(path, partial(prover.certify, begins=reached), joins=True)
+            share = min(1.0, path.duration_s / longest_s)
+            smooth = onward.smoothed(path, partial(prover.certify, begins=reached), joins=True, share=share)
         except NoPlanError:
             continue
         return WayBack(Homeward(run, smooth.certificate), path, smooth.curve)

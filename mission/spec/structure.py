@@ -156,7 +156,9 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
     example = _example(schema)
     options = schema.get("enum") or [o["const"] for o in schema.get("anyOf", []) if "const" in o]
     if options:
-        expected = "auto or a whole number from 1 to 10000" if "anyOf" in schema else f"one of {listed(options)}"
+        expected = (
+            f"{options[0]} or a whole number from 1 to 10000" if "anyOf" in schema else f"one of {listed(options)}"
+        )
         close = nearest(instance, options) if isinstance(instance, str) else ""
         hint = f"did you mean `{close}`?" if close else f"write for example {options[0]}"
     else:

@@ -103,7 +103,7 @@ def test_planning_is_deterministic() -> None:
 
 def test_a_forged_plan_is_not_proved(paper: FlightPlan) -> None:
     document = json.loads(plan_to_json(paper))
-    document["trajectory"]["curve"]["base_m"][0] -= 3.0  # moves the whole path west
+    document["trajectory"]["legs"][0]["curve"]["base_m"][0] -= 3.0  # moves the whole path west
     forged = plan_from_json(json.dumps(document))
     assert forged.certificate.holds  # as it claims
     assert not certify_again(forged).holds

@@ -119,4 +119,10 @@ def test_a_path_goes_on_with_another_one(partition: Partition) -> None:
 def test_senseless_arguments_are_refused(partition: Partition, wrong: dict[str, float]) -> None:
     arguments = {"speed_m_s": 1.0, "final_stay_s": 1.0} | wrong
     with pytest.raises(ValueError, match="must be positive"):
-        build_path(partition, RUN, start_m=(11.0, 9.5), **arguments)
+        build_path(
+            partition,
+            RUN,
+            start_m=(11.0, 9.5),
+            speed_m_s=arguments["speed_m_s"],
+            final_stay_s=arguments["final_stay_s"],
+        )
