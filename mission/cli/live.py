@@ -10,7 +10,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
 from mission.cli.screen import err
 from mission.fly import Progress as Moment
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 
 _WIDE = 100

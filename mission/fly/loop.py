@@ -13,9 +13,9 @@ from mission.fly.watch import FlightWatch, RecordWriter
 from mission.link.contact import LinkOptions
 from mission.link.course import Course
 from mission.link.session import Ending, Session
-from mission.link.steps import Stage
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
+from mission.monitor.stage import Stage
 from mission.plan import FlightPlan, plan_mission
 
 _STRAY_M = 10.0
@@ -265,6 +265,7 @@ class _Flight:
             beyond_tube_s=result.beyond_tube_s,
             word=[sorted(letter) for letter in result.word],
             laps=result.laps,
+            **watch.judged.known(),
         )
         return result
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from mission.link.session import Ending
-from mission.link.steps import Stage
 from mission.monitor.monitor import Violation
+from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 

@@ -20,13 +20,10 @@ from mission.link.events import (
     VersionTold,
 )
 from mission.link.session import Session
-from mission.link.steps import Stage
-from mission.monitor.monitor import Monitor
+from mission.monitor.flight import FlightMonitor
+from mission.monitor.stage import Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
-
-_GUARDED = (Stage.CLIMB, Stage.STREAM, Stage.OFFBOARD, Stage.SETTLE)
-_WATCHED = (Stage.FLY, Stage.ARRIVE, Stage.HOLD, Stage.LAND, Stage.TOUCH_DOWN)
 
 
 class RecordWriter(Protocol):
@@ -40,11 +37,8 @@ class RecordWriter(Protocol):
 class FlightWatch:
     """Watches one flight of one plan.
 
-    The word begins when the trajectory does, at its start, and ends on the ground; while the vehicle climbs and settles
-    there, it must only not leave the domain or enter a restricted region. What a standing vehicle's position estimate
-    does before take-off is not the flight.
-
     Attributes:
+        judged: What of the flight counts.
         monitor: The word flown so far.
         tracking: The distance from the trajectory.
         largest_distance_m: Largest horizontal distance from the trajectory.
@@ -57,17 +51,8 @@ class FlightWatch:
     def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
         """Watch from the ground."""
         self.plan = plan
-        self.monitor = Monitor(
-            plan.locator,
-            plan.labelling,
-            formula=plan.formula,
-            automaton=plan.compiled,
-            refutation=plan.compiled_refutation,
-            semantics=plan.spec.semantics,
-            restricted=plan.restricted,
-            suffix=plan.run.suffix if plan.run.recurrent else (),
-            laps=plan.trajectory.laps,
-        )
+        self.judged = FlightMonitor(plan)
+        self.monitor = self.judged.monitor
         self.tracking = TrackingWatch(plan.certificate.tube_m)
         self.largest_distance_m = 0.0
         self.beyond_tube_s = 0.0
@@ -150,11 +135,8 @@ class FlightWatch:
             self.tracking.observe(event.t_s, place, planned)
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
-        if self._stage in _WATCHED and self.began_s is not None and self.monitor.observe(event.t_s, place):
-            self._write_visits(event.t_s)
-        elif self._stage in _GUARDED:
-            self.monitor.guard(event.t_s, place)
-            self._write_visits(event.t_s)
+        self.judged.report(self._stage, event.t_s, place)
+        self._write_visits(event.t_s)
 
     def _write_visits(self, t_s: float) -> None:
         visits, violations = self.monitor.visits, self.monitor.violations

@@ -20,9 +20,10 @@ from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEnter
 from mission.link.frames import Anchor, Vector, enu_from_ned
 from mission.link.guidance import Guidance
 from mission.link.procedure import Procedure
-from mission.link.steps import Scene, Stage, Step, change_mode_step, disarm_step, flight_steps, landing_steps
+from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import VehicleState
+from mission.monitor.stage import Stage
 
 Anchoring = Callable[[Vector], Anchor]
 """Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""

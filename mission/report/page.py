@@ -184,6 +184,7 @@ def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
 
 def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> list[Row]:
     rows = [
+        ("Verdict on every continuation", _so_far(flown["judged"])),
         ("Largest tracking error", _metres(flown["largest_error_m"])),
         (
             "Largest error on one axis",
@@ -203,6 +204,14 @@ def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> lis
     if flown["record_is_cut"]:
         rows.append(("Record", "its last line is cut; everything before it was read"))
     return rows
+
+
+def _so_far(judged: Mapping[str, Any]) -> str:
+    """The three-valued verdict, with the progress of the automaton."""
+    words = {"true": "true: all satisfy the formula", "false": "false: none satisfies the formula"}
+    text = words.get(judged["so_far"], "open: some satisfy the formula")
+    waits = f"; it waits for {' or '.join(judged['awaited'])}" if judged["awaited"] else ""
+    return f"{text}; progress of the automaton {judged['done']} of {judged['total']}{waits}"
 
 
 def _against_tube(error_m: float | None, tube_m: float) -> str:

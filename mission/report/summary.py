@@ -11,6 +11,7 @@ import shapely
 
 from mission.plan import FlightPlan
 from mission.report.reading import Record, Visit
+from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, tilt, tracking_of
 from mission.spec.model import RegionKind
 from mission.spec.tasks import task_text
@@ -100,6 +101,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "largest_error_per_axis_m": _largest(np.abs(tracking.error_m).ravel()),
         "rms_error_m": float(np.sqrt(np.mean(distance**2))) if tracked else None,
         "distance_to_restricted_m": distances_m(record, _restricted_shapes(plan)),
+        "judged": _judged(plan, record),
         "word": [
             {
                 "t_s": visit.t_s if math.isfinite(visit.t_s) else None,
@@ -107,6 +109,22 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
                 "triangles": triangles,
             }
             for visit, triangles in condensed(record.visits)
+        ],
+    }
+
+
+def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
+    """What the flight's monitor knows of the record; of a flight that was cut short, too."""
+    judged = judged_again(plan, record)
+    monitor, progress = judged.monitor, judged.monitor.progress
+    return {
+        "so_far": monitor.verdict.value,
+        "done": progress.done,
+        "total": progress.total,
+        "awaited": list(progress.awaited),
+        "laps": monitor.laps,
+        "violations": [
+            {"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in monitor.violations
         ],
     }
 

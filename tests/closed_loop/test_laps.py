@@ -9,7 +9,7 @@ import pytest
 
 from mission.fly import FlightOptions, FlightResult, Progress, StopRequest, fly
 from mission.link.session import Ending
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 from mission.report.reading import Record, parse_record

@@ -1,4 +1,4 @@
-"""Every pattern of `tasks:` is planned and flown in lock-step, and its flown word is judged by the definition of LTL."""
+"""Every pattern of `tasks:` is planned and flown in lock-step; the flown word is judged by the definition of LTL."""
 
 import io
 

@@ -14,8 +14,8 @@ from mission.clock import WallClock
 from mission.errors import LinkError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, Progress, StopSignals, VehicleOptions, fly
 from mission.link.session import Ending
-from mission.link.steps import Stage
 from mission.link.transport import open_transport
+from mission.monitor.stage import Stage
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
 from tests.support.small_missions import SMALL, plan_of

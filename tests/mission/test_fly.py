@@ -10,7 +10,7 @@ import pytest
 from mission.errors import LinkError, NoPlanError, VehicleError
 from mission.fly import FlightOptions, FlightResult, Progress, StopRequest, fly
 from mission.link.session import Ending
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord

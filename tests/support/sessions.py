@@ -8,7 +8,7 @@ from mission.geometry.arrays import FloatArray
 from mission.link.course import Course
 from mission.link.frames import Anchor, Vector
 from mission.link.session import Session
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from tests.support.scripted_vehicle import ScriptedVehicle
 
 if TYPE_CHECKING:
