@@ -36,7 +36,7 @@ from mission.steering.enclosure import (
     insert_knots,
     split,
 )
-from mission.steering.explanation import Explanation, explain, place, point
+from mission.steering.explanation import Explanation, Lap, explain, place, point
 from mission.steering.joined import JoinedCurve, joins
 from mission.steering.possible_words import Layers, Violations
 
@@ -221,7 +221,7 @@ class Prover:
         if doubt.violations is None:
             told = self._unsafe_place(enclosure, contacts, doubt)
         else:
-            told = self._violating_flight(enclosure, contacts, doubt.violations, doubt.layers_from)
+            told = self._violating_flight(enclosure, contacts, doubt.violations, doubt.layers_from, ways.lap_from_s)
         return replace(
             certificate,
             holds=False,
@@ -339,23 +339,32 @@ class Prover:
         return Explanation(f"may {what} near {place(where, where_s)}", where_s, where, ())
 
     def _violating_flight(
-        self, enclosure: Enclosure, contacts: Contacts, violations: Violations, first: tuple[int, ...]
+        self,
+        enclosure: Enclosure,
+        contacts: Contacts,
+        violations: Violations,
+        first: tuple[int, ...],
+        lap_from_s: float | None,
     ) -> Explanation:
         """What a flight does that violates the formula, the one that strays least from the middle of the tube."""
         centres = contacts.centres()
         ends = (*first[1:], len(centres))
         expected = tuple(frozenset(centres[begin:end].tolist()) for begin, end in zip(first, ends, strict=True))
-        way = violations.witness(expected)
+        way, loop = violations.witness(expected)
         times = np.concatenate((enclosure.knots_s[:1], enclosure.knots_s))
+        flight, lap = (
+            tuple((float(times[first[layer]]), triangle) for layer, triangle in part) for part in (way, loop)
+        )
         return explain(
-            tuple((float(times[first[layer]]), triangle) for layer, triangle in way),
+            flight,
             enclosure,
             centres[1:-1],
             self._partition,
             self._labelling,
             refutation=self._refutation,
-            sure=all(triangle in expected[layer] for layer, triangle in way),
+            sure=all(triangle in expected[layer] for layer, triangle in (*way, *loop)),
             ignored=self._restricted,
+            lap=None if lap_from_s is None else Lap(lap, int(np.searchsorted(enclosure.knots_s, lap_from_s))),
         )
 
     def _sure_word(self, contacts: Contacts) -> tuple[frozenset[str], ...]:
