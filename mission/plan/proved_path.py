@@ -68,7 +68,10 @@ class PathPlanner:
             return shallow_stop(self.stops(path, curve), tube_of(self.spec))
 
         if smoothing.frequencies == "auto":
-            return smooth_with_proof(legs, certify, extension=extension, refuses=refuses)
+            try:
+                return smooth_with_proof(legs, certify, extension=extension, refuses=refuses)
+            except NoPlanError as error:
+                raise NoPlanError(f"{error}; {_advice(self.spec)}") from error
         frequencies = max(1, round(share * smoothing.frequencies))
         curve = fit_legs(legs, frequencies, extension)
         certificate = certify(curve)
@@ -77,13 +80,27 @@ class PathPlanner:
         if fault:
             raise NoPlanError(
                 f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: "
-                f"{fault}; ask for more frequencies, or for `auto`"
+                f"{fault}; ask for more frequencies, or for `auto`; {_advice(self.spec)}"
             )
         return ProvedCurve(curve, certificate)
 
     def stops(self, path: SteeringPath, curve: JoinedCurve) -> tuple[Stop, ...]:
         """Where a smoothed path stands still."""
         return loiter_stops(path, curve, self.partition, self.labelling, self.spec.regions)
+
+
+def _advice(spec: MissionSpec) -> str:
+    """What may help where no curve is proved."""
+    tube_m = tube_of(spec)
+    if tube_m == 0.0:
+        return (
+            "a path without a tube may cut the corners of the regions that it visits: a `loiter_s` of theirs, or a "
+            "`disturbance_m_s2` above 0, makes it go well inside"
+        )
+    return (
+        f"the tube is {tube_m:g} m wide on each side, `disturbance_m_s2` times the square of `time_constant_s`: less "
+        f"of either makes it narrower"
+    )
 
 
 def trajectory_of(

@@ -12,6 +12,7 @@ from mission.logic.word import LassoWord, satisfies
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.spec.loader import load_mission
 from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing
+from tests.support.small_missions import ROUNDS, plan_of
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -158,3 +159,17 @@ def test_a_tube_wider_than_the_gaps_has_no_proof(paper: FlightPlan) -> None:
 def test_a_formula_that_is_none_is_refused(paper: FlightPlan) -> None:
     with pytest.raises(FormulaSyntaxError):
         plan_mission(changed(paper.spec, formula="F (S1 &"))
+
+
+@pytest.mark.parametrize(
+    ("frequencies", "disturbance", "advice"),
+    [
+        ("1", 0.0, "a `loiter_s` of theirs, or a `disturbance_m_s2` above 0"),
+        ("1", 0.5, "the tube is 0.5 m wide on each side"),
+        ("auto", 15.0, "the tube is 15 m wide on each side"),
+    ],
+)
+def test_where_nothing_is_proved_it_says_what_may_help(frequencies: str, disturbance: float, advice: str) -> None:
+    text = ROUNDS.replace("disturbance_m_s2: 0.4", f"disturbance_m_s2: {disturbance}")
+    with pytest.raises(NoPlanError, match=advice):
+        plan_of(text + f"smoothing: {{frequencies: {frequencies}}}\n")
