@@ -12,8 +12,10 @@ from mission.link.session import Ending
 from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
+from mission.report.page import page
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
+from mission.report.summary import summary
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, plan_of
 
@@ -91,6 +93,9 @@ def test_laps_go_on_until_told_to_stop(endless: FlightPlan, when: Callable[[floa
     assert all(moment.laps_asked is None and moment.left_s == math.inf for moment in before)
     assert all(moment.laps_asked == laps and moment.left_s < math.inf for moment in after)
     assert {moment.verdict for moment in flight.moments} == {Verdict.OPEN}
+    text = page(endless, flight.record, summary(endless, flight.record), ())
+    for words in ("until the vehicle is told to return", "Way back from the laps", "open: some satisfy the formula"):
+        assert words in text
 
 
 def test_the_laps_that_the_file_asks_for_are_flown_and_counted() -> None:
