@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from mission.spec.model import MOST_LAPS, UNTIL_STOPPED
+
 PROGRAM = "mission"
 _DIGITS = 18
 _EXIT_CODES = """\
@@ -36,7 +38,8 @@ _FLY = """\
 Fly a mission. Without --connect, the bundled vehicle is started on loopback and stopped again.
 
 The flight gets a folder of its own with the record, the plan, the report and the pictures. Ctrl-C ends a flight
-safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once.
+safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once. A flight
+of laps takes one Ctrl-C more: at the first it completes the lap that it is in, and returns.
 """
 _ADDRESSES = """\
 addresses:
@@ -131,6 +134,9 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     fly.add_argument("file", metavar="FILE", help="mission file (YAML)")
     fly.add_argument("--connect", metavar="ADDRESS", help="fly the vehicle at this address, see below")
     _add_run(fly)
+    fly.add_argument(
+        "--laps", type=_laps, metavar="N", help="fly so many laps, or until-stopped (default: as in the file)"
+    )
     fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
     bundled = fly.add_argument_group("the bundled vehicle (not with --connect)")
@@ -155,6 +161,15 @@ def _positive_whole(text: str) -> int:
     if not _whole(text):
         raise argparse.ArgumentTypeError("write a whole number from 1")
     return int(text)
+
+
+def _laps(text: str) -> int | str:
+    if text.replace("-", "_") == UNTIL_STOPPED:
+        return UNTIL_STOPPED
+    laps = _positive_whole(text)
+    if laps > MOST_LAPS:
+        raise argparse.ArgumentTypeError(f"{text} laps are more than {MOST_LAPS}; until-stopped has no end")
+    return laps
 
 
 def _seed(text: str) -> int:

@@ -2,6 +2,7 @@
 
 from argparse import Namespace
 
+from mission.cli.extent import extent
 from mission.cli.inputs import planned
 from mission.cli.screen import count, err, out, print_error, print_warnings
 from mission.errors import MissionError
@@ -20,7 +21,7 @@ def run(arguments: Namespace) -> int:
         codes.append(0)
         out.print(
             f"{name}: sound; {count(plan.partition.size, 'triangle')}, {count(plan.shortest_runs, 'shortest run')}, "
-            f"{plan.path.length_m:.1f} m in {plan.trajectory.duration_s:.0f} s, proved",
+            f"{extent(plan, 1)}, proved",
             markup=False,
         )
         if plan.spec.tasks or plan.spec.automaton:

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
 
+from mission.cli.extent import extent
 from mission.cli.inputs import planned, reason, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
@@ -41,10 +42,9 @@ _HINTS = {
 def run(arguments: Namespace) -> int:
     """Fly, and return the verdict as an exit code."""
     _check_options(arguments)
-    plan = planned(arguments.file, arguments.run)
+    plan = planned(arguments.file, arguments.run, arguments.laps)
     out.print(
-        f"{plan.spec.name}: {plan.path.length_m:.0f} m, {plan.trajectory.duration_s:.0f} s, proved "
-        f"{reach(plan.certificate.tube_m)}",
+        f"{plan.spec.name}: {extent(plan)}, proved {reach(plan.certificate.tube_m)}",
         markup=False,
     )
     with StopSignals() as stop:
@@ -63,7 +63,7 @@ def run(arguments: Namespace) -> int:
                     run=arguments.run,
                     on_progress=display.show,
                     vehicle_failure=None if vehicle is None else vehicle.failure,
-                    stop_reason=stop.reason,
+                    stop_request=stop.take,
                 )
                 write_whole(folder / PLAN_FILE, plan_to_json(result.plan))
             except MissionError as failure:
@@ -170,7 +170,8 @@ def _print_verdict(result: FlightResult, folder: Path) -> None:
         f"tracking  at most {result.largest_distance_m:.2f} m from the trajectory; {_covered(result)}", markup=False
     )
     if result.plan.run.recurrent:
-        out.print(f"laps      {result.laps} of {result.plan.spec.flight.laps}", markup=False)
+        asked = result.plan.trajectory.laps
+        out.print(f"laps      {result.laps}{'' if asked is None else f' of {asked}'}", markup=False)
     out.print(f"report    {folder / 'report.html'}", markup=False)
     colour, name = ("green", "ACHIEVED") if result.achieved else ("red", "NOT ACHIEVED")
     out.print(f"[bold {colour}]{name}[/]  ", end="")

@@ -3,6 +3,7 @@
 import os
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 from mission.errors import Fault, SpecError
 from mission.plan import FlightPlan, plan_from_json, plan_mission
@@ -12,14 +13,16 @@ from mission.spec.loader import load_mission
 _MOST_OF_A_PLAN = 1 << 28
 
 
-def planned(file: str, run: int | None = None) -> FlightPlan:
-    """Read a mission file and plan it.
+def planned(file: str, run: int | None = None, laps: int | Literal["until_stopped"] | None = None) -> FlightPlan:
+    """Read a mission file and plan it, with another run or number of laps than the file's where they are given.
 
     Raises:
         SpecError: The file has faults, or there is no run of that number; its source is the file.
         NoPlanError: There is no plan.
     """
     spec = load_mission(file)
+    if laps is not None:
+        spec = replace(spec, flight=replace(spec.flight, laps=laps))
     try:
         return plan_mission(spec, run=run)
     except SpecError as error:

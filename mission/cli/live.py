@@ -1,6 +1,7 @@
 """The progress of a flight on the terminal: the stage, the leg, the automaton, the time left."""
 
 import contextlib
+import math
 from types import TracebackType
 from typing import Self
 
@@ -9,7 +10,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
 from mission.cli.screen import err
 from mission.fly import Progress as Moment
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 
 _WIDE = 100
@@ -31,7 +32,7 @@ class Display:
         self._bar = Progress(
             SpinnerColumn(), *bar, TextColumn("{task.description}"), console=err, transient=True, refresh_per_second=5
         )
-        self._task = self._bar.add_task("starting", total=plan.trajectory.duration_s)
+        self._task = self._bar.add_task("starting", total=_total(plan.trajectory.duration_s))
         self._live = err.is_terminal and not err.is_dumb_terminal
         self._said = ""
 
@@ -51,11 +52,13 @@ class Display:
         words = moment.stage.value
         if moment.waiting_for:
             words += f": {moment.waiting_for}"
+        if moment.returning and moment.stage is Stage.FLY:
+            words += " the last lap, then back"
         if self._live:
             flying = 0.0 < moment.trajectory_s < moment.duration_s
             shown = self._flying(moment) if flying else words
             self._bar.update(
-                self._task, description=escape(shown), completed=moment.trajectory_s, total=moment.duration_s
+                self._task, description=escape(shown), completed=moment.trajectory_s, total=_total(moment.duration_s)
             )
         elif words != self._said:
             self._said = words
@@ -63,10 +66,22 @@ class Display:
                 err.print(words, markup=False)
 
     def _flying(self, moment: Moment) -> str:
-        parts = [f"{moment.left_s:.0f} s left", f"leg {moment.leg + 1}/{moment.legs}"]
+        parts = [f"{moment.left_s:.0f} s left"] if math.isfinite(moment.left_s) else ["Ctrl-C returns"]
+        parts.append(f"leg {moment.leg + 1}/{moment.legs}")
         if self._plan.run.recurrent:
-            parts.append(f"lap {min(moment.laps + 1, self._plan.spec.flight.laps)}/{self._plan.spec.flight.laps}")
+            parts.append(_lap(moment))
         parts.append(f"automaton {moment.done}/{moment.total}")
         if moment.awaited:
             parts.append(f"waits for {' or '.join(moment.awaited)}")
         return " · ".join(parts)
+
+
+def _lap(moment: Moment) -> str:
+    asked = moment.laps_asked
+    lap = moment.laps + 1 if asked is None else min(moment.laps + 1, asked)
+    return f"lap {lap}{'' if asked is None else f'/{asked}'}{', then back' if moment.returning else ''}"
+
+
+def _total(duration_s: float) -> float | None:
+    """What a bar is out of; None where that is not known."""
+    return duration_s if math.isfinite(duration_s) else None

@@ -1,6 +1,7 @@
 """``mission plan``: plan a mission, show the plan, write it, draw it."""
 
 import json
+import math
 from argparse import Namespace
 from dataclasses import asdict
 from itertools import islice
@@ -13,6 +14,7 @@ from mission.plan.costs import UNIT, run_costs
 from mission.planning.run import Run
 from mission.spec.model import Cost
 from mission.spec.tasks import task_text
+from mission.steering.trajectory import Trajectory
 
 
 def run(arguments: Namespace) -> int:
@@ -94,7 +96,9 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "controls": list(plan.run.controls),
         "length_m": plan.path.length_m,
         "duration_s": plan.path.duration_s,
-        "flight_duration_s": plan.trajectory.duration_s,
+        "flight_duration_s": plan.trajectory.duration_s if math.isfinite(plan.trajectory.duration_s) else None,
+        "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
+        "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "frequencies": plan.curve.frequencies,
         "certificate": {
             "holds": certificate.holds,
@@ -153,10 +157,12 @@ def _print_plan(plan: FlightPlan) -> None:
         loop = "   <- the loop begins" if i == len(plan.run.prefix) and plan.run.recurrent else ""
         _print(f"  {state:>6}  {_label(plan, state):<20}u{control}{loop}")
     _print()
+    if plan.homeward is not None:
+        _print(f"Way back       {' '.join(map(str, plan.homeward.run.states))}")
     _print(f"Path           {plan.path.length_m:.2f} m in {plan.path.duration_s:.1f} s")
     held = sum(hold for _, hold in plan.stops)
     loiter = f", {held:g} s of loitering included" if held else ""
-    _print(f"Trajectory     {plan.trajectory.duration_s:.1f} s{loiter}")
+    _print(f"Trajectory     {_duration(plan.trajectory)}{loiter}")
     tried = " (as few as the proof needs)" if spec.smoothing.frequencies == "auto" else ""
     _print(f"Smoothing      {spec.smoothing.extension.value} extension, {plan.curve.frequencies} frequencies{tried}")
     _print_certificate(plan)
@@ -171,11 +177,22 @@ def _costs(plan: FlightPlan) -> str:
     return f" by {cost}: {prefix:.1f} {unit} up to the loop, {suffix:.1f} {unit} round it (number {plan.run_index})"
 
 
+def _duration(trajectory: Trajectory) -> str:
+    if trajectory.lap is None:
+        return f"{trajectory.duration_s:.1f} s"
+    lap_s = trajectory.legs[trajectory.lap].duration_s
+    if trajectory.laps is None:
+        return f"laps of {lap_s:.1f} s each, until it is told to return"
+    return f"{trajectory.duration_s:.1f} s with {count(trajectory.laps, 'lap')} of {lap_s:.1f} s"
+
+
 def _print_certificate(plan: FlightPlan) -> None:
     certificate = plan.certificate
     _print(f"Certificate    holds {reach(certificate.tube_m)}")
     if certificate.clearance_m is not None:
         _print(f"               at least {certificate.clearance_m:.2f} m from every restricted triangle")
+    if plan.homeward is not None:
+        _print("               on the way back from the laps nothing is violated")
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for letter in certificate.word)
     _print(f"               the flight spells {word}")
 

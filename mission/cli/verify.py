@@ -1,18 +1,18 @@
 """``mission verify``: prove a written plan again."""
 
 from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from mission.cli.inputs import read_plan
 from mission.cli.screen import out
-from mission.plan import FlightPlan, certify_again
+from mission.plan import FlightPlan, certify_again, certify_homeward_again, trajectory_of
 from mission.spec.domain import build_domain
-from mission.steering.timing import time_law
-from mission.steering.trajectory import Trajectory
 
 _MOMENTS = 257
+_LAPS = 2  # enough to see how one follows another
 _SAME_M = 1e-3
 
 
@@ -24,6 +24,9 @@ def run(arguments: Namespace) -> int:
     certificate = certify_again(plan)
     if not certificate.holds:
         return _refused(arguments.plan, certificate.reason)
+    homeward = certify_homeward_again(plan, certificate)
+    if homeward is not None and not homeward.holds:
+        return _refused(arguments.plan, f"the way back {homeward.reason}")
     if not _keeps_limits_of_its_mission(plan):
         return _refused(arguments.plan, "it is not flown at the speeds and the altitude of its mission")
     out.print(
@@ -53,16 +56,12 @@ def _has_domain_of_its_mission(plan: FlightPlan) -> bool:
 
 def _keeps_limits_of_its_mission(plan: FlightPlan) -> bool:
     """Whether the trajectory is where, at each time, the mission's limits and the stops in the file put it."""
-    limits, flown = plan.spec.limits, plan.trajectory
-    law = time_law(
-        plan.curve,
-        speed_m_s=limits.speed_m_s,
-        acceleration_m_s2=limits.acceleration_m_s2,
-        tilt_rad=limits.tilt_rad,
-        holds=plan.stops,
-    )
-    due = Trajectory(plan.curve, law, plan.spec.flight.altitude_m)
-    if flown.altitude_m != due.altitude_m or not np.isclose(flown.duration_s, due.duration_s):
+    flown = plan.trajectory
+    due = trajectory_of(plan.spec, plan.curve, plan.stops, flown.lap)
+    if (flown.altitude_m, flown.laps) != (due.altitude_m, due.laps):
+        return False
+    flown, due = (replace(trajectory, laps=_LAPS) for trajectory in (flown, due))
+    if not np.isclose(flown.duration_s, due.duration_s):
         return False
     moments_s = np.linspace(0.0, due.duration_s, _MOMENTS)
     return np.allclose(flown.position(moments_s), due.position(moments_s), atol=_SAME_M)

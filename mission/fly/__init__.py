@@ -1,6 +1,6 @@
 """The flight: one loop around clock, link, session, monitor and record; and the bundled vehicle as a process."""
 
-from mission.fly.interruption import StopSignals
+from mission.fly.interruption import StopRequest, StopSignals
 from mission.fly.loop import FlightOptions, fly
 from mission.fly.result import FlightResult, Progress
 from mission.fly.vehicle_process import BundledVehicle, VehicleOptions, home_for
@@ -10,6 +10,7 @@ __all__ = [
     "FlightOptions",
     "FlightResult",
     "Progress",
+    "StopRequest",
     "StopSignals",
     "VehicleOptions",
     "fly",

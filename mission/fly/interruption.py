@@ -1,25 +1,43 @@
-"""Turns the signals that end programs into a wish that the flight loop can grant safely."""
+"""Turns the signals that end programs into wishes that the flight loop can grant safely."""
 
 import signal
 import threading
+from dataclasses import dataclass
 from types import FrameType, TracebackType
 from typing import Any, Self
 
 
+@dataclass(frozen=True)
+class StopRequest:
+    """A wish to end a flight.
+
+    Attributes:
+        reason: Why, in plain words.
+        after_lap: Whether a flight of laps may first complete the one that it is in, and return.
+    """
+
+    reason: str
+    after_lap: bool = False
+
+
+INTERRUPTED = StopRequest("interrupted by the user", after_lap=True)
+
+
 class StopSignals:
-    """While entered, the first SIGINT, SIGTERM or SIGHUP is noted, and the second one interrupts at once.
+    """While entered, SIGINT, SIGTERM and SIGHUP are noted; one that follows an unheeded one interrupts at once.
 
     Outside the main thread, where signals cannot be handled, nothing is noted.
     """
 
     def __init__(self) -> None:
         """Note nothing yet."""
-        self._reason = ""
+        self._request: StopRequest | None = None
         self._before: dict[signal.Signals, Any] = {}
 
-    def reason(self) -> str:
-        """Why to stop, in plain words; empty while there is no reason."""
-        return self._reason
+    def take(self) -> StopRequest | None:
+        """The wish that has come since the last call, if one has; whoever takes it heeds it."""
+        request, self._request = self._request, None
+        return request
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
@@ -34,7 +52,7 @@ class StopSignals:
             signal.signal(number, handler)
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
-        if self._reason:
+        if self._request is not None:
             raise KeyboardInterrupt
         interrupted = number == signal.SIGINT
-        self._reason = "interrupted by the user" if interrupted else f"ended by {signal.Signals(number).name}"
+        self._request = INTERRUPTED if interrupted else StopRequest(f"ended by {signal.Signals(number).name}")

@@ -6,22 +6,22 @@ from dataclasses import dataclass, field
 
 from mission.clock import Clock
 from mission.errors import LinkError, MissionError, VehicleError
+from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.placing import anchored_at_start, check_stand, placed
 from mission.fly.result import FlightResult, Progress
 from mission.fly.watch import FlightWatch, RecordWriter
 from mission.link.contact import LinkOptions
 from mission.link.course import Course
 from mission.link.session import Ending, Session
-from mission.link.steps import Stage
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
+from mission.monitor.stage import Stage
 from mission.plan import FlightPlan, plan_mission
 
 _STRAY_M = 10.0
 _STRAY_FOR_S = 5.0
 _UNTRUSTED_FOR_S = 2.0
 _PROGRESS_S = 0.1
-_INTERRUPTED = "interrupted by the user"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def fly(
     run: int | None = None,
     on_progress: Callable[[Progress], None] | None = None,
     vehicle_failure: Callable[[], str] | None = None,
-    stop_reason: Callable[[], str] | None = None,
+    stop_request: Callable[[], StopRequest | None] | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -66,7 +66,9 @@ def fly(
         run: Which of the shortest runs to fly, where it is planned anew; the mission's choice by default.
         on_progress: Called some times a second.
         vehicle_failure: Says why the vehicle can no longer be there, empty while it can.
-        stop_reason: Says why to give the flight up, empty while there is no reason.
+        stop_request: Gives each wish to end the flight once. Laps are ended first, if the wish allows for it: the
+            vehicle completes the one that it is in and returns. The next wish is for giving the flight up, as is the
+            first one where no lap is flown; one more interrupts at once, as ``KeyboardInterrupt`` does.
 
     Raises:
         LinkError: The vehicle could not be found, or was lost; the record is complete up to there.
@@ -75,7 +77,7 @@ def fly(
     """
     flight = _Flight(plan, clock, record, options or FlightOptions(), run)
     try:
-        return _loop(flight, transport, on_progress, vehicle_failure or _nothing, stop_reason or _nothing)
+        return _loop(flight, transport, on_progress, vehicle_failure or _nothing, stop_request or _no_wish)
     except MissionError as error:
         flight.write_failure(str(error))
         raise
@@ -85,17 +87,21 @@ def _nothing() -> str:
     return ""
 
 
+def _no_wish() -> StopRequest | None:
+    return None
+
+
 def _loop(
     flight: "_Flight",
     transport: Transport,
     on_progress: Callable[[Progress], None] | None,
     vehicle_failure: Callable[[], str],
-    stop_reason: Callable[[], str],
+    stop_request: Callable[[], StopRequest | None],
 ) -> FlightResult:
     shown_s = -math.inf
     while True:
         try:
-            flight.turn(transport, stop_reason)
+            flight.turn(transport, stop_request)
             if flight.session.ending is not None:
                 return flight.result()
             if failure := vehicle_failure():
@@ -105,9 +111,7 @@ def _loop(
                 shown_s = now_s
                 on_progress(flight.watch.progress(flight.session))
         except KeyboardInterrupt:
-            if flight.interrupted:
-                raise
-            flight.stop(_INTERRUPTED, interrupted=True)
+            flight.heed(INTERRUPTED)
 
 
 class _Flight:
@@ -129,7 +133,7 @@ class _Flight:
         """The vehicle's time."""
         return self.session.vehicle.clock.newest_s
 
-    def turn(self, transport: Transport, stop_reason: Callable[[], str]) -> None:
+    def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
         """One turn of the loop: listen, think, speak."""
         session, clock = self.session, self.clock
         for data in transport.receive(session.wait_s(clock.now_s())):
@@ -139,8 +143,8 @@ class _Flight:
         if session.stage is Stage.STANDBY:
             self.depart()
         self.look_after()
-        if reason := stop_reason():
-            self.stop(reason, interrupted=True)
+        if request := stop_request():
+            self.heed(request)
         for frame in session.outgoing():
             transport.send(frame)
 
@@ -196,6 +200,20 @@ class _Flight:
         if reason:
             self.stop(reason, interrupted=False)
 
+    def heed(self, request: StopRequest) -> None:
+        """Grant a wish to end the flight.
+
+        Raises:
+            KeyboardInterrupt: The flight has been given up already, at an earlier wish.
+        """
+        if self.interrupted:
+            raise KeyboardInterrupt
+        if request.after_lap and not self.watch.returning and self.session.end_laps(self.clock.now_s()):
+            self.watch.returning = True
+            self.record.write("event", self.newest_s, name="returning after this lap", reason=request.reason)
+        else:
+            self.stop(request.reason, interrupted=True)
+
     def stop(self, reason: str, *, interrupted: bool) -> None:
         """Give the flight up, once."""
         if not self.interrupted and self.session.ending is None:
@@ -247,6 +265,7 @@ class _Flight:
             beyond_tube_s=result.beyond_tube_s,
             word=[sorted(letter) for letter in result.word],
             laps=result.laps,
+            **watch.judged.known(),
         )
         return result
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from mission.link.session import Ending
-from mission.link.steps import Stage
 from mission.monitor.monitor import Violation
+from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 
@@ -18,13 +18,15 @@ class Progress:
         waiting_for: What the vehicle is waited for, in plain words; empty where nothing is.
         t_s: Vehicle time; None before the vehicle has told it.
         trajectory_s: Time on the trajectory; 0 before it, its duration after it.
-        duration_s: Duration of the trajectory.
-        leg: Which triangle of the path is flown, from 0.
+        duration_s: Duration of the trajectory; infinite while laps are flown until somebody says that it is enough.
+        leg: Which triangle of the path is flown, from 0; counted anew in each lap.
         legs: How many there are.
         done: Letters that brought the automaton nearer to where it accepts for ever.
         total: How many of them the whole way takes at least.
         awaited: Region names that would bring it nearer.
         laps: How often the loop of a recurrent run has been flown.
+        laps_asked: How often it is to be flown; None while nobody has said.
+        returning: Whether no further lap will be begun.
         verdict: What is known of the word flown so far.
     """
 
@@ -39,6 +41,8 @@ class Progress:
     total: int
     awaited: tuple[str, ...]
     laps: int
+    laps_asked: int | None
+    returning: bool
     verdict: Verdict
 
     @property

@@ -2,9 +2,8 @@
 
 import math
 from bisect import bisect_right
+from dataclasses import replace
 from typing import Protocol
-
-import numpy as np
 
 from mission.fly.result import Progress
 from mission.geometry.location import OUTSIDE
@@ -21,13 +20,10 @@ from mission.link.events import (
     VersionTold,
 )
 from mission.link.session import Session
-from mission.link.steps import Stage
-from mission.monitor.monitor import Monitor
+from mission.monitor.flight import FlightMonitor
+from mission.monitor.stage import Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
-
-_GUARDED = (Stage.CLIMB, Stage.STREAM, Stage.OFFBOARD, Stage.SETTLE)
-_WATCHED = (Stage.FLY, Stage.ARRIVE, Stage.HOLD, Stage.LAND, Stage.TOUCH_DOWN)
 
 
 class RecordWriter(Protocol):
@@ -41,43 +37,33 @@ class RecordWriter(Protocol):
 class FlightWatch:
     """Watches one flight of one plan.
 
-    The word begins when the trajectory does, at its start, and ends on the ground; while the vehicle climbs and settles
-    there, it must only not leave the domain or enter a restricted region. What a standing vehicle's position estimate
-    does before take-off is not the flight.
-
     Attributes:
+        judged: What of the flight counts.
         monitor: The word flown so far.
         tracking: The distance from the trajectory.
         largest_distance_m: Largest horizontal distance from the trajectory.
         beyond_tube_s: Longest time without a break that the vehicle was beyond the certified tube.
         began_s: Vehicle time at which the trajectory began; None before.
         vehicle: Name of the autopilot; empty before it is known.
+        returning: Whether the vehicle was asked to return after the lap that it was in.
     """
 
     def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
         """Watch from the ground."""
         self.plan = plan
-        self.monitor = Monitor(
-            plan.locator,
-            plan.labelling,
-            satisfied_by=plan.required.satisfied_by,
-            automaton=plan.compiled,
-            refutation=plan.compiled_refutation,
-            semantics=plan.spec.semantics,
-            restricted=plan.restricted,
-            suffix=plan.run.suffix if plan.run.recurrent else (),
-            laps=plan.spec.flight.laps,
-        )
+        self.judged = FlightMonitor(plan)
+        self.monitor = self.judged.monitor
         self.tracking = TrackingWatch(plan.certificate.tube_m)
         self.largest_distance_m = 0.0
         self.beyond_tube_s = 0.0
         self.began_s: float | None = None
         self.vehicle = ""
+        self.returning = False
         self._record = record
         self._stage = Stage.CONNECT
         self._visits_written = self._violations_written = 0
-        starts_s = [segment.start_s for segment in plan.path.segments]
-        self._leg_starts_s = plan.trajectory.law.time_at(np.array(starts_s)).tolist()
+        self._trajectory = plan.trajectory
+        self._leg_starts_s = [segment.start_s for segment in plan.path.segments]
 
     def take(self, event: Event) -> None:
         """Write an event down and draw the consequences."""
@@ -105,22 +91,24 @@ class FlightWatch:
     def progress(self, session: Session) -> Progress:
         """Where the flight is now."""
         guidance, newest_s = session.guidance, session.vehicle.clock.newest_s
-        duration_s = self.plan.trajectory.duration_s
-        left_s = duration_s if guidance is None or newest_s is None else max(guidance.left_s(newest_s), 0.0)
-        counted = self.monitor.progress
-        flown_s = duration_s - left_s
+        flown_s = 0.0 if guidance is None or newest_s is None else guidance.flown_s(newest_s)
+        if guidance is not None and guidance.course.laps != self._trajectory.laps:
+            self._trajectory = replace(self._trajectory, laps=guidance.course.laps)
+        counted, place = self.monitor.progress, float(self._trajectory.parameter(flown_s)[0])
         return Progress(
             stage=session.stage,
             waiting_for=session.waiting_for,
             t_s=newest_s,
             trajectory_s=flown_s,
-            duration_s=duration_s,
-            leg=max(bisect_right(self._leg_starts_s, flown_s) - 1, 0),
+            duration_s=self._trajectory.duration_s,
+            leg=max(bisect_right(self._leg_starts_s, place) - 1, 0),
             legs=len(self._leg_starts_s),
             done=counted.done,
             total=counted.total,
             awaited=counted.awaited,
             laps=self.monitor.laps,
+            laps_asked=self._trajectory.laps,
+            returning=self.returning or 0.0 < self._trajectory.laps_end_s <= flown_s,
             verdict=self.monitor.verdict,
         )
 
@@ -147,11 +135,8 @@ class FlightWatch:
             self.tracking.observe(event.t_s, place, planned)
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
-        if self._stage in _WATCHED and self.began_s is not None and self.monitor.observe(event.t_s, place):
-            self._write_visits(event.t_s)
-        elif self._stage in _GUARDED:
-            self.monitor.guard(event.t_s, place)
-            self._write_visits(event.t_s)
+        self.judged.report(self._stage, event.t_s, place)
+        self._write_visits(event.t_s)
 
     def _write_visits(self, t_s: float) -> None:
         visits, violations = self.monitor.visits, self.monitor.violations

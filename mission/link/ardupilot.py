@@ -9,8 +9,9 @@ from typing import Final
 
 from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
 from mission.link.messages import AUTOPILOT_ARDUPILOT, Stream, arm, change_mode, land, take_off
-from mission.link.steps import Scene, Stage, Step, arm_steps, change_mode_step, climb_step
+from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
 from mission.link.values import Command
+from mission.monitor.stage import Stage
 
 _GUIDED, _BRAKE, _LAND = 4, 17, 9
 _MODE_NAMES: Final = {

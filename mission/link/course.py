@@ -7,7 +7,7 @@ micrometre at 1 m/s^3.
 """
 
 import math
-from typing import Final, NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol, Self
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class Flown(Protocol):
 
     @property
     def duration_s(self) -> float:
-        """Time from start to end."""
+        """Time from start to end; infinite where it has laps that nobody has counted."""
         ...
 
     @property
@@ -44,6 +44,20 @@ class Flown(Protocol):
 
     def state(self, t_s: FloatArray, /) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Position, velocity and acceleration at the times (P,), each of shape (P, 2)."""
+        ...
+
+    @property
+    def laps(self) -> int | None:
+        """How often its lap is flown, if it has one; None where nobody has said."""
+        ...
+
+    @property
+    def laps_end_s(self) -> float:
+        """When the last lap is over; infinite where nobody has said how many there are, 0 where there is none."""
+        ...
+
+    def ended_after(self, t_s: float, /) -> Self:
+        """The same up to the end of the lap that is flown at a time, then what comes after the laps."""
         ...
 
 
@@ -70,6 +84,23 @@ class Course:
     def altitude_m(self) -> float:
         """Height above the take-off point."""
         return self._trajectory.altitude_m
+
+    @property
+    def laps(self) -> int | None:
+        """How often the lap is flown; None where nobody has said."""
+        return self._trajectory.laps
+
+    def end_laps(self, t_s: float) -> bool:
+        """Let the lap that is flown at a time be the last; nothing changes before its end.
+
+        Returns:
+            False where no lap is flown then.
+        """
+        if t_s >= self._trajectory.laps_end_s:
+            return False
+        self._trajectory = self._trajectory.ended_after(t_s)
+        self._blocks.clear()
+        return True
 
     def reference(self, t_s: float) -> Reference:
         """The point of the trajectory at a time; at rest before its start and after its end."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from mission.link.course import Reference
 from mission.link.frames import Vector
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,6 +48,14 @@ class Guidance:
         """Lead no further: the trajectory is given up."""
         self._until_s = min(self._until_s, vehicle_s)
 
+    def end_laps(self, vehicle_s: float) -> bool:
+        """Let the lap that is flown now be the last; False where none is."""
+        return vehicle_s <= self._until_s and self.course.end_laps(vehicle_s - self._from_s)
+
+    def flown_s(self, at_s: float) -> float:
+        """How much of the trajectory has been flown at a vehicle time; 0 before its start."""
+        return min(max(at_s - self._from_s, 0.0), self.course.duration_s)
+
     def trajectory_s(self, at_s: float) -> float | None:
         """Time on the trajectory at a vehicle time; None before its start and after its end."""
         elapsed = at_s - self._from_s
@@ -60,7 +68,7 @@ class Guidance:
 
     def reference(self, at_s: float) -> Reference:
         """The point to be at, at a vehicle time."""
-        return self.course.reference(min(max(at_s - self._from_s, 0.0), self.course.duration_s))
+        return self.course.reference(self.flown_s(at_s))
 
     def observe(self, at_s: float, position_m: Vector, velocity_m_s: Vector) -> Vector:
         """Take a report: how far the vehicle is off, and since when it has been still where it should be.

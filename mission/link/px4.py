@@ -9,8 +9,9 @@ from typing import Final
 
 from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
 from mission.link.messages import AUTOPILOT_PX4, Stream, arm, change_mode, land, take_off
-from mission.link.steps import Scene, Stage, Step, arm_steps, change_mode_step, climb_step
+from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
 from mission.link.values import Command
+from mission.monitor.stage import Stage
 
 _AUTO, _MAIN_OFFBOARD = 4, 6
 _SUB_TAKEOFF, _SUB_HOLD, _SUB_LAND = 2, 3, 6

@@ -20,9 +20,10 @@ from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEnter
 from mission.link.frames import Anchor, Vector, enu_from_ned
 from mission.link.guidance import Guidance
 from mission.link.procedure import Procedure
-from mission.link.steps import Scene, Stage, Step, change_mode_step, disarm_step, flight_steps, landing_steps
+from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import VehicleState
+from mission.monitor.stage import Stage
 
 Anchoring = Callable[[Vector], Anchor]
 """Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""
@@ -153,6 +154,13 @@ class Session:
         self._outcome = (Ending.STOPPED, reason)
         if not goes_on:
             self._end(*self._outcome)
+
+    def end_laps(self, now_s: float) -> bool:
+        """Let the present lap be the last one; then the vehicle returns and lands. False where no lap is flown now."""
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        if self.stage is not Stage.FLY or self.guidance is None or vehicle_s is None:
+            return False
+        return self.guidance.end_laps(vehicle_s)
 
     def outgoing(self) -> list[bytes]:
         """Frames to send, oldest first; they are forgotten here."""

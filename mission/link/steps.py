@@ -5,40 +5,16 @@ An acknowledgement never ends a step; only telemetry does. Times in steps are th
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Final
 
 from mission.link.messages import disarm
 from mission.link.values import Command, LandedState
 from mission.link.vehicle_state import VehicleState
+from mission.monitor.stage import Stage
 
 FAILSAFE_PATIENCE_S: Final = 30.0
 AIRBORNE_M: Final = 0.5
 _GRACE_S: Final = 15.0
-
-
-class Stage(StrEnum):
-    """Where a flight is, in words for people."""
-
-    CONNECT = "waiting for the vehicle"
-    STREAMS = "asking for telemetry"
-    READY = "waiting for position and health"
-    STANDBY = "ready"
-    MODE = "changing the flight mode"
-    CHECKS = "waiting for the checks before arming"
-    ARM = "arming"
-    TAKE_OFF = "taking off"
-    CLIMB = "climbing"
-    STREAM = "streaming setpoints"
-    OFFBOARD = "taking control"
-    SETTLE = "settling at the start"
-    FLY = "flying"
-    ARRIVE = "arriving"
-    HOLD = "holding"
-    LAND = "going to land"
-    TOUCH_DOWN = "landing"
-    DISARM = "disarming"
-    DONE = "done"
 
 
 @dataclass(frozen=True, slots=True)

@@ -74,7 +74,7 @@ class Monitor:
         semantics: Whether the label of the first triangle is read.
         restricted: Shape (M,), triangles that must not be entered.
         suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
-        laps: How often the loop is to be flown.
+        laps: How often the loop is to be flown; None where nobody has said.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Monitor:
         semantics: Semantics,
         restricted: BoolArray,
         suffix: tuple[int, ...] = (),
-        laps: int = 0,
+        laps: int | None = 0,
     ) -> None:
         self._locator, self._labelling = locator, labelling
         self._satisfied_by, self._semantics = satisfied_by, semantics
@@ -162,6 +162,10 @@ class Monitor:
         """How far the automaton of the specification has come."""
         return self._watch.progress
 
+    def ask_laps(self, laps: int) -> None:
+        """Say how many laps are to be flown, where that has changed."""
+        self._laps_asked = laps
+
     @property
     def laps(self) -> int:
         """How often the loop of a recurrent run has been flown; 0 without one."""
@@ -172,8 +176,9 @@ class Monitor:
 
         Args:
             stays: Whether the vehicle is taken to stay where it is for ever. The word closed that way is judged by the
-                definition of the specification, not by the automata made of it. Otherwise the flight is one of laps: it
-                is achieved if the laps asked for were flown and nothing was violated.
+                definition of the specification, not by the automata made of it. Otherwise the flight is one of laps,
+                which no flight completes: it is achieved if the laps asked for were flown, at least one, and nothing
+                was violated so far.
         """
         if not self._visits:
             return Outcome(achieved=False, reason="no position inside the domain was reported")
@@ -188,8 +193,14 @@ class Monitor:
             return Outcome(achieved=False, reason="the word that was flown does not satisfy the specification")
         if self._watch.verdict is Verdict.FALSE:
             return Outcome(achieved=False, reason="the word that was flown violates the specification")
-        counted = f"{self.laps} of {self._laps_asked} laps were flown, nothing was violated"
-        return Outcome(achieved=self.laps >= self._laps_asked, reason=counted)
+        asked = self._laps_asked
+        counted = (
+            f"{self.laps} lap{'s were' if self.laps != 1 else ' was'}"
+            if asked is None
+            else f"{self.laps} of {asked} laps were"
+        )
+        reason = f"{counted} flown, nothing was violated so far"
+        return Outcome(achieved=self.laps >= (1 if asked is None else asked), reason=reason)
 
     def _enter(self, triangle: int, time_s: float, position_m: Point) -> None:
         """Take note of the triangle that the vehicle is in from now on."""

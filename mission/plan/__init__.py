@@ -1,6 +1,7 @@
 """From a mission to a flight plan: the pure stages, composed; and the plan as JSON."""
 
-from mission.plan.flight_plan import FlightPlan, certify_again, prover_of
+from mission.plan.flight_plan import FlightPlan, certify_again, certify_homeward_again, prover_of
+from mission.plan.proved_path import trajectory_of
 from mission.plan.serial import plan_from_json, plan_to_json
 from mission.plan.stages import plan_mission, shortest_runs
 from mission.plan.tasks import DroppedTask, formula_of
@@ -9,10 +10,12 @@ __all__ = [
     "DroppedTask",
     "FlightPlan",
     "certify_again",
+    "certify_homeward_again",
     "formula_of",
     "plan_from_json",
     "plan_mission",
     "plan_to_json",
     "prover_of",
     "shortest_runs",
+    "trajectory_of",
 ]

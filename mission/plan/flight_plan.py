@@ -9,8 +9,10 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.formula import TRUE, Formula
+from mission.logic.safety import safety_of
 from mission.plan.cautions import cautions
 from mission.plan.costs import transition_weights
+from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.specification import Specification
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
@@ -18,9 +20,15 @@ from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import restricted_triangles
 from mission.spec.model import MissionSpec, Point
 from mission.steering.certificate import Certificate, Prover
+from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
-from mission.steering.smoothing import FourierCurve
 from mission.steering.trajectory import Trajectory
+
+_NO_WAY_BACK = (
+    "the flight ends where its laps do: no way back to where it may end is proved to violate nothing; "
+    "a region of kind `home` that can be reached would be one"
+)
+_ONE_ORDER = "the tasks that recur are too many to try every order: the loop is the best in one order of them"
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,11 +49,13 @@ class FlightPlan:
             many for an exact search.
         run_index: Which of them is flown.
         run: That run.
-        path: The path that steers through it.
+        path: The path that steers through it; of a recurrent run, the way to the lap, the lap, and the way back.
         stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
         trajectory: The smoothed path with its time law.
-        certificate: The proof that every flight within the tube satisfies it.
+        certificate: The proof that every flight within the tube satisfies it; of a recurrent run, that it does if the
+            lap is repeated for ever.
         dropped: The soft tasks that could not be met, in the order of the file.
+        homeward: The way back of a recurrent run; None where there is none on which nothing is violated.
     """
 
     spec: MissionSpec
@@ -64,6 +74,7 @@ class FlightPlan:
     trajectory: Trajectory
     certificate: Certificate
     dropped: tuple[DroppedTask, ...] = ()
+    homeward: Homeward | None = None
 
     @property
     def specification(self) -> str:
@@ -91,9 +102,15 @@ class FlightPlan:
         return self.required.automaton
 
     @property
-    def curve(self) -> FourierCurve:
-        """The smoothed path."""
+    def curve(self) -> JoinedCurve:
+        """The smoothed path, each leg once."""
         return self.trajectory.curve
+
+    @property
+    def certified(self) -> JoinedCurve:
+        """What the certificate is about: the path, but for the way back from the laps."""
+        lap = self.trajectory.lap
+        return self.curve if lap is None else JoinedCurve(self.curve.legs[: lap + 1])
 
     @property
     def system(self) -> TransitionSystem:
@@ -120,13 +137,16 @@ class FlightPlan:
     def warnings(self) -> tuple[str, ...]:
         """What the writer of the mission may not have meant, in words; empty where nothing is odd."""
         start = int(self.labelling.letter_of[self.run.states[0]])
-        found = cautions(self.required, self.labelling.letters, start, self.spec.semantics)
-        if self.best_in_any_order:
-            return found
         return (
-            *found,
-            "the tasks that recur are too many to try every order: the loop is the best in one order of them",
+            *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
+            *((_ONE_ORDER,) if not self.best_in_any_order else ()),
+            *((_NO_WAY_BACK,) if self.run.recurrent and not self._returns else ()),
         )
+
+    @property
+    def _returns(self) -> bool:
+        ends = ends_of_flight(self.spec, self.labelling, self.restricted, self.run.states[0])
+        return self.homeward is not None and bool(ends[self.homeward.run.suffix[0]])
 
     @cached_property
     def compiled(self) -> CompiledAutomaton:
@@ -165,4 +185,22 @@ def prover_of(
 def certify_again(plan: FlightPlan) -> Certificate:
     """Prove a plan's trajectory anew, from the trajectory, the domain and what it must satisfy alone."""
     prover = prover_of(plan.spec, plan.partition, plan.labelling, plan.compiled_refutation, plan.restricted)
-    return prover.certify(plan.curve, plan.path.laps_from_s)
+    return prover.certify(plan.certified, repeats=plan.trajectory.lap is not None)
+
+
+def certify_homeward_again(plan: FlightPlan, certificate: Certificate) -> Certificate | None:
+    """Prove the way back from a plan's laps anew; None where there is none.
+
+    Args:
+        plan: The plan.
+        certificate: Of its laps, as from ``certify_again``.
+
+    Raises:
+        AutomatonSizeError: As in ``safety_of``.
+    """
+    if len(plan.curve.legs) == len(plan.certified.legs):
+        return None
+    safety = safety_of(plan.compiled, len(plan.labelling.letters))
+    prover = prover_of(plan.spec, plan.partition, plan.labelling, safety.refutation(), plan.restricted)
+    reached = prover.reached(plan.certified, certificate)
+    return prover.certify(JoinedCurve(plan.curve.legs[len(plan.certified.legs) :]), begins=reached)

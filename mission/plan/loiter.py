@@ -11,6 +11,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.plan.visits import visits
 from mission.spec.model import Region
+from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
 from mission.steering.smoothing import FourierCurve
 
@@ -38,31 +39,30 @@ class Stop:
 
 
 def loiter_stops(
-    path: SteeringPath, curve: FourierCurve, partition: Partition, labelling: Labelling, regions: tuple[Region, ...]
+    path: SteeringPath, curve: JoinedCurve, partition: Partition, labelling: Labelling, regions: tuple[Region, ...]
 ) -> tuple[Stop, ...]:
     """Find one stop for each time that the planned path enters a region with a loiter time.
 
-    A region in which the path begins is not entered by that. The stop is the point of the smoothed curve that lies
+    A region in which a leg begins is not entered by that: of a flight, the vehicle was put there, and of a later leg,
+    the one before it has entered. The stop is the point of the smoothed curve that lies
     deepest inside the region during the visit, so that the vehicle stands well clear of the region's edges.
 
     Returns:
         The stops in the order in which they are reached.
     """
-    triangles = [segment.triangle for segment in path.segments]
     stops: list[Stop] = []
-    for region in regions:
-        if region.loiter_s <= 0.0:
-            continue
+    loitering = [region for region in regions if region.loiter_s > 0.0]
+    for region in loitering:
         members = set(labelling.triangles_of(region.name).tolist())
         outline = shapely.union_all(shapely.polygons(partition.corners_m[sorted(members)]))
-        for first, last in visits([triangle in members for triangle in triangles]):
-            if first == 0:
-                continue
-            start_s = path.segments[first].start_s
-            end_s = path.segments[last].start_s + path.segments[last].duration_s
-            s, depth_m = _deepest(curve, outline, start_s, end_s)
-            _, planned_depth_m = _deepest(path, outline, start_s, end_s)
-            stops.append(Stop(region.name, s, region.loiter_s, depth_m, planned_depth_m))
+        for leg, smoothed, begins_s in zip(path.legs, curve.legs, curve.starts_s.tolist(), strict=False):
+            for first, last in visits([segment.triangle in members for segment in leg.segments]):
+                if first == 0:
+                    continue
+                start_s, end_s = float(leg.knots_s[first]), float(leg.knots_s[last + 1])
+                s, depth_m = _deepest(smoothed, outline, start_s, end_s)
+                _, planned_depth_m = _deepest(leg, outline, start_s, end_s)
+                stops.append(Stop(region.name, begins_s + s, region.loiter_s, depth_m, planned_depth_m))
     return tuple(sorted(stops, key=lambda stop: stop.s))
 
 

@@ -16,6 +16,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton
 from mission.plan.flight_plan import FlightPlan
+from mission.plan.homeward import Homeward
 from mission.plan.specification import of_mission
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
@@ -27,13 +28,13 @@ from mission.steering.certificate import Certificate
 from mission.steering.path import Segment, SteeringPath
 from mission.steering.trajectory import Trajectory
 
-FORMAT = "ltl-mission plan 1"
+FORMAT = "ltl-mission plan 2"
 _NAMED = "mission_automaton"
 
 
 def plan_to_json(plan: FlightPlan) -> str:
     """The whole plan as JSON text; every number is kept to the last bit."""
-    run, path, partition = plan.run, plan.path, plan.partition
+    path, partition = plan.path, plan.partition
     document = {
         "format": FORMAT,
         "mission": document_of(plan.spec),
@@ -55,9 +56,9 @@ def plan_to_json(plan: FlightPlan) -> str:
         "shortest_runs": plan.shortest_runs,
         "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
-        "run": {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)},
+        "run": _run_data(plan.run),
         "path": {
-            "lap_segments": list(path.lap_segments),
+            "lap": path.lap,
             "segments": [
                 {
                     "triangle": segment.triangle,
@@ -75,6 +76,9 @@ def plan_to_json(plan: FlightPlan) -> str:
         "trajectory": plan.trajectory.to_json(),
         "certificate": plan.certificate.to_json(),
         "dropped": [asdict(task) for task in plan.dropped],
+        "homeward": None
+        if plan.homeward is None
+        else {"run": _run_data(plan.homeward.run), "certificate": plan.homeward.certificate.to_json()},
     }
     return json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n"
 
@@ -98,7 +102,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
     named = str(document.get(_NAMED, "")).encode()
     spec = parse_mission(json.dumps(document["mission"]).encode(), read=lambda _: named)
     dropped = tuple(_dropped(spec, task) for task in document.get("dropped", []))
-    run, labels, path = document["run"], document["labels"], document["path"]
+    labels, path, homeward = document["labels"], document["path"], document["homeward"]
     labelling = Labelling(tuple(frozenset(letter) for letter in labels["letters"]), np.array(labels["letter_of"]))
     start = document["start_m"]
     return FlightPlan(
@@ -112,20 +116,32 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         shortest_runs=int(document["shortest_runs"]),
         best_in_any_order=bool(document["best_in_any_order"]),
         run_index=int(document["run_index"]),
-        run=Run(tuple(run["prefix"]), tuple(run["suffix"]), tuple(run["controls"])),
+        run=_run(document["run"]),
         path=SteeringPath(
-            tuple(_segment(segment) for segment in path["segments"]), tuple(int(i) for i in path["lap_segments"])
+            tuple(_segment(segment) for segment in path["segments"]),
+            None if path["lap"] is None else (int(path["lap"][0]), int(path["lap"][1])),
         ),
         stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
         trajectory=Trajectory.from_json(document["trajectory"]),
         certificate=Certificate.from_json(document["certificate"]),
         dropped=dropped,
+        homeward=None
+        if homeward is None
+        else Homeward(_run(homeward["run"]), Certificate.from_json(homeward["certificate"])),
     )
 
 
 def _named(spec: MissionSpec) -> dict[str, str]:
     """The content of the file that the mission names, so that the plan needs no other file."""
     return {} if spec.automaton is None else {_NAMED: spec.automaton.text}
+
+
+def _run_data(run: Run) -> dict[str, list[int]]:
+    return {"prefix": list(run.prefix), "suffix": list(run.suffix), "controls": list(run.controls)}
+
+
+def _run(data: dict[str, Any]) -> Run:
+    return Run(tuple(data["prefix"]), tuple(data["suffix"]), tuple(data["controls"]))
 
 
 def _dropped(spec: MissionSpec, data: dict[str, Any]) -> DroppedTask:

@@ -1,6 +1,6 @@
 """The stages of planning, one after the other; each is a function of what came before it."""
 
-from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -10,22 +10,17 @@ from mission.logic.automaton import BuchiAutomaton, compile_to_alphabet
 from mission.plan.best_runs import best_runs, objective_of
 from mission.plan.costs import transition_weights
 from mission.plan.explained import explained
-from mission.plan.flight_plan import FlightPlan, prover_of, tube_of
-from mission.plan.loiter import Stop, loiter_stops, shallow_stop
+from mission.plan.flight_plan import FlightPlan, prover_of
+from mission.plan.proved_path import PathPlanner, trajectory_of
 from mission.plan.specification import automaton_of, of_mission
 from mission.plan.tasks import dropped_tasks
-from mission.plan.visits import earnest_visits
+from mission.plan.way_back import way_back
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Point
-from mission.steering.certificate import Prover
-from mission.steering.path import SteeringPath, build_path
-from mission.steering.proved_smoothing import ProvedCurve, smooth_with_proof
-from mission.steering.smoothing import FourierCurve, fit_fourier
-from mission.steering.timing import time_law
-from mission.steering.trajectory import Trajectory
+from mission.steering.joined import JoinedCurve
 
 
 def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | None = None) -> FlightPlan:
@@ -68,35 +63,18 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
     chosen = runs[index]
-    path = build_path(
-        partition,
-        chosen,
-        start_m=start,
-        speed_m_s=spec.flight.speed_m_s,
-        final_stay_s=spec.flight.final_stay_s,
-        laps=spec.flight.laps,
-        settle_in=earnest_visits(spec, partition, labelling, found.product.automaton, chosen),
-    )
+    planner = PathPlanner(spec, partition, labelling)
+    path = planner.path(chosen, found.product.automaton, start)
     refutation = compile_to_alphabet(specification.refutation, labelling.letters)
     prover = prover_of(spec, partition, labelling, refutation, restricted)
-
-    def stops_of(curve: FourierCurve) -> tuple[Stop, ...]:
-        return loiter_stops(path, curve, partition, labelling, spec.regions)
-
-    smooth = _smoothed(
-        spec,
-        path,
-        prover,
-        refuses=lambda curve: shallow_stop(stops_of(curve), tube_of(spec)),
-    )
-    stops = tuple((stop.s, stop.seconds) for stop in stops_of(smooth.curve))
-    law = time_law(
-        smooth.curve,
-        speed_m_s=spec.limits.speed_m_s,
-        acceleration_m_s2=spec.limits.acceleration_m_s2,
-        tilt_rad=spec.limits.tilt_rad,
-        holds=stops,
-    )
+    proved = planner.smoothed(path, partial(prover.certify, repeats=chosen.recurrent), joins=chosen.recurrent)
+    curve, homeward = proved.curve, None
+    if chosen.recurrent:
+        automaton = compile_to_alphabet(specification.automaton, labelling.letters)
+        back = way_back(planner, system, automaton, restricted, laps=chosen, proved=proved)
+        if back is not None:
+            homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
+    stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
     return FlightPlan(
         spec=spec,
         start_m=start,
@@ -111,9 +89,10 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         run=chosen,
         path=path,
         stops=stops,
-        trajectory=Trajectory(smooth.curve, law, spec.flight.altitude_m),
-        certificate=smooth.certificate,
+        trajectory=trajectory_of(spec, curve, stops, path.repeated_leg),
+        certificate=proved.certificate,
         dropped=dropped,
+        homeward=homeward,
     )
 
 
@@ -139,26 +118,3 @@ def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) ->
     if restricted[locator.triangles_touching(start_m)].any():
         raise SpecError((Fault(0, 0, "start", f"the start {place} lies in or on the edge of a restricted region"),))
     return triangle
-
-
-def _smoothed(
-    spec: MissionSpec,
-    path: SteeringPath,
-    prover: Prover,
-    *,
-    refuses: Callable[[FourierCurve], str],
-) -> ProvedCurve:
-    """Smooth a path and prove it, with as many frequencies as the mission asks for."""
-    extension, frequencies = spec.smoothing.extension, spec.smoothing.frequencies
-    if frequencies == "auto":
-        return smooth_with_proof(path, prover, extension=extension, laps_from_s=path.laps_from_s, refuses=refuses)
-    curve = fit_fourier(path, frequencies, extension)
-    certificate = prover.certify(curve, path.laps_from_s)
-    fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
-    fault = fault or refuses(curve)
-    if fault:
-        raise NoPlanError(
-            f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: {fault}; "
-            f"ask for more frequencies, or for `auto`"
-        )
-    return ProvedCurve(curve, certificate)

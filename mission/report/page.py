@@ -153,8 +153,22 @@ def _planned_rows(planned: Mapping[str, Any]) -> list[Row]:
         ("Controls", " ".join(f"u{control}" for control in planned["controls"])),
         ("Length of the planned path", f"{planned['length_m']:.2f} m"),
         ("Duration under the steering law", f"{planned['steering_duration_s']:.1f} s"),
-        ("Duration of the trajectory", f"{planned['duration_s']:.1f} s, at {planned['altitude_m']:g} m"),
+        ("Duration of the trajectory", f"{_duration(planned)}, at {planned['altitude_m']:g} m"),
+        *(
+            [("Way back from the laps", " ".join(f"T{state}" for state in planned["way_back"]))]
+            if planned["way_back"]
+            else []
+        ),
     ]
+
+
+def _duration(planned: Mapping[str, Any]) -> str:
+    if planned["laps"] is None:
+        return f"{planned['duration_s']:.1f} s"
+    each = f"laps of {planned['lap_duration_s']:.1f} s each"
+    if planned["duration_s"] is None:
+        return f"{each}, until the vehicle is told to return"
+    return f"{planned['duration_s']:.1f} s, {planned['laps']:,} {each}"
 
 
 def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
@@ -169,11 +183,13 @@ def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
             "nothing is restricted" if clearance is None else f"at least {clearance:.3f} m",
         ),
         ("Word that it surely spells", word or "(empty)"),
+        *([("Way back from the laps", certificate["way_back"])] if certificate["way_back"] else []),
     ]
 
 
 def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> list[Row]:
     rows = [
+        ("Verdict on every continuation", _so_far(flown["judged"])),
         ("Largest tracking error", _metres(flown["largest_error_m"])),
         (
             "Largest error on one axis",
@@ -193,6 +209,14 @@ def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> lis
     if flown["record_is_cut"]:
         rows.append(("Record", "its last line is cut; everything before it was read"))
     return rows
+
+
+def _so_far(judged: Mapping[str, Any]) -> str:
+    """The three-valued verdict, with the progress of the automaton."""
+    words = {"true": "true: all satisfy the formula", "false": "false: none satisfies the formula"}
+    text = words.get(judged["so_far"], "open: some satisfy the formula")
+    waits = f"; it waits for {' or '.join(judged['awaited'])}" if judged["awaited"] else ""
+    return f"{text}; progress of the automaton {judged['done']} of {judged['total']}{waits}"
 
 
 def _against_tube(error_m: float | None, tube_m: float) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 from mission.errors import RecordError
 from mission.geometry.arrays import FloatArray, frozen_floats
+from mission.monitor.stage import Stage
 from mission.report.record import RECORD_FILE, SCHEMA
 
 Line = Mapping[str, Any]
@@ -19,12 +20,16 @@ LARGEST_RECORD_BYTES = 2**30
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """What the vehicle reported: times shape (N,), the rest (N, 3); domain ENU; NaN where it said nothing."""
+    """What the vehicle reported: times shape (N,), the rest (N, 3); domain ENU; NaN where it said nothing.
+
+    ``stages`` has the stage of the flight in which each report came, N of them; None before the first.
+    """
 
     t_s: FloatArray
     position_m: FloatArray
     velocity_m_s: FloatArray
     attitude_rad: FloatArray
+    stages: tuple[Stage | None, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +110,7 @@ def parse_record(data: bytes) -> Record:
     for line in lines:
         kinds.setdefault(line["kind"], []).append(line)
     try:
-        return _record(kinds, cut=bool(rest))
+        return _record(kinds, _stages(lines), cut=bool(rest))
     except (TypeError, ValueError, KeyError) as error:
         raise RecordError(f"a value of the record has the wrong type: {error}", line=0) from error
 
@@ -124,7 +129,7 @@ def _refused(name: str) -> None:
     raise ValueError(f"{name} is no number of JSON")
 
 
-def _record(kinds: Mapping[str, Sequence[Line]], *, cut: bool) -> Record:
+def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...], *, cut: bool) -> Record:
     def of(kind: str) -> Sequence[Line]:
         return kinds.get(kind, ())
 
@@ -137,6 +142,7 @@ def _record(kinds: Mapping[str, Sequence[Line]], *, cut: bool) -> Record:
             position_m=_vectors(telemetry, "position_m"),
             velocity_m_s=_vectors(telemetry, "velocity_m_s"),
             attitude_rad=_vectors(telemetry, "attitude_rad"),
+            stages=stages,
         ),
         setpoints=Setpoints(
             t_s=_numbers(setpoints, "t_s"),
@@ -154,6 +160,18 @@ def _record(kinds: Mapping[str, Sequence[Line]], *, cut: bool) -> Record:
         verdict=_values(of("verdict")[-1]) if of("verdict") else None,
         cut=cut,
     )
+
+
+def _stages(lines: Iterable[Line]) -> tuple[Stage | None, ...]:
+    """The stage of each telemetry line: the one that was entered last before it."""
+    stages: list[Stage | None] = []
+    stage: Stage | None = None
+    for line in lines:
+        if line["kind"] == "event" and line.get("name") == "stage":
+            stage = Stage(line["stage"])
+        elif line["kind"] == "telemetry":
+            stages.append(stage)
+    return tuple(stages)
 
 
 def _entries(lines: Iterable[Line], text: str) -> tuple[Entry, ...]:

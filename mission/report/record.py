@@ -15,7 +15,8 @@ setpoint                position_m, velocity_m_s, acceleration_m_s2, yaw_rad, tr
 visit                   triangle (-1 outside), labels: a new letter or triangle of the word that the vehicle spells
 event                   name, and any values
 text                    severity (MAVLink), text: a STATUSTEXT
-verdict                 achieved, reason, and any values
+verdict                 achieved, reason, and any values; of a flight that came to its end also what was known of the
+                        word: so_far (true, false, open), done and total (progress of the automaton), awaited (regions)
 ======================  ==============================================================================================
 
 Numbers that are not finite are written as null and read as NaN. The bytes follow from the values alone.

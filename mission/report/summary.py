@@ -11,6 +11,7 @@ import shapely
 
 from mission.plan import FlightPlan
 from mission.report.reading import Record, Visit
+from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, tilt, tracking_of
 from mission.spec.model import RegionKind
 from mission.spec.tasks import task_text
@@ -56,7 +57,10 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "controls": list(plan.run.controls),
         "length_m": plan.path.length_m,
         "steering_duration_s": plan.path.duration_s,
-        "duration_s": plan.trajectory.duration_s,
+        "duration_s": plan.trajectory.duration_s if math.isfinite(plan.trajectory.duration_s) else None,
+        "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
+        "lap_duration_s": None if plan.trajectory.lap is None else plan.trajectory.legs[plan.trajectory.lap].duration_s,
+        "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "altitude_m": plan.trajectory.altitude_m,
     }
 
@@ -70,6 +74,7 @@ def _certificate(plan: FlightPlan) -> dict[str, Any]:
         "tube_m": certificate.tube_m,
         "clearance_m": certificate.clearance_m,
         "word": [sorted(letter) for letter in certificate.word],
+        "way_back": None if plan.homeward is None else plan.homeward.certificate.reason,
     }
 
 
@@ -97,6 +102,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "largest_error_per_axis_m": _largest(np.abs(tracking.error_m).ravel()),
         "rms_error_m": float(np.sqrt(np.mean(distance**2))) if tracked else None,
         "distance_to_restricted_m": distances_m(record, _restricted_shapes(plan)),
+        "judged": _judged(plan, record),
         "word": [
             {
                 "t_s": visit.t_s if math.isfinite(visit.t_s) else None,
@@ -104,6 +110,22 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
                 "triangles": triangles,
             }
             for visit, triangles in condensed(record.visits)
+        ],
+    }
+
+
+def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
+    """What the flight's monitor knows of the record; of a flight that was cut short, too."""
+    judged = judged_again(plan, record)
+    monitor, progress = judged.monitor, judged.monitor.progress
+    return {
+        "so_far": monitor.verdict.value,
+        "done": progress.done,
+        "total": progress.total,
+        "awaited": list(progress.awaited),
+        "laps": monitor.laps,
+        "violations": [
+            {"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in monitor.violations
         ],
     }
 

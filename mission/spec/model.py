@@ -9,6 +9,11 @@ from mission.logic.automaton import GeneralisedBuchi
 
 Point = tuple[float, float]
 
+UNTIL_STOPPED: Final = "until_stopped"
+"""In the place of a number of laps: as many as are flown until somebody says that it is enough."""
+
+MOST_LAPS: Final = 10_000
+
 
 SUFFIX_DECIDES: Final = "decides"
 """In the place of a weight of the suffix: it is made best first, whatever leads to it."""
@@ -84,7 +89,10 @@ class PolygonShape:
 
 @dataclass(frozen=True)
 class Region:
-    """A named region; ``loiter_s`` is how long the vehicle stands still inside each time that it enters."""
+    """A named region; ``loiter_s`` is how long the vehicle stands still inside each time that it enters.
+
+    To start inside is not to enter.
+    """
 
     name: str
     kind: RegionKind
@@ -113,7 +121,7 @@ class Flight:
         speed_m_s: Reference speed c of Eq. 19.
         altitude_m: Height above the take-off point.
         final_stay_s: Time under u_0 in the last triangle (of a run that ends in a stay).
-        laps: How often the suffix of a recurrent run is flown.
+        laps: How often the suffix of a recurrent run is flown before the vehicle returns.
         time_constant_s: tau of the tracking law, Eq. 12: K = [1/tau^2 I, 2/tau I].
         disturbance_m_s2: Bound w on each axis of the acceleration that the tracking law does not know of; the
             certificate inflates the path by the tube w tau^2 on each axis.
@@ -122,7 +130,7 @@ class Flight:
     speed_m_s: float
     altitude_m: float
     final_stay_s: float
-    laps: int
+    laps: int | Literal["until_stopped"]
     time_constant_s: float
     disturbance_m_s2: float
 

@@ -8,7 +8,7 @@ from copy import deepcopy
 from typing import Any, Final
 
 from mission.logic.parser import MAX_LENGTH
-from mission.spec.model import MOST_WEIGHT, SUFFIX_DECIDES, Cost
+from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
 Schema = dict[str, Any]
@@ -99,7 +99,12 @@ _REGION: Final = _object(
         "at": _POINT | {"description": "The triangle with this point inside."},
         "polygon": _RING
         | {"description": "Corners of a simple polygon, in order; each of its edges must be an edge of the mesh."},
-        "loiter_s": _number("How long to stand still on entering the region, s.", 0.0, 86_400.0, default=0.0),
+        "loiter_s": _number(
+            "How long to stand still on entering the region, s; to start inside is not to enter.",
+            0.0,
+            86_400.0,
+            default=0.0,
+        ),
     },
     oneOf=_one_of("triangle", "at", "polygon"),
     examples=[{"kind": "survey", "at": [12.5, 40.0]}],
@@ -154,11 +159,11 @@ _MISSION: Final = _object(
             "default": 0,
         },
         "laps": {
-            "description": "How often the loop of a recurrent mission is flown.",
-            "type": "integer",
-            "minimum": 1,
-            "maximum": 10_000,
+            "description": "How often the loop of a recurrent mission is flown before the vehicle returns; "
+            "until_stopped: until Ctrl-C is pressed.",
+            "anyOf": [{"type": "integer", "minimum": 1, "maximum": MOST_LAPS}, {"const": UNTIL_STOPPED}],
             "default": 2,
+            "examples": [2, UNTIL_STOPPED],
         },
     },
     **{"not": {"required": ["formula", "automaton"]}},
@@ -247,7 +252,7 @@ _SMOOTHING: Final = _object(
     (),
     {
         "extension": {
-            "description": "odd keeps both end points; even is the paper's.",
+            "description": "odd keeps both end points; even is the paper's. Laps must join: they are odd.",
             "enum": ["odd", "even"],
             "default": "odd",
         },

@@ -5,6 +5,7 @@ from typing import Any
 
 from mission.spec.model import (
     SUFFIX_DECIDES,
+    UNTIL_STOPPED,
     BoundaryDomain,
     Cost,
     Extension,
@@ -33,7 +34,7 @@ Data = dict[str, Any]
 
 def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> MissionSpec:
     """The mission of a whole file; ``name`` is used where the file gives none, ``automaton`` is the one it names."""
-    start, origin = data["start"], data.get("origin")
+    start, origin, laps = data["start"], data.get("origin"), _given(data, "mission", "laps")
     suffix = _given(data, "search", "suffix_weight")
     frequencies = _given(data, "smoothing", "frequencies")
     return MissionSpec(
@@ -47,7 +48,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
         start=Start(point_of(start["position_m"]), point_of(_given(data, "start", "velocity_m_s"))),
         origin=Origin(float(origin["latitude_deg"]), float(origin["longitude_deg"])) if origin else None,
         flight=Flight(
-            laps=int(_given(data, "mission", "laps")),
+            laps=UNTIL_STOPPED if laps == UNTIL_STOPPED else int(laps),
             speed_m_s=_measure(data, "flight", "speed_m_s"),
             altitude_m=_measure(data, "flight", "altitude_m"),
             final_stay_s=_measure(data, "flight", "final_stay_s"),

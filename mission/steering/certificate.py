@@ -6,14 +6,15 @@ any stops): that
 
 1. it never leaves the domain and never meets a restricted triangle, border included;
 2. every word over the labels of triangles that it can spell satisfies the formula (``possible_words`` says exactly
-   what a word is, and how it goes on for ever after the end of the curve).
+   what a word is, and how it goes on for ever after the end of the curve: staying there, or flying the last leg of the
+   curve, a lap, again and again).
 
 The curve is enclosed piece by piece (``enclosure``), which gives for each piece the triangles that the tube may touch.
 Where the claim fails, the pieces that are to blame are cut and it is tried again, until the pieces are short against
 the tube: what is then not proved is reported with its place and its reason, and is not flown.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any
@@ -35,9 +36,9 @@ from mission.steering.enclosure import (
     insert_knots,
     split,
 )
-from mission.steering.explanation import Explanation, explain, place, point
+from mission.steering.explanation import Explanation, Lap, explain, place, point
+from mission.steering.joined import JoinedCurve, joins
 from mission.steering.possible_words import Layers, Violations
-from mission.steering.smoothing import FourierCurve
 
 _CELLS_PER_WAVE = 8
 _FEWEST_CELLS = 128
@@ -144,6 +145,14 @@ class _Doubt:
     layers_from: tuple[int, ...] = ()
 
 
+@dataclass(frozen=True)
+class _Ways:
+    """How a flight begins and goes on: where its lap begins, if it has one, and ``begins`` of ``Prover.certify``."""
+
+    lap_from_s: float | None
+    begins: Mapping[int, int] | None
+
+
 class Prover:
     """Certifies curves of one mission; what depends on the partition alone is built once.
 
@@ -177,21 +186,26 @@ class Prover:
         extent = float(np.ptp(partition.vertices_m, axis=0).max())
         self._finest_m = max(_FINEST_PART_OF_TUBE * self._tube_m, _FINEST_PART_OF_EXTENT * extent)
 
-    def certify(self, curve: FourierCurve, laps_from_s: tuple[float, ...] = ()) -> Certificate:
+    def certify(
+        self, curve: JoinedCurve, *, repeats: bool = False, begins: Mapping[int, int] | None = None
+    ) -> Certificate:
         """Prove the claim of a curve, or say where it fails.
-
-        Of a flight of laps, each lap must be worth repeating: for each, what is flown up to its end, with that lap
-        repeated for ever, satisfies the formula. So no lap leans on what another one visits.
 
         Args:
             curve: The smoothed path.
-            laps_from_s: Where each lap begins, ascending; empty where the flight stays at its end.
+            repeats: Whether its last leg is a lap that is flown for ever; otherwise the flight stays at the end.
+            begins: Of a flight that goes on from another one, the states of the refutation (bits) that are possible in
+                each triangle in which it begins, as from ``reached``; by default a word begins here.
+
+        Raises:
+            ValueError: The lap does not end where it begins.
         """
+        if repeats and not joins(curve.legs[-1], curve.legs[-1]):
+            raise ValueError("a lap ends where it begins")
+        ways = _Ways(float(curve.starts_s[-2]) if repeats else None, begins)
         enclosure = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
-        if laps_from_s:
-            enclosure = insert_knots(curve, enclosure, np.array(laps_from_s))
         contacts = self._contacts(enclosure)
-        doubt = self._doubt(enclosure, contacts, laps_from_s)
+        doubt = self._doubt(enclosure, contacts, ways)
         for _ in range(_ROUNDS):
             if doubt is None or len(doubt.certain):
                 break
@@ -200,14 +214,14 @@ class Prover:
                 break
             enclosure = split(curve, enclosure, coarse, _PARTS)
             contacts = self._contacts(enclosure)
-            doubt = self._doubt(enclosure, contacts, laps_from_s)
+            doubt = self._doubt(enclosure, contacts, ways)
         if doubt is None:
             return self._proved(curve, *self._sharpened(curve, enclosure, contacts))
         certificate = self._proved(curve, enclosure, contacts)
         if doubt.violations is None:
             told = self._unsafe_place(enclosure, contacts, doubt)
         else:
-            told = self._violating_flight(enclosure, contacts, doubt.violations, doubt.layers_from)
+            told = self._violating_flight(enclosure, contacts, doubt.violations, doubt.layers_from, ways.lap_from_s)
         return replace(
             certificate,
             holds=False,
@@ -217,7 +231,23 @@ class Prover:
             counterexample=told.triangles,
         )
 
-    def _sharpened(self, curve: FourierCurve, enclosure: Enclosure, contacts: Contacts) -> tuple[Enclosure, Contacts]:
+    def reached(self, curve: JoinedCurve, certificate: Certificate) -> dict[int, int]:
+        """What the words may have led to when a flight ends after any number of laps, at least one.
+
+        Args:
+            curve: Its last leg is the lap.
+            certificate: Of the curve, by any prover of this domain and tube; its pieces are used.
+
+        Returns:
+            For each triangle that the tube may touch at the end, the states of the refutation as bits.
+        """
+        grid = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
+        enclosure = insert_knots(curve, grid, certificate.knots_s)
+        sets = self._contacts(enclosure).sets()
+        layers, _ = self._layers(enclosure.knots_s, sets, float(curve.starts_s[-2]))
+        return self._violations(layers, None).at_end()
+
+    def _sharpened(self, curve: JoinedCurve, enclosure: Enclosure, contacts: Contacts) -> tuple[Enclosure, Contacts]:
         """The pieces at the borders of regions cut further, so that what the tube surely spells shows."""
         for _ in range(_SHARPENINGS):
             mixed = self._letters(contacts) > 1
@@ -232,7 +262,7 @@ class Prover:
         pairs = np.unique(np.stack((contacts.pieces, self._labelling.letter_of[contacts.triangles])), axis=1)
         return np.bincount(pairs[0], minlength=len(contacts.outside))[1:-1]
 
-    def _doubt(self, enclosure: Enclosure, contacts: Contacts, laps_from_s: tuple[float, ...]) -> _Doubt | None:
+    def _doubt(self, enclosure: Enclosure, contacts: Contacts, ways: _Ways) -> _Doubt | None:
         """What cannot be proved with these pieces; None where all can."""
         unsafe = (contacts.outside | contacts.marked(self._restricted))[1:-1]
         if unsafe.any():
@@ -240,22 +270,28 @@ class Prover:
             at_knots = self._search.contacts(points, points, np.full(len(points), self._tube_m))
             certain = np.flatnonzero(at_knots.outside | at_knots.marked(self._restricted))
             return _Doubt(unsafe, certain)
-        sets = contacts.sets()
-        heads = [int(knot) + 1 for knot in np.searchsorted(enclosure.knots_s, laps_from_s)]
-        spans = list(zip(heads, [*heads[1:], len(sets)], strict=True)) if heads else [(None, len(sets))]
-        for loop, end in spans:
-            # Equal layers in a row are one; the head of the loop begins a new one.
-            first = tuple(i for i in range(end) if i in (0, loop) or sets[i] != sets[i - 1])
-            violations = Violations(
-                Layers(tuple(sets[i] for i in first), None if loop is None else first.index(loop)),
-                corners=self._partition.triangles,
-                letter_of=self._labelling.letter_of,
-                refutation=self._refutation,
-                semantics=self._semantics,
-            )
-            if violations.exists():
-                return self._wordy_doubt(enclosure, contacts, violations, first)
-        return None
+        layers, first = self._layers(enclosure.knots_s, contacts.sets(), ways.lap_from_s)
+        violations = self._violations(layers, ways.begins)
+        return self._wordy_doubt(enclosure, contacts, violations, first) if violations.exists() else None
+
+    def _layers(
+        self, knots_s: FloatArray, sets: Sequence[tuple[int, ...]], lap_from_s: float | None
+    ) -> tuple[Layers, tuple[int, ...]]:
+        """The layers of K + 2 sets of triangles, and the first set of each."""
+        loop = None if lap_from_s is None else int(np.searchsorted(knots_s, lap_from_s)) + 1
+        # Equal layers in a row are one; the head of the loop begins a new one.
+        first = tuple(i for i in range(len(sets)) if i in (0, loop) or sets[i] != sets[i - 1])
+        return Layers(tuple(sets[i] for i in first), None if loop is None else first.index(loop)), first
+
+    def _violations(self, layers: Layers, begins: Mapping[int, int] | None) -> Violations:
+        return Violations(
+            layers,
+            corners=self._partition.triangles,
+            letter_of=self._labelling.letter_of,
+            refutation=self._refutation,
+            semantics=self._semantics,
+            begins=begins,
+        )
 
     def _wordy_doubt(
         self, enclosure: Enclosure, contacts: Contacts, violations: Violations, first: tuple[int, ...]
@@ -268,7 +304,7 @@ class Prover:
             blame = np.array([len(triangles) > 1 for triangles in sets[1:-1]])
         return _Doubt(blame, violations=violations, layers_from=first)
 
-    def _proved(self, curve: FourierCurve, enclosure: Enclosure, contacts: Contacts) -> Certificate:
+    def _proved(self, curve: JoinedCurve, enclosure: Enclosure, contacts: Contacts) -> Certificate:
         """The certificate of a curve about which nothing was found to fail."""
         return Certificate(
             holds=True,
@@ -303,23 +339,32 @@ class Prover:
         return Explanation(f"may {what} near {place(where, where_s)}", where_s, where, ())
 
     def _violating_flight(
-        self, enclosure: Enclosure, contacts: Contacts, violations: Violations, first: tuple[int, ...]
+        self,
+        enclosure: Enclosure,
+        contacts: Contacts,
+        violations: Violations,
+        first: tuple[int, ...],
+        lap_from_s: float | None,
     ) -> Explanation:
         """What a flight does that violates the formula, the one that strays least from the middle of the tube."""
         centres = contacts.centres()
         ends = (*first[1:], len(centres))
         expected = tuple(frozenset(centres[begin:end].tolist()) for begin, end in zip(first, ends, strict=True))
-        way = violations.witness(expected)
+        way, loop = violations.witness(expected)
         times = np.concatenate((enclosure.knots_s[:1], enclosure.knots_s))
+        flight, lap = (
+            tuple((float(times[first[layer]]), triangle) for layer, triangle in part) for part in (way, loop)
+        )
         return explain(
-            tuple((float(times[first[layer]]), triangle) for layer, triangle in way),
+            flight,
             enclosure,
             centres[1:-1],
             self._partition,
             self._labelling,
             refutation=self._refutation,
-            sure=all(triangle in expected[layer] for layer, triangle in way),
+            sure=all(triangle in expected[layer] for layer, triangle in (*way, *loop)),
             ignored=self._restricted,
+            lap=None if lap_from_s is None else Lap(lap, int(np.searchsorted(enclosure.knots_s, lap_from_s))),
         )
 
     def _sure_word(self, contacts: Contacts) -> tuple[frozenset[str], ...]:
@@ -330,7 +375,7 @@ class Prover:
 
 
 def certify(
-    curve: FourierCurve,
+    curve: JoinedCurve,
     partition: Partition,
     labelling: Labelling,
     *,
@@ -338,7 +383,7 @@ def certify(
     semantics: Semantics,
     restricted: BoolArray,
     tube_m: float,
-    laps_from_s: tuple[float, ...] = (),
+    repeats: bool = False,
 ) -> Certificate:
     """Prove the claim of one curve, or say where it fails; ``Prover`` explains the arguments.
 
@@ -348,4 +393,4 @@ def certify(
     prover = Prover(
         partition, labelling, refutation=refutation, semantics=semantics, restricted=restricted, tube_m=tube_m
     )
-    return prover.certify(curve, laps_from_s)
+    return prover.certify(curve, repeats=repeats)

@@ -14,7 +14,7 @@ import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_floats
 from mission.geometry.simplices import Partition
-from mission.steering.smoothing import FourierCurve
+from mission.steering.joined import JoinedCurve
 
 # Coordinates carry rounding errors; every enclosure is widened by this part of the domain's size to be safe from them.
 ROUNDING = 1e-10
@@ -27,7 +27,7 @@ class Enclosure:
     Attributes:
         knots_s: Shape (K + 1,), ascending, from 0 to T.
         points_m: Shape (K + 1, 2), the curve at the knots.
-        bends_m_s2: Shape (K + 1, 2), its second derivative there.
+        bends_m_s2: Shape (K + 1, 2), its second derivative there; where two legs meet, the longer of the two.
         remainder_m: Shape (K,).
     """
 
@@ -43,23 +43,38 @@ class Enclosure:
         return np.asarray(np.hypot(steps[:, 0], steps[:, 1]) + self.remainder_m, dtype=np.float64)
 
 
-def _enclosure(curve: FourierCurve, knots: FloatArray, points: FloatArray, bends: FloatArray) -> Enclosure:
-    remainder = curve.norm_bounds(knots, 2, bends) * np.diff(knots) ** 2 / 8.0
+def _enclosure(curve: JoinedCurve, knots: FloatArray, points: FloatArray, bends: FloatArray) -> Enclosure:
+    remainder = np.empty(len(knots) - 1)
+    ends = np.searchsorted(knots, curve.starts_s)
+    for leg, start, (first, last) in zip(curve.legs, curve.starts_s, pairwise(ends), strict=False):
+        own = slice(first, last + 1)
+        bounds = leg.norm_bounds(knots[own] - start, 2, bends[own])
+        remainder[first:last] = bounds * np.diff(knots[own]) ** 2 / 8.0
     return Enclosure(frozen_floats(knots), frozen_floats(points), frozen_floats(bends), frozen_floats(remainder))
 
 
-def enclose(curve: FourierCurve, cells: int) -> Enclosure:
-    """Enclose the whole curve on an even grid of ``cells`` pieces, more than the curve has frequencies."""
-    knots = np.linspace(0.0, curve.duration_s, cells + 1)
-    return _enclosure(curve, knots, curve.on_grid(cells, 0), curve.on_grid(cells, 2))
+def enclose(curve: JoinedCurve, cells: int) -> Enclosure:
+    """Enclose each leg of a curve on an even grid of ``cells`` pieces, more than the leg has frequencies."""
+    knots, points, bends = np.zeros(1), curve.position([0.0]), curve.derivative([0.0], 2)
+    for leg, start, end in zip(curve.legs, curve.starts_s[:-1], curve.starts_s[1:], strict=True):
+        grid = np.linspace(start, end, cells + 1)
+        bent = leg.on_grid(cells, 2)
+        if np.linalg.norm(bent[0]) > np.linalg.norm(bends[-1]):
+            bends[-1] = bent[0]
+        knots = np.concatenate((knots, grid[1:]))
+        points = np.concatenate((points, leg.on_grid(cells, 0)[1:]))
+        bends = np.concatenate((bends, bent[1:]))
+    return _enclosure(curve, knots, points, bends)
 
 
-def insert_knots(curve: FourierCurve, enclosure: Enclosure, knots_s: FloatArray) -> Enclosure:
+def insert_knots(curve: JoinedCurve, enclosure: Enclosure, knots_s: FloatArray) -> Enclosure:
     """The enclosure with further knots (those that it has already, and those outside [0, T], are left out)."""
     new = np.setdiff1d(knots_s, enclosure.knots_s)
     new = new[(new > 0.0) & (new < curve.duration_s)]
     places = np.searchsorted(enclosure.knots_s, new)
-    points, _, bends = curve.jet(new)
+    points, bends = np.empty((2, len(new), 2))
+    for leg, found, own in curve.placed(new):
+        points[found], _, bends[found] = leg.jet(own)
     return _enclosure(
         curve,
         np.insert(enclosure.knots_s, places, new),
@@ -68,7 +83,7 @@ def insert_knots(curve: FourierCurve, enclosure: Enclosure, knots_s: FloatArray)
     )
 
 
-def split(curve: FourierCurve, enclosure: Enclosure, pieces: BoolArray, parts: int) -> Enclosure:
+def split(curve: JoinedCurve, enclosure: Enclosure, pieces: BoolArray, parts: int) -> Enclosure:
     """Cut the marked pieces (shape (K,)) into ``parts`` equal parts each."""
     starts, widths = enclosure.knots_s[:-1][pieces], np.diff(enclosure.knots_s)[pieces]
     fractions = np.arange(1, parts) / parts
@@ -194,7 +209,7 @@ class RegionDistance:
         return result
 
 
-def clearance(curve: FourierCurve, enclosure: Enclosure, distance: RegionDistance) -> float:
+def clearance(curve: JoinedCurve, enclosure: Enclosure, distance: RegionDistance) -> float:
     """A proved lower bound of the curve's distance to a region, in metres.
 
     A piece is nowhere nearer than its chord less its remainder. Pieces for which that is more than 1 % nearer than the

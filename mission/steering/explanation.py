@@ -30,6 +30,19 @@ class Explanation:
     triangles: tuple[int, ...]
 
 
+@dataclass(frozen=True)
+class Lap:
+    """The lap of a violating flight.
+
+    Attributes:
+        way: How it goes on and on, after the way to it: times, and the triangle from then on.
+        knot: Index of the knot at which the lap begins.
+    """
+
+    way: tuple[tuple[float, int], ...]
+    knot: int
+
+
 def point(position_m: FloatArray) -> Point:
     """A row of an array as a point."""
     return float(position_m[0]), float(position_m[1])
@@ -50,6 +63,7 @@ def explain(
     refutation: CompiledAutomaton,
     sure: bool,
     ignored: BoolArray,
+    lap: Lap | None = None,
 ) -> Explanation:
     """Compare a violating flight with what the middle of the tube does.
 
@@ -62,9 +76,19 @@ def explain(
         refutation: The automaton of the negated formula.
         sure: Whether the curve itself flies so, and not only something in its tube.
         ignored: Shape (M,), triangles that nobody wants to enter.
+        lap: What the flight repeats for ever; None where it stays. What matters then is what recurs.
     """
+    way = way if lap is None else (*way, *lap.way)
     triangles = tuple(triangle for triangle, _ in groupby(triangle for _, triangle in way))
     flown = {name: time for time, triangle in reversed(way) for name in labelling.label(triangle)}
+    again = set(flown)
+    if lap is not None:
+        again = {name for _, triangle in lap.way for name in labelling.label(triangle)}
+        planned = {name for triangle in set(centres[lap.knot :].tolist()) - {-1} for name in labelling.label(triangle)}
+        if skipped := sorted(planned - again):
+            inside = np.isin(centres, labelling.triangles_of(skipped[0])) & (np.arange(len(centres)) >= lap.knot)
+            piece = int(np.flatnonzero(inside)[inside.sum() // 2])
+            return _told("is not sure to enter {} in each lap, near {}", skipped[0], enclosure, piece, triangles)
     middle = {name for triangle in set(centres.tolist()) - {-1} for name in labelling.label(triangle)}
     missed = sorted(middle - flown.keys())
     extra = sorted(flown.keys() - middle, key=lambda name: (flown[name], name))
@@ -83,19 +107,22 @@ def explain(
     )
     verb = "spells" if sure else "may spell"
     reason = f"{verb} the word {word}, which violates the specification"
-    wanted = _heeded(refutation, labelling.letters) - flown.keys()
+    first = 0 if lap is None else lap.knot
+    wanted = _heeded(refutation, labelling.letters) - again
     wanted -= {name for triangle in np.flatnonzero(ignored).tolist() for name in labelling.label(triangle)}
     wanted = {name for name in wanted if len(labelling.triangles_of(name))}
     if not wanted:
         return Explanation(reason, float(enclosure.knots_s[-1]), point(enclosure.points_m[-1]), triangles)
+    points = enclosure.points_m[first:]
     nearest: list[tuple[float, str, int]] = []
     for name in sorted(wanted):
         marked = np.zeros(partition.size, dtype=np.bool_)
         marked[labelling.triangles_of(name)] = True
-        distances = RegionDistance(partition, marked).of_chords(enclosure.points_m, enclosure.points_m)
-        nearest.append((float(distances.min()), name, int(distances.argmin())))
+        distances = RegionDistance(partition, marked).of_chords(points, points)
+        nearest.append((float(distances.min()), name, first + int(distances.argmin())))
     distance, name, piece = min(nearest)
-    reason += f"; it never enters {', '.join(sorted(wanted))} (within {distance:.2f} m of {{}} near {{}})"
+    never = "it never enters" if lap is None else "its lap does not enter"
+    reason += f"; {never} {', '.join(sorted(wanted))} (within {distance:.2f} m of {{}} near {{}})"
     return _told(reason, name, enclosure, piece, triangles)
 
 

@@ -1,8 +1,9 @@
 """The planned path: a run of triangles, steered through by one affine field in each (paper, Sec. 4.1.2)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +17,7 @@ from mission.steering.flow import exit_time, flow_with_velocity, settling_time
 _NODES = 24  # Gauss-Legendre nodes a panel of the arc length
 _SETTLED = 0.25  # how near the equilibrium of u_0 a visit goes, in radii of the inscribed circle
 _PANEL = 1.0  # largest change of a field over half a panel, |F| times time
+_SAME_PLACE_M = 1e-3  # a flight that starts so near to its lap starts in it
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +49,12 @@ class SteeringPath:
 
     Attributes:
         segments: In order of time, the first at 0, each beginning where the one before it ends.
-        lap_segments: Index of the first segment of each lap of a recurrent run; empty where the run ends in a stay.
+        lap: Of a recurrent run, the index of the first segment of the lap and of the one after it; the lap ends where
+            it begins. None where the run ends in a stay.
     """
 
     segments: tuple[Segment, ...]
-    lap_segments: tuple[int, ...] = ()
+    lap: tuple[int, int] | None = None
 
     @property
     def duration_s(self) -> float:
@@ -59,19 +62,29 @@ class SteeringPath:
         return float(self.knots_s[-1])
 
     @property
-    def loop_segment(self) -> int:
-        """Index of the first segment of what the run repeats for ever: the last lap, or else the final stay."""
-        return self.lap_segments[-1] if self.lap_segments else len(self.segments) - 1
+    def lap_s(self) -> tuple[float, float] | None:
+        """When the lap of a recurrent run begins and ends."""
+        return None if self.lap is None else (float(self.knots_s[self.lap[0]]), float(self.knots_s[self.lap[1]]))
 
     @property
-    def loop_from_s(self) -> float:
-        """When that begins."""
-        return self.segments[self.loop_segment].start_s
+    def legs(self) -> tuple["SteeringPath", ...]:
+        """What is flown from rest to rest: the way to the lap, the lap, and what comes after it; each from time 0.
+
+        A path that ends in a stay is one leg. Where a flight starts in the place in which the lap begins, the lap is
+        the first leg.
+        """
+        cuts = sorted({0, *(self.lap or ()), len(self.segments)})
+        return tuple(SteeringPath(_from_zero(self.segments[a:b])) for a, b in pairwise(cuts))
 
     @property
-    def laps_from_s(self) -> tuple[float, ...]:
-        """When each lap begins; empty where the run ends in a stay."""
-        return tuple(self.segments[index].start_s for index in self.lap_segments)
+    def repeated_leg(self) -> int | None:
+        """Which of the legs is the lap."""
+        return None if self.lap is None else min(self.lap[0], 1)
+
+    def then(self, onward: "SteeringPath") -> "SteeringPath":
+        """This path with another one after it, which begins where this one ends."""
+        later = (replace(each, start_s=each.start_s + self.duration_s) for each in onward.segments)
+        return SteeringPath((*self.segments, *later), self.lap)
 
     @cached_property
     def knots_s(self) -> FloatArray:
@@ -127,14 +140,14 @@ def build_path(
     start_m: Sequence[float],
     speed_m_s: float,
     final_stay_s: float,
-    laps: int,
     settle_in: frozenset[int] = frozenset(),
 ) -> SteeringPath:
     """Steer through the triangles of a run.
 
-    A run whose loop is a stay ends with ``final_stay_s`` under u_0. A recurrent run flies its loop ``laps`` times,
-    then stays ``final_stay_s`` in the triangle in which the loop begins, so that it ends inside and not on a facet.
-    A stay inside the run takes ``final_stay_s`` too: in a run, u_0 is a transition like any other.
+    A run whose loop is a stay ends with ``final_stay_s`` under u_0. A recurrent run flies to its loop and once round
+    it. That lap can be repeated as it is, for it begins and ends in one point, the equilibrium of u_0 in the triangle
+    where the loop begins: the path settles there, and goes the last bit straight on, at the reference speed, since u_0
+    would take for ever. A stay inside the run takes ``final_stay_s`` too: in a run, u_0 is a transition like any other.
 
     Args:
         partition: The triangles.
@@ -142,7 +155,6 @@ def build_path(
         start_m: Where the path begins, in the closed first triangle.
         speed_m_s: Reference speed c, positive.
         final_stay_s: Duration of a stay, positive.
-        laps: How often a recurrent loop is flown, at least 1.
         settle_in: Indices into ``run.states`` at which u_0 is applied first, until the path has come close to its
             equilibrium, and the run's control then: a visit that does more than cut a corner. The triangles that the
             path runs through are the same.
@@ -150,20 +162,27 @@ def build_path(
     Raises:
         ValueError: If an argument is out of range.
     """
-    if not (speed_m_s > 0.0 and final_stay_s > 0.0 and laps >= 1):
-        raise ValueError("speed, stay and laps must be positive")
+    if not (speed_m_s > 0.0 and final_stay_s > 0.0):
+        raise ValueError("speed and stay must be positive")
     steps = _Steps(partition, run, speed_m_s, final_stay_s, settle_in)
     segments: list[Segment] = []
     entry = np.array(start_m, dtype=np.float64)
     loop, end = len(run.prefix), len(run.states)
-    order = [*range(end), *(list(range(loop, end)) * (laps - 1))] if run.recurrent else [*range(loop)]
-    lap_segments: list[int] = []
-    for index in order:
-        if index == loop:
-            lap_segments.append(len(segments))
+    for index in range(loop):
         entry = steps.append(segments, index, entry)
-    steps.stay(segments, run.suffix[0], entry)
-    return SteeringPath(tuple(segments), tuple(lap_segments))
+    if not run.recurrent:
+        steps.stay(segments, run.suffix[0], entry)
+        return SteeringPath(tuple(segments))
+    entry = steps.come_to_rest(segments, run.suffix[0], entry)
+    first = len(segments)
+    for index in range(loop, end):
+        entry = steps.append(segments, index, entry)
+    steps.come_to_rest(segments, run.suffix[0], entry)
+    return SteeringPath(tuple(segments), (first, len(segments)))
+
+
+def _from_zero(segments: tuple[Segment, ...]) -> tuple[Segment, ...]:
+    return tuple(replace(segment, start_s=segment.start_s - segments[0].start_s) for segment in segments)
 
 
 class _Steps:
@@ -180,14 +199,14 @@ class _Steps:
         self._F, self._g = affine_fields(part.corners_m[:, None], velocities)
         self._place = {triangle: i for i, triangle in enumerate(passed)}
         self._part, self._run, self._stay_s, self._settle_in = part, run, final_stay_s, settle_in
+        self._speed_m_s = speed_m_s
 
     def append(self, segments: list[Segment], index: int, entry: FloatArray) -> FloatArray:
         """Go through the ``index``-th state of the run; return where the path leaves it."""
         triangle, control = self._run.states[index], self._run.controls[index]
         i = self._place[triangle]
         if index in self._settle_in:
-            near = _SETTLED * float(self._part.inradii_m[i])
-            entry = self._follow(segments, triangle, 0, entry, settling_time(self._F[i, 0], self._g[i, 0], entry, near))
+            entry = self._settle(segments, triangle, entry)
         if control == 0:
             return self.stay(segments, triangle, entry)
         time, leaving = exit_time(self._F[i, control], self._g[i, control], self._part.corners_m[i], control - 1, entry)
@@ -198,12 +217,44 @@ class _Steps:
         """Apply u_0 for the time of a stay; return where the path is then."""
         return self._follow(segments, triangle, 0, entry, self._stay_s)
 
+    def come_to_rest(self, segments: list[Segment], triangle: int, entry: FloatArray) -> FloatArray:
+        """Go to the equilibrium of u_0, near it on a straight line; return it."""
+        i = self._place[triangle]
+        rest: FloatArray = -np.linalg.solve(self._F[i, 0], self._g[i, 0])
+        entry = self._settle(segments, triangle, entry)
+        left_m = float(np.hypot(*(rest - entry)))
+        if left_m > (0.0 if segments else _SAME_PLACE_M):
+            straight = frozen_floats(self._speed_m_s * (rest - entry) / left_m)
+            still = frozen_floats(np.zeros((2, 2)))
+            self._extend(segments, triangle, 0, (still, straight), entry=entry, duration_s=left_m / self._speed_m_s)
+        return rest
+
+    def _settle(self, segments: list[Segment], triangle: int, entry: FloatArray) -> FloatArray:
+        """Apply u_0 until its equilibrium is near."""
+        i = self._place[triangle]
+        near = _SETTLED * float(self._part.inradii_m[i])
+        return self._follow(segments, triangle, 0, entry, settling_time(self._F[i, 0], self._g[i, 0], entry, near))
+
     def _follow(
         self, segments: list[Segment], triangle: int, control: int, entry: FloatArray, duration_s: float
     ) -> FloatArray:
         i = self._place[triangle]
-        F, g = frozen_floats(self._F[i, control]), frozen_floats(self._g[i, control])
+        field = frozen_floats(self._F[i, control]), frozen_floats(self._g[i, control])
+        return self._extend(segments, triangle, control, field, entry=entry, duration_s=duration_s)
+
+    def _extend(
+        self,
+        segments: list[Segment],
+        triangle: int,
+        control: int,
+        field: tuple[FloatArray, FloatArray],
+        *,
+        entry: FloatArray,
+        duration_s: float,
+    ) -> FloatArray:
+        """Follow a field for a while; return where the path is then."""
         if duration_s > 0.0:
             start_s = segments[-1].start_s + segments[-1].duration_s if segments else 0.0
-            segments.append(Segment(triangle, control, F, g, (float(entry[0]), float(entry[1])), start_s, duration_s))
-        return np.asarray(flow_with_velocity(F, g, entry, duration_s)[0][0])
+            place = (float(entry[0]), float(entry[1]))
+            segments.append(Segment(triangle, control, *field, place, start_s, duration_s))
+        return np.asarray(flow_with_velocity(*field, entry, duration_s)[0][0])

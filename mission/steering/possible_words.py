@@ -21,9 +21,11 @@ they are pushed through the layers once, and only the loop is searched for accep
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -34,6 +36,16 @@ from mission.logic.automaton import CompiledAutomaton
 from mission.spec.model import Semantics
 
 Node = tuple[int, int, int]  # layer, triangle, automaton state
+Way = tuple[tuple[int, int], ...]  # layer, triangle
+
+
+class _Edge(NamedTuple):
+    """A step of a flight and of the automaton: whether a label is spelled, and whether time goes on if it recurs."""
+
+    source: Node | None
+    target: Node
+    spells: bool
+    progress: bool
 
 
 @dataclass(frozen=True)
@@ -74,6 +86,8 @@ class Violations:
         letter_of: Shape (M,), the letter of each triangle.
         refutation: The automaton of the negated formula, over the same letters.
         semantics: Whether the label of the start triangle is read.
+        begins: Of a flight that goes on from another one, the automaton states (bits) that are possible in each
+            triangle in which it begins; None where the word begins here.
     """
 
     def __init__(
@@ -84,12 +98,14 @@ class Violations:
         letter_of: IntArray,
         refutation: CompiledAutomaton,
         semantics: Semantics,
+        begins: Mapping[int, int] | None = None,
     ) -> None:
         self._layers = layers
         self._corners = corners
         self._letter_of = letter_of
         self._semantics = semantics
         self._refutation = refutation
+        self._begins = begins
         self._images: dict[tuple[int, int], int] = {}
         self._near: dict[tuple[int, ...], dict[int, tuple[int, ...]]] = {}
         self._letters = {t: int(letter_of[t]) for layer in set(layers.triangles) for t in layer}
@@ -98,45 +114,76 @@ class Violations:
         """Whether the vehicle can spell a word that violates the formula."""
         return bool(self._bad_nodes)
 
-    def witness(self, expected: tuple[frozenset[int], ...]) -> tuple[tuple[int, int], ...]:
-        """One violating way, as (layer, triangle) at the start and at each change of either, up to its loop.
+    def at_end(self) -> dict[int, int]:
+        """The automaton states (bits) that are possible in each triangle of the last layer, after any laps."""
+        return self._reach[-1]
+
+    def witness(self, expected: tuple[frozenset[int], ...]) -> tuple[Way, Way]:
+        """One violating way, as (layer, triangle) at the start and at each change of either: up to its loop, and that.
 
         Args:
             expected: For each layer the triangles that the middle of the tube visits; of all violating ways the one is
                 given that leaves them least often.
 
         Returns:
-            The way; empty where none violates.
+            The way, and a loop from its end back to there; both empty where none violates.
         """
         bad = self._bad_nodes
+        way = self._least_astray(self._start_nodes(), expected, lambda edge: edge.target in bad)
+        if not way:
+            return (), ()
+        begin = way[-1].target
+        # Each of these recurs in the component of the bad node, so it is found from wherever the last one was.
+        recurring: tuple[Callable[[_Edge], bool], ...] = (
+            lambda edge: bool(self._refutation.accepting[edge.target[2]]),
+            lambda edge: edge.progress,
+            lambda edge: edge.spells,
+        )
+        loop: list[_Edge] = []
+        for found in (*recurring, lambda edge: edge.target == begin):
+            if not any(map(found, loop[-1:] if found not in recurring else loop)):
+                here = loop[-1].target if loop else begin
+                loop += self._least_astray([here], expected, found, within=bad[begin])[1:]
+        return _changes(edge.target for edge in way), _changes((begin, *(edge.target for edge in loop)))
+
+    def _least_astray(
+        self,
+        starts: Iterable[Node],
+        expected: tuple[frozenset[int], ...],
+        found: Callable[["_Edge"], bool],
+        within: int | None = None,
+    ) -> list["_Edge"]:
+        """A way from a start to the first edge that is looked for, over the fewest triangles that are not expected.
+
+        Args:
+            starts: Where it may begin.
+            expected: As in ``witness``.
+            found: Whether an edge is looked for.
+            within: The component of bad nodes that is not left; then entering the start is not looked for. None where
+                there is no such bound.
+        """
         best: dict[Node, int] = {}
-        parents: dict[Node, Node | None] = {}
-        queue: deque[tuple[int, Node, Node | None]] = deque(
-            sorted((int(node[1] not in expected[0]), node, None) for node in self._start_nodes())
+        parents: dict[Node, _Edge] = {}
+        queue: deque[tuple[int, _Edge]] = deque(
+            sorted((int(node[1] not in expected[0]), _Edge(None, node, spells=True, progress=False)) for node in starts)
         )
         while queue:
-            cost, node, parent = queue.popleft()
+            cost, edge = queue.popleft()
+            node = edge.target
+            if found(edge) and (within is None or edge.source is not None):
+                return _back(edge, parents)
             if cost >= best.get(node, cost + 1):
                 continue
-            best[node], parents[node] = cost, parent
-            if node in bad:
-                return self._way(node, parents)
-            for successor in self._successors(node):
-                layer, triangle, _ = successor
+            best[node], parents[node] = cost, edge
+            for onward in self._onward(node):
+                layer, triangle, _ = onward.target
+                if within is not None and self._bad_nodes.get(onward.target) != within:
+                    continue
                 if triangle in expected[layer]:
-                    queue.appendleft((cost, successor, node))
+                    queue.appendleft((cost, onward))
                 else:
-                    queue.append((cost + 1, successor, node))
-        return ()
-
-    def _way(self, node: Node, parents: dict[Node, Node | None]) -> tuple[tuple[int, int], ...]:
-        way: list[tuple[int, int]] = []
-        step: Node | None = node
-        while step is not None:
-            if not way or way[-1] != step[:2]:
-                way.append(step[:2])
-            step = parents[step]
-        return tuple(reversed(way))
+                    queue.append((cost + 1, onward))
+        return []
 
     # -- sets of automaton states, as bit masks ------------------------------------------------------------------
 
@@ -209,6 +256,8 @@ class Violations:
 
     @cached_property
     def _start_masks(self) -> dict[int, int]:
+        if self._begins is not None:
+            return {t: self._begins.get(t, 0) for t in self._layers.triangles[0]}
         initial = sum(1 << int(state) for state in set(self._refutation.initial.tolist()))
         first = self._layers.triangles[0]
         if self._semantics is Semantics.PAPER:
@@ -234,12 +283,15 @@ class Violations:
     # -- the loop, as a graph ------------------------------------------------------------------------------------
 
     @cached_property
-    def _bad_nodes(self) -> frozenset[Node]:
-        """Nodes of the loop from which an accepting state, letters and the progress of the flight recur for ever."""
+    def _bad_nodes(self) -> dict[Node, int]:
+        """Nodes of the loop where an accepting state, letters and the progress of the flight recur for ever.
+
+        Each with the number of its component, in which they all recur.
+        """
         head = self._layers.head
         places = [(layer, t) for layer in range(head, self._layers.last + 1) for t in self._layers.triangles[layer]]
         if not any(self._reach[layer][t] for layer, t in places):
-            return frozenset()
+            return {}
         states = self._refutation.states
         base = {place: index * states for index, place in enumerate(places)}
         present = np.concatenate([_array(self._reach[layer][t], states) for layer, t in places])
@@ -256,7 +308,7 @@ class Violations:
         accepting = np.zeros(len(present), dtype=np.bool_)
         accepting[component[present & np.tile(self._refutation.accepting, len(places))]] = True
         bad = np.flatnonzero(present & (moving & worded & accepting)[component])
-        return frozenset((*places[index // states], index % states) for index in bad.tolist())
+        return {(*places[index // states], index % states): int(component[index]) for index in bad.tolist()}
 
     def _edges(self, base: dict[tuple[int, int], int]) -> tuple[IntArray, IntArray, BoolArray, BoolArray]:
         """Edges of the loop: sources, targets, whether one recurs only if time goes on, whether it spells a letter."""
@@ -295,15 +347,30 @@ class Violations:
             for other in layers.triangles[layers.head]:
                 yield (layers.head, other), other != triangle, True
 
-    def _successors(self, node: Node) -> Iterator[Node]:
+    def _onward(self, node: Node) -> Iterator["_Edge"]:
         layer, triangle, state = node
-        for (following, other), spells, _ in self._ways_on(layer, triangle):
+        for (following, other), spells, progress in self._ways_on(layer, triangle):
             mask = self._image(1 << state, other) if spells else 1 << state
-            yield from ((following, other, target) for target in _bits(mask))
+            yield from (
+                _Edge(node, (following, other, target), spells=spells, progress=progress) for target in _bits(mask)
+            )
 
     def _start_nodes(self) -> Iterator[Node]:
         for triangle, mask in self._start_masks.items():
             yield from ((0, triangle, state) for state in _bits(mask))
+
+
+def _back(edge: _Edge, parents: Mapping[Node, _Edge]) -> list[_Edge]:
+    """The edges that led to one, from the one from nowhere on, and itself."""
+    way = [edge]
+    while (source := way[-1].source) is not None:
+        way.append(parents[source])
+    return way[::-1]
+
+
+def _changes(nodes: Iterable[Node]) -> Way:
+    """Layer and triangle of the first node and wherever one of them changes."""
+    return tuple(place for place, _ in groupby(node[:2] for node in nodes))
 
 
 def _bits(mask: int) -> Iterator[int]:

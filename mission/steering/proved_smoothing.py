@@ -1,13 +1,14 @@
 """The smoothing with the fewest frequencies that the proof needs (``smoothing: auto``)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from mission.errors import NoPlanError
 from mission.spec.model import Extension
-from mission.steering.certificate import Certificate, Prover
+from mission.steering.certificate import Certificate
+from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
-from mission.steering.smoothing import FourierCurve, fit_fourier
+from mission.steering.smoothing import fit_fourier
 
 FEWEST_FREQUENCIES = 4
 MOST_FREQUENCIES = 1024
@@ -17,18 +18,31 @@ MOST_FREQUENCIES = 1024
 class ProvedCurve:
     """A curve with the certificate that holds for it."""
 
-    curve: FourierCurve
+    curve: JoinedCurve
     certificate: Certificate
 
 
+def fit_legs(legs: Sequence[SteeringPath], frequencies: int, extension: Extension) -> JoinedCurve:
+    """Smooth each leg of a flight.
+
+    Args:
+        legs: The planned path, from rest to rest each.
+        frequencies: Number of waves of the longest leg; the others have their share of it by their durations, so that
+            all follow the path equally closely.
+        extension: How a leg is continued beyond its ends. Where there are several it must be odd, or they do not join.
+    """
+    longest_s = max(leg.duration_s for leg in legs)
+    shares = [_share(frequencies, leg.duration_s / longest_s) for leg in legs]
+    return JoinedCurve(tuple(fit_fourier(leg, share, extension) for leg, share in zip(legs, shares, strict=True)))
+
+
 def smooth_with_proof(
-    path: SteeringPath,
-    prover: Prover,
+    legs: Sequence[SteeringPath],
+    certify: Callable[[JoinedCurve], Certificate],
     *,
     extension: Extension,
-    laps_from_s: tuple[float, ...],
     most_frequencies: int = MOST_FREQUENCIES,
-    refuses: Callable[[FourierCurve], str] = lambda _: "",
+    refuses: Callable[[JoinedCurve], str] = lambda _: "",
 ) -> ProvedCurve:
     """Smooth a path with as few frequencies as the certificate needs.
 
@@ -38,10 +52,9 @@ def smooth_with_proof(
     still smaller one might.
 
     Args:
-        path: The planned path.
-        prover: Certifies curves of this mission.
-        extension: How the path is continued beyond its ends.
-        laps_from_s: Where each lap begins; empty where the flight stays at its end.
+        legs: The planned path, as in ``fit_legs``.
+        certify: Certifies curves of this mission.
+        extension: As in ``fit_legs``.
         most_frequencies: Where to give up; at least 1.
         refuses: What else is wrong with a curve, in plain words after "the smoothed path ..."; empty where nothing is.
 
@@ -49,12 +62,13 @@ def smooth_with_proof(
         NoPlanError: No certificate holds up to ``most_frequencies``; says what fails with that many, and where.
     """
     failed, count = 0, min(FEWEST_FREQUENCIES, most_frequencies)
-    longest = fit_fourier(path, count, extension)
+    fitted, longest = count, fit_legs(legs, count, extension)
     held: ProvedCurve | None = None
     while held is None:
-        if count > longest.frequencies:
-            longest = fit_fourier(path, min(most_frequencies, 4 * count), extension)
-        held, fault = _tried(longest.truncated(count), prover, laps_from_s, refuses)
+        if count > fitted:
+            fitted = min(most_frequencies, 4 * count)
+            longest = fit_legs(legs, fitted, extension)
+        held, fault = _tried(_truncated(longest, count), certify, refuses)
         if held is None and count >= most_frequencies:
             raise NoPlanError(
                 f"no smoothing with up to {most_frequencies} frequencies is proved to satisfy the mission: "
@@ -64,7 +78,7 @@ def smooth_with_proof(
             failed, count = count, min(most_frequencies, 2 * count)
     while held.curve.frequencies - failed > 1:
         middle = (held.curve.frequencies + failed) // 2
-        better, _ = _tried(longest.truncated(middle), prover, laps_from_s, refuses)
+        better, _ = _tried(_truncated(longest, middle), certify, refuses)
         if better is None:
             failed = middle
         else:
@@ -72,14 +86,24 @@ def smooth_with_proof(
     return held
 
 
+def _share(frequencies: int, part: float) -> int:
+    return max(min(FEWEST_FREQUENCIES, frequencies), round(frequencies * part))
+
+
+def _truncated(curve: JoinedCurve, frequencies: int) -> JoinedCurve:
+    """The same with fewer waves, each leg with its share; they do not depend on how many more were fitted."""
+    longest_s = max(leg.duration_s for leg in curve.legs)
+    return JoinedCurve(tuple(leg.truncated(_share(frequencies, leg.duration_s / longest_s)) for leg in curve.legs))
+
+
 def _tried(
-    curve: FourierCurve, prover: Prover, laps_from_s: tuple[float, ...], refuses: Callable[[FourierCurve], str]
+    curve: JoinedCurve, certify: Callable[[JoinedCurve], Certificate], refuses: Callable[[JoinedCurve], str]
 ) -> tuple[ProvedCurve | None, str]:
     """The curve with its certificate if all is proved; else what is wrong with it."""
     fault = refuses(curve)
     if fault:
         return None, f"the smoothed path {fault}"
-    certificate = prover.certify(curve, laps_from_s)
+    certificate = certify(curve)
     if certificate.holds:
         return ProvedCurve(curve, certificate), ""
     return None, f"the tube of {certificate.tube_m:g} m around the smoothed path {certificate.reason}"

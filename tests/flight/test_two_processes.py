@@ -14,11 +14,11 @@ from mission.clock import WallClock
 from mission.errors import LinkError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, Progress, StopSignals, VehicleOptions, fly
 from mission.link.session import Ending
-from mission.link.steps import Stage
 from mission.link.transport import open_transport
+from mission.monitor.stage import Stage
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
-from tests.support.small_missions import SMALL, plan_of
+from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
 SPEED = 15.0
 
@@ -26,12 +26,12 @@ SPEED = 15.0
 class TwoProcesses:
     """One flight; what is watched may act on the vehicle's process."""
 
-    def __init__(self, folder: Path, flavour: str = "ardupilot") -> None:
-        self.folder, self.flavour = folder, flavour
+    def __init__(self, folder: Path, flavour: str = "ardupilot", text: str = SMALL) -> None:
+        self.folder, self.flavour, self.text = folder, flavour, text
         self.process_id = 0
 
     def run(self) -> FlightResult:
-        plan = plan_of(SMALL)
+        plan = plan_of(self.text)
         acted: list[bool] = []
         options = VehicleOptions(speed=SPEED, flavour=self.flavour, ground_station=False)
         with FlightRecord.in_folder(self.folder, "small") as record, BundledVehicle(options) as vehicle:
@@ -53,7 +53,7 @@ class TwoProcesses:
                         options=FlightOptions(land_when_stopped=True),
                         on_progress=watch,
                         vehicle_failure=vehicle.failure,
-                        stop_reason=stop.reason,
+                        stop_request=stop.take,
                     )
                 finally:
                     transport.close()
@@ -110,6 +110,19 @@ def test_ctrl_c_lands_the_bundled_vehicle(tmp_path: Path) -> None:
     assert not is_running(flight.process_id)
     stages = [event.values.get("stage") for event in read_record(tmp_path / "small-1").events if event.text == "stage"]
     assert stages[-5:] == ["holding", "going to land", "landing", "disarming", "done"]
+
+
+def test_ctrl_c_lets_laps_be_completed_and_the_vehicle_return(tmp_path: Path) -> None:
+    class Interrupted(TwoProcesses):
+        def act(self, vehicle: BundledVehicle) -> None:
+            assert vehicle.failure() == ""
+            signal.raise_signal(signal.SIGINT)
+
+    result = Interrupted(tmp_path, text=ROUNDS.replace("laps: 2", "laps: until_stopped")).run()
+    assert result.achieved, result.reason
+    assert result.ending is Ending.LANDED
+    assert result.laps == 1
+    assert result.word[-1] == {"home"}
 
 
 @pytest.fixture

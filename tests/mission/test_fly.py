@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from mission.errors import LinkError, NoPlanError, VehicleError
-from mission.fly import FlightOptions, FlightResult, Progress, fly
+from mission.fly import FlightOptions, FlightResult, Progress, StopRequest, fly
 from mission.link.session import Ending
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
@@ -36,7 +36,7 @@ class Flight:
         self.progress: list[Progress] = []
         self.at_stage: dict[Stage, Callable[[], None]] = {}
         self.options = FlightOptions()
-        self.stop_reason: Callable[[], str] | None = None
+        self.stop_request: Callable[[], StopRequest | None] | None = None
         self.vehicle_failure: Callable[[], str] | None = None
         self._sink = io.BytesIO()
 
@@ -55,7 +55,7 @@ class Flight:
             options=self.options,
             on_progress=watch,
             vehicle_failure=self.vehicle_failure,
-            stop_reason=self.stop_reason,
+            stop_request=self.stop_request,
         )
 
     @property
@@ -255,7 +255,8 @@ def test_a_second_ctrl_c_is_obeyed_at_once(plan: FlightPlan) -> None:
 def test_a_reason_to_stop_before_take_off_ends_it_on_the_ground(plan: FlightPlan) -> None:
     vehicle = ScriptedVehicle("px4", Script(origin_at_s=30.0))
     flight = Flight(vehicle, plan)
-    flight.stop_reason = lambda: "ended by SIGTERM" if vehicle.now_s() > 5.0 else ""
+    requests = [StopRequest("ended by SIGTERM")]
+    flight.stop_request = lambda: requests.pop() if requests and vehicle.now_s() > 5.0 else None
     result = flight.run()
     assert result.reason == "ended by SIGTERM"
     assert result.began_s is None

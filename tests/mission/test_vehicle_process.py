@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from mission.errors import LinkError
-from mission.fly import BundledVehicle, StopSignals, VehicleOptions, home_for
+from mission.fly import BundledVehicle, StopRequest, StopSignals, VehicleOptions, home_for
 from tests.support.small_missions import SMALL, at_a_place, plan_of
 
 LISTENS = "import sys; print('READY udpin:127.0.0.1:4242', flush=True); sys.stdin.read()"
@@ -104,14 +104,22 @@ def test_the_vehicle_is_put_where_the_mission_starts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "words"), [(signal.SIGINT, "interrupted by the user"), (signal.SIGTERM, "ended by SIGTERM")]
+    ("number", "request_"),
+    [
+        (signal.SIGINT, StopRequest("interrupted by the user", after_lap=True)),
+        (signal.SIGTERM, StopRequest("ended by SIGTERM")),
+    ],
 )
-def test_the_first_signal_is_a_wish_and_the_second_an_order(number: signal.Signals, words: str) -> None:
+def test_a_signal_is_a_wish_and_the_next_before_it_is_heeded_an_order(
+    number: signal.Signals, request_: StopRequest
+) -> None:
     before = signal.getsignal(number)
     with StopSignals() as stop:
-        assert stop.reason() == ""
+        for _ in range(2):
+            assert stop.take() is None
+            signal.raise_signal(number)
+            assert stop.take() == request_
         signal.raise_signal(number)
-        assert stop.reason() == words
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(number)
     assert signal.getsignal(number) is before

@@ -41,7 +41,7 @@ def paper_labelling() -> Labelling:
 
 @cache
 def paper_path() -> SteeringPath:
-    return build_path(paper_partition(), PAPER_RUN, start_m=(11.0, 9.5), speed_m_s=0.05, final_stay_s=100.0, laps=1)
+    return build_path(paper_partition(), PAPER_RUN, start_m=(11.0, 9.5), speed_m_s=0.05, final_stay_s=100.0)
 
 
 def marked(partition: Partition, triangles: tuple[int, ...]) -> BoolArray:

@@ -12,7 +12,7 @@ import numpy as np
 from mission.geometry.arrays import FloatArray
 from mission.geometry.simplices import Partition
 from mission.logic.parser import parse_formula
-from mission.plan import FlightPlan
+from mission.plan import FlightPlan, trajectory_of
 from mission.plan.specification import Specification
 from mission.planning.run import Run
 from mission.report.reading import Record, parse_record
@@ -21,9 +21,7 @@ from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
 from mission.steering.certificate import Certificate
 from mission.steering.path import build_path
-from mission.steering.smoothing import fit_fourier
-from mission.steering.timing import time_law
-from mission.steering.trajectory import Trajectory
+from mission.steering.proved_smoothing import fit_legs
 
 PAPER = b"""
 name: paper
@@ -89,22 +87,15 @@ def plan_of(tour: Tour) -> FlightPlan:
         run = Run((), tuple(states[:-1]), tuple(moves))
     else:
         run = Run(tuple(states[:-1]), (states[-1],), (*moves, 0))
-    flight, limits = spec.flight, spec.limits
+    flight = spec.flight
     path = build_path(
         partition,
         run,
         start_m=spec.start.position_m if not tour.recurrent else partition.corners_m[states[0]].mean(axis=0),
         speed_m_s=flight.speed_m_s,
         final_stay_s=flight.final_stay_s,
-        laps=1,
     )
-    curve = fit_fourier(path, 60, spec.smoothing.extension)
-    law = time_law(
-        curve,
-        speed_m_s=limits.speed_m_s,
-        acceleration_m_s2=limits.acceleration_m_s2,
-        tilt_rad=limits.tilt_rad,
-    )
+    curve = fit_legs(path.legs, 60, spec.smoothing.extension)
     tube_m = flight.disturbance_m_s2 * flight.time_constant_s**2
     certificate = Certificate(
         holds=True,
@@ -132,7 +123,7 @@ def plan_of(tour: Tour) -> FlightPlan:
         run=run,
         path=path,
         stops=(),
-        trajectory=Trajectory(curve, law, flight.altitude_m),
+        trajectory=trajectory_of(spec, curve, (), path.repeated_leg),
         certificate=certificate,
     )
 

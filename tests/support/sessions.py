@@ -1,6 +1,6 @@
 """Drives a session against a transport that is its own clock, until it ends."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from mission.geometry.arrays import FloatArray
 from mission.link.course import Course
 from mission.link.frames import Anchor, Vector
 from mission.link.session import Session
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from tests.support.scripted_vehicle import ScriptedVehicle
 
 if TYPE_CHECKING:
@@ -25,6 +25,11 @@ class Straight:
 
     duration_s = DURATION_S
     altitude_m = ALTITUDE_M
+    laps: int | None = 1
+    laps_end_s = 0.0
+
+    def ended_after(self, _t_s: float) -> Self:
+        return self
 
     def state(self, t_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         u = np.clip(np.asarray(t_s) / DURATION_S, 0.0, 1.0)[:, None]

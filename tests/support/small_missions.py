@@ -28,6 +28,34 @@ limits:
   tilt_deg: 25
 """
 
+ROUNDS = """\
+name: Small rounds
+domain:
+  boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
+  points: [[20, 10], [20, 20]]
+regions:
+  home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]]}
+  east: {kind: survey, polygon: [[26, 4], [36, 4], [36, 12], [26, 12]]}
+  north: {kind: survey, polygon: [[26, 20], [36, 20], [36, 27], [26, 27]]}
+  pond: {kind: restricted, polygon: [[4, 22], [14, 22], [14, 28], [4, 28]]}
+mission:
+  formula: G F east & G F north & G !pond
+  laps: 2
+start:
+  position_m: [9, 8]
+flight:
+  speed_m_s: 5.0
+  altitude_m: 5
+  final_stay_s: 1
+  time_constant_s: 1.0
+  disturbance_m_s2: 0.4
+limits:
+  speed_m_s: 8.0
+  acceleration_m_s2: 3
+  tilt_deg: 25
+"""
+"""Two places again and again, from and to a third."""
+
 
 def at_a_place(latitude_deg: float, longitude_deg: float) -> str:
     """The same with the domain's (0, 0) at a place on Earth."""

@@ -1,5 +1,6 @@
 """Figures 5, 7 and 10: the planned path, the smoothed path with its tube, and the flown path, on the partition."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -47,7 +48,8 @@ def planned_path(plan: FlightPlan) -> Figure:
         note = f"Run of {len(states)} states: " + _shortened([f"T{i}" for i in states])
         figure, axes = chart.figure("Planned path, before smoothing", legend=legend + _end_handles(), note=note)
         chart.draw_domain(axes)
-        loop = position[times >= plan.path.loop_from_s] if loops else position[:0]
+        begins_s, ends_s = plan.path.lap_s or (math.inf, math.inf)
+        loop = position[(times >= begins_s) & (times <= ends_s)]
         if len(loop):
             axes.plot(*loop.T, color=LOOP, lw=5.0, zorder=2.8, gid="loop")
         axes.plot(*position.T, color=PLANNED, lw=1.3, zorder=3, gid="planned")
@@ -60,8 +62,7 @@ def planned_path(plan: FlightPlan) -> Figure:
 def smoothed_path(plan: FlightPlan) -> Figure:
     """Figure 7: the smoothed path and the tube around it for which the certificate holds."""
     chart = chart_of(plan)
-    curve = plan.trajectory.curve
-    position = curve.position(_times(plan.path.duration_s))
+    position = plan.curve.position(_times(plan.curve.duration_s))
     half_m = plan.certificate.tube_m
     tube = tube_pieces(position, half_m) if half_m > 0.0 else np.empty(0, dtype=np.object_)
     with drawing():
@@ -87,7 +88,7 @@ def smoothed_path(plan: FlightPlan) -> Figure:
 def flown_path(plan: FlightPlan, record: Record) -> Figure:
     """Figure 10: where the vehicle said that it was, over the planned path."""
     chart = chart_of(plan)
-    planned = plan.trajectory.position(_times(plan.trajectory.duration_s))
+    planned = plan.curve.position(_times(plan.curve.duration_s))
     flown = record.track.position_m[:, :2]
     flown = flown[np.isfinite(flown).all(axis=1)]
     with drawing():

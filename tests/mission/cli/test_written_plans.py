@@ -38,11 +38,11 @@ def move_the_survey(plan: dict[str, Any]) -> None:
 
 
 def bend_the_path(plan: dict[str, Any]) -> None:
-    plan["trajectory"]["curve"]["coefficients_m"][1] = [9.0, 9.0]
+    plan["trajectory"]["legs"][0]["curve"]["coefficients_m"][1] = [9.0, 9.0]
 
 
 def hurry(plan: dict[str, Any]) -> None:
-    law = plan["trajectory"]["law"]
+    law = plan["trajectory"]["legs"][0]["law"]
     law["knots_s"] = [knot / 2.0 for knot in law["knots_s"]]
 
 

@@ -1,5 +1,7 @@
 """Setpoints between the points of the grid are those of the trajectory itself."""
 
+from typing import Self
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -15,6 +17,11 @@ class Circle:
 
     duration_s = 18.0
     altitude_m = 10.0
+    laps: int | None = 1
+    laps_end_s = 0.0
+
+    def ended_after(self, _t_s: float) -> Self:
+        return self
 
     def state(self, t_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         rate = 2.1 / 6.0
@@ -58,3 +65,41 @@ def test_the_heading_turns_the_short_way_and_stays_while_standing() -> None:
     assert headings[-1] == pytest.approx(0.0, abs=1e-9)
     standing = reference._replace(velocity_m_s=(0.0, 0.0, 0.0))
     assert course.turn(standing, 60.0) == pytest.approx(0.0, abs=1e-9)
+
+
+class Rounds:
+    """Rounds of 10 s after a way of 5 s, on a line out and back; then 4 s the other way."""
+
+    altitude_m = 10.0
+
+    def __init__(self, laps: int | None) -> None:
+        self.laps = laps
+
+    @property
+    def laps_end_s(self) -> float:
+        return np.inf if self.laps is None else 5.0 + 10.0 * self.laps
+
+    @property
+    def duration_s(self) -> float:
+        return self.laps_end_s + 4.0
+
+    def ended_after(self, t_s: float) -> "Rounds":
+        return Rounds(max(1, int((t_s - 5.0) // 10.0) + 1))
+
+    def state(self, t_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        place = np.where(t_s < self.laps_end_s, np.abs((t_s % 10.0) - 5.0), self.laps_end_s - t_s)
+        return np.stack((place, 0.0 * t_s), axis=-1), np.zeros((len(t_s), 2)), np.zeros((len(t_s), 2))
+
+
+@pytest.mark.parametrize(("asked_s", "laps"), [(0.0, 1), (14.9, 1), (15.1, 2), (1007.0, 101)])
+def test_laps_are_ended_with_the_present_one(asked_s: float, laps: int) -> None:
+    course = Course(Rounds(None), 0.0)
+    assert course.duration_s == np.inf
+    before = course.reference(asked_s)
+    ahead = course.reference(7.0 + 10.0 * laps)
+    assert course.end_laps(asked_s)
+    assert course.laps == laps
+    assert course.duration_s == 5.0 + 10.0 * laps + 4.0
+    assert course.reference(asked_s) == before
+    assert course.reference(7.0 + 10.0 * laps) != ahead  # on the way back, and not on what was looked at before
+    assert not course.end_laps(course.duration_s - 1.0)

@@ -10,7 +10,7 @@ from mission.errors import LinkError, VehicleError
 from mission.link.contact import LinkOptions
 from mission.link.events import Answered, Asked, Moved, Said, SetpointSent
 from mission.link.session import Ending, Session
-from mission.link.steps import Stage
+from mission.monitor.stage import Stage
 from tests.support.scripted_vehicle import (
     ARM,
     BRAKE,

@@ -15,15 +15,21 @@ LABELS = Labelling(
 @pytest.mark.parametrize(
     ("suffix", "flown", "laps"),
     [
-        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 5, 3, 6), 1),
-        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 5, 3, 6) * 3, 3),
-        ((0, 4, 2, 5, 3, 6), (1, 7, 2, 3), 1),  # by other triangles of the same regions
+        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 5, 3, 6), 0),  # not round yet
+        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 5, 3, 6, 0), 1),
+        ((0, 4, 2, 5, 3, 6), (7, 2, *(0, 4, 2, 5, 3, 6) * 3, 0, 4, 7), 3),  # with a way there and a way back
+        ((0, 4, 2, 5, 3, 6), (1, 7, 2, 3, 1), 1),  # by other triangles of the same regions
         ((0, 4, 2, 5, 3, 6), (0, 4, 3, 6, 0), 0),  # north left out
-        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 4, 0, 4, 2, 5, 3), 1),  # went back once
-        ((1, 4, 2, 5, 0), (0, 4, 2, 5, 0, 4, 2), 2),  # begins and ends in west
-        ((0, 1), (0, 1, 0), 3),  # one region: each entry into one of its triangles
+        ((0, 4, 2, 5, 3, 6), (0, 4, 2, 4, 0, 4, 2, 5, 3, 1), 1),  # went back once
+        ((1, 4, 2, 5, 0), (0, 4, 2, 5, 0, 4, 2), 1),  # begins and ends in west
+        ((1, 4, 2, 5, 0), (0, 4, 2, 5, 0, 4, 2, 5, 1), 2),
+        ((4, 0, 5, 2), (4, 0, 5, 2), 1),  # begins outside: the last region counts
+        ((4, 0, 5, 2), (4, 0, 5, 2, 4, 0, 5, 2, 4, 7), 2),
+        ((0, 4), (0, 1, 4, 7, 0, 1, 5, 0), 2),  # one region, again and again
+        ((4, 0), (4, 0, 1, 4, 5, 0, 4), 2),
+        ((0, 1), (0, 1, 0, 1), 1),  # all in one region: its triangles count
         ((4, 5, 6), (4, 5, 6, 4, 5), 1),  # without labels the triangles count
-        ((4, 5, 6), (6, 5, 4, 5, 6), 1),
+        ((4, 5, 6), (6, 5, 4, 5, 6), 0),
     ],
 )
 def test_laps(suffix: tuple[int, ...], flown: tuple[int, ...], laps: int) -> None:

@@ -151,14 +151,14 @@ def test_laps_decide_a_recurrent_flight() -> None:
     watch = monitor("G F S1 & G F R & G !K1", suffix=(3, 7, 5, 4, 12, 10, 12, 4, 5, 7), laps=2)
     there = [centre(t) for t in (5, 7, 3)]
     back = [centre(t) for t in (7, 5, 4, 12, 10)]
-    flown(watch, *there, *back)
+    flown(watch, *there, *back, *(centre(t) for t in (12, 4, 5, 7, 3)))
     assert watch.laps == 1
     assert watch.verdict is Verdict.OPEN
     assert "1 of 2 laps" in watch.verdict_at_end(stays=False).reason
-    flown(watch, *(centre(t) for t in (12, 4, 5, 7, 3)), *back, start_s=100.0)
+    flown(watch, *back, *(centre(t) for t in (12, 4, 5, 7, 3)), start_s=100.0)
     assert watch.laps == 2
     assert watch.verdict_at_end(stays=False).achieved
-    flown(watch, centre(12), centre(2), centre(6), start_s=200.0)
+    flown(watch, *(centre(t) for t in (7, 5, 4, 2, 6)), start_s=200.0)
     assert not watch.verdict_at_end(stays=False).achieved
 
 

@@ -12,6 +12,7 @@ from mission.logic.word import LassoWord, satisfies
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.spec.loader import load_mission
 from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing
+from tests.support.small_missions import ROUNDS, plan_of
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -103,7 +104,7 @@ def test_planning_is_deterministic() -> None:
 
 def test_a_forged_plan_is_not_proved(paper: FlightPlan) -> None:
     document = json.loads(plan_to_json(paper))
-    document["trajectory"]["curve"]["base_m"][0] -= 3.0  # moves the whole path west
+    document["trajectory"]["legs"][0]["curve"]["base_m"][0] -= 3.0  # moves the whole path west
     forged = plan_from_json(json.dumps(document))
     assert forged.certificate.holds  # as it claims
     assert not certify_again(forged).holds
@@ -158,3 +159,17 @@ def test_a_tube_wider_than_the_gaps_has_no_proof(paper: FlightPlan) -> None:
 def test_a_formula_that_is_none_is_refused(paper: FlightPlan) -> None:
     with pytest.raises(FormulaSyntaxError):
         plan_mission(changed(paper.spec, formula="F (S1 &"))
+
+
+@pytest.mark.parametrize(
+    ("frequencies", "disturbance", "advice"),
+    [
+        ("1", 0.0, "a `loiter_s` of theirs, or a `disturbance_m_s2` above 0"),
+        ("1", 0.5, "the tube is 0.5 m wide on each side"),
+        ("auto", 15.0, "the tube is 15 m wide on each side"),
+    ],
+)
+def test_where_nothing_is_proved_it_says_what_may_help(frequencies: str, disturbance: float, advice: str) -> None:
+    text = ROUNDS.replace("disturbance_m_s2: 0.4", f"disturbance_m_s2: {disturbance}")
+    with pytest.raises(NoPlanError, match=advice):
+        plan_of(text + f"smoothing: {{frequencies: {frequencies}}}\n")

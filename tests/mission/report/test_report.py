@@ -107,7 +107,7 @@ def test_a_line_through_a_restricted_region_between_two_reports_is_at_no_distanc
     k1 = plan.partition.corners_m[6].mean(axis=0)
     ends = np.array([[k1[0] - 9.0, k1[1], 5.0], [k1[0] + 9.0, k1[1], 5.0]])
     old = record.track
-    track = Track(old.t_s[-2:], ends, old.velocity_m_s[-2:], old.attitude_rad[-2:])
+    track = Track(old.t_s[-2:], ends, old.velocity_m_s[-2:], old.attitude_rad[-2:], old.stages[-2:])
     flown = summary(plan, replace(record, track=track))["flown"]
     assert flown["distance_to_restricted_m"] == {"K1": 0.0}
     empty = replace(record, track=replace(record.track, position_m=np.full((2, 3), np.nan)))

@@ -122,7 +122,7 @@ EXPECTED = [
     ("many_faults", 7, 16, "regions.Home.kind", "expected one of survey, restricted, home, found the text `hoem`"),
     ("many_faults", 8, 42, "regions.Keep.loiter", "unknown key `loiter`"),
     ("many_faults", 10, 14, "mission.formula", "the formula speaks of `Feild`, which is no region (column 3)"),
-    ("many_faults", 11, 9, "mission.laps", "0 is less than 1"),
+    ("many_faults", 11, 9, "mission.laps", "expected until_stopped or a whole number from 1 to 10000, found `0`"),
     ("many_faults", 13, 15, "start.position_m", "the start (38, 15) lies in the restricted region Keep"),
     ("many_faults", 15, 14, "flight.speed_m_s", "expected a number, found the text `1e1`"),
     ("mapping_for_number", 13, 15, "flight.altitude_m", "expected a number, found a mapping"),
@@ -315,6 +315,13 @@ EXPECTED = [
     ("unknown_key", 5, 39, "regions.Field.loiter", "unknown key `loiter`"),
     ("unknown_kind", 5, 17, "regions.Field.kind", "expected one of survey, restricted, home, found the text `servey`"),
     ("unknown_section", 12, 1, "wheather", "unknown key `wheather`"),
+    (
+        "unknown_laps",
+        10,
+        9,
+        "mission.laps",
+        "expected until_stopped or a whole number from 1 to 10000, found the text `until_landed`",
+    ),
     ("unknown_semantics", 10, 14, "mission.semantics", "expected one of standard, paper, found the text `spot`"),
     ("yaml_bomb", 7, 16, "", "the file has more than 250000 values, aliases counted as what they repeat"),
 ]

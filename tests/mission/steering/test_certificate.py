@@ -18,6 +18,7 @@ from mission.logic.parser import parse_formula
 from mission.logic.word import LassoWord, satisfies
 from mission.spec.model import Extension, Semantics
 from mission.steering.certificate import Certificate, certify
+from mission.steering.joined import JoinedCurve
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.curves import (
     PAPER_FORMULA,
@@ -32,7 +33,7 @@ from tests.support.domains import random_nodes
 
 
 def certified(
-    curve: FourierCurve,
+    curve: FourierCurve | JoinedCurve,
     partition: Partition | None = None,
     labelling: Labelling | None = None,
     *,
@@ -40,18 +41,18 @@ def certified(
     semantics: Semantics = Semantics.STANDARD,
     restricted: tuple[int, ...] = (6,),
     tube_m: float = 0.1,
-    laps_from_s: tuple[float, ...] = (),
+    repeats: bool = False,
 ) -> Certificate:
     domain, labels = partition or paper_partition(), labelling or paper_labelling()
     return certify(
-        curve,
+        curve if isinstance(curve, JoinedCurve) else JoinedCurve((curve,)),
         domain,
         labels,
         refutation=refuting(formula, labels.letters),
         semantics=semantics,
         restricted=marked(domain, restricted),
         tube_m=tube_m,
-        laps_from_s=laps_from_s,
+        repeats=repeats,
     )
 
 
@@ -168,26 +169,42 @@ def test_the_papers_semantics_does_not_read_the_start() -> None:
     assert not certified(leaving, formula="!S2 & F G !S2", semantics=Semantics.STANDARD, tube_m=0.0).holds
 
 
-def circle(radius_m: float, centre_m: tuple[float, float] = (8.0, 5.5), laps: int = 2) -> FourierCurve:
-    """Laps round a centre; sines and cosines of one kind only, so the loop is there and back on an arc."""
-    amplitudes = np.zeros((2 * laps, 2))
-    amplitudes[2 * laps - 1] = radius_m, 0.4 * radius_m
+def there_and_back(radius_m: float, centre_m: tuple[float, float] = (8.0, 5.5)) -> FourierCurve:
+    """A lap: along an arc and back; sines and cosines of one kind only give no rounder one."""
+    amplitudes = np.zeros((2, 2))
+    amplitudes[1] = radius_m, 0.4 * radius_m
     return FourierCurve(Extension.EVEN, 60.0, np.array(centre_m), np.zeros(2), amplitudes)
 
 
+def lap_labels() -> Labelling:
+    """Where ``there_and_back`` turns: p at its ends, q halfway; ``never`` is elsewhere."""
+    p, q = Locator(paper_partition()).triangle_at(there_and_back(2.0).position(np.array([0.0, 30.0]))).tolist()
+    assert p != q
+    return labelled(paper_partition(), {"p": (p,), "q": (q,), "never": (6,)})
+
+
 def test_laps_are_repeated_for_ever() -> None:
-    curve = circle(2.0)
-    at = Locator(paper_partition())
-    ends = at.triangle_at(curve.position(np.array([0.0, 15.0, 30.0, 45.0])))
-    assert ends[0] == ends[2]
-    assert ends[1] == ends[3] != ends[0]
-    labels = labelled(paper_partition(), {"p": (int(ends[0]),), "q": (int(ends[1]),), "never": (6,)})
-    assert certified(curve, labelling=labels, formula="G F p & G F q", restricted=(), laps_from_s=(30.0,)).holds
-    assert certified(curve, labelling=labels, formula="G F q & G !never", restricted=(), laps_from_s=(30.0,)).holds
-    assert not certified(curve, labelling=labels, formula="F G p", restricted=(), laps_from_s=(30.0,)).holds
+    labels = lap_labels()
+    curve = JoinedCurve((there_and_back(2.0), there_and_back(2.0)))
+    assert certified(curve, labelling=labels, formula="G F p & G F q", restricted=(), repeats=True).holds
+    assert certified(curve, labelling=labels, formula="G F q & G !never", restricted=(), repeats=True).holds
+    assert not certified(curve, labelling=labels, formula="F G p", restricted=(), repeats=True).holds
     # Without the loop the vehicle stays where the last lap ends.
-    assert certified(curve, labelling=labels, formula="F G p", restricted=(), laps_from_s=()).holds
-    assert not certified(curve, labelling=labels, formula="G F q", restricted=(), laps_from_s=()).holds
+    assert certified(curve, labelling=labels, formula="F G p", restricted=()).holds
+    assert not certified(curve, labelling=labels, formula="G F q", restricted=()).holds
+
+
+def test_what_leads_to_a_lap_is_no_part_of_it() -> None:
+    lap, labels = there_and_back(0.5), lap_labels()
+    begin = lap.position([0.0])[0]
+    way = JoinedCurve((line(tuple(there_and_back(2.0).position([0.0])[0]), tuple(begin)), lap))
+    assert certified(way, labelling=labels, formula="F p", restricted=(), repeats=True).holds
+    assert not certified(way, labelling=labels, formula="G F p", restricted=(), repeats=True).holds
+
+
+def test_a_lap_that_does_not_close_is_refused() -> None:
+    with pytest.raises(ValueError, match="a lap ends where it begins"):
+        certified(line((1.0, 1.0), (2.0, 2.0)), repeats=True)
 
 
 def test_certificates_survive_json() -> None:

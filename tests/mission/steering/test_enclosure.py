@@ -1,5 +1,7 @@
 """Enclosures contain the curve, contacts miss no triangle, and distances are lower bounds: against shapely."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -10,6 +12,7 @@ from mission.geometry.arrays import FloatArray
 from mission.geometry.triangulation import triangulate_nodes
 from mission.spec.model import Extension
 from mission.steering.enclosure import ContactSearch, RegionDistance, clearance, enclose, insert_knots, split
+from mission.steering.joined import JoinedCurve
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.curves import marked, paper_partition, paper_path
 from tests.support.domains import random_nodes
@@ -28,17 +31,32 @@ def swept(p: FloatArray, q: FloatArray, width: float) -> shapely.Geometry:
     return shapely.MultiPoint(np.concatenate((p + corners, q + corners))).convex_hull
 
 
+def joined(legs: list[FourierCurve]) -> JoinedCurve:
+    """The curves one after the other, each shifted to where the one before it ends."""
+    placed = legs[:1]
+    for leg in legs[1:]:
+        shift = placed[-1].position([placed[-1].duration_s])[0] - leg.position([0.0])[0]
+        placed.append(replace(leg, base_m=leg.base_m + shift))
+    return JoinedCurve(tuple(placed))
+
+
 @given(
-    st.builds(wandering_curve, st.integers(0, 10**6), st.integers(1, 30), st.sampled_from(Extension)),
+    st.lists(
+        st.builds(wandering_curve, st.integers(0, 10**6), st.integers(1, 30), st.sampled_from(Extension)),
+        min_size=1,
+        max_size=3,
+    ),
     st.integers(0, 10**6),
 )
 @settings(deadline=None, max_examples=30)
-def test_the_curve_stays_within_its_pieces(curve: FourierCurve, seed: int) -> None:
+def test_the_curve_stays_within_its_pieces(legs: list[FourierCurve], seed: int) -> None:
+    curve = joined(legs)
     rng = np.random.default_rng(seed)
     enclosure = enclose(curve, curve.frequencies + int(rng.integers(1, 40)))
-    enclosure = insert_knots(curve, enclosure, rng.uniform(-1.0, 81.0, 5))
+    enclosure = insert_knots(curve, enclosure, rng.uniform(-1.0, 81.0 * len(legs), 5))
     enclosure = split(curve, enclosure, rng.random(len(enclosure.remainder_m)) < 0.3, 3)
-    assert enclosure.knots_s[[0, -1]] == pytest.approx([0.0, 80.0])
+    assert enclosure.knots_s[[0, -1]] == pytest.approx([0.0, 80.0 * len(legs)])
+    assert np.isin(curve.starts_s, enclosure.knots_s).all()
     assert (np.diff(enclosure.knots_s) > 0).all()
     assert enclosure.points_m == pytest.approx(curve.position(enclosure.knots_s), abs=1e-9)
     shares = np.linspace(0.0, 1.0, 21)
@@ -91,7 +109,7 @@ def test_squares_beyond_the_domain_touch_nothing() -> None:
 @pytest.mark.parametrize("restricted", [(6,), (2, 6, 7), (9,), (1, 3)])
 def test_clearance_is_a_tight_lower_bound(extension: Extension, restricted: tuple[int, ...]) -> None:
     partition = paper_partition()
-    curve = fit_fourier(paper_path(), 28, extension)
+    curve = JoinedCurve((fit_fourier(paper_path(), 28, extension),))
     distance = RegionDistance(partition, marked(partition, restricted))
     bound = clearance(curve, enclose(curve, 256), distance)
     region = shapely.union_all(shapely.polygons(partition.corners_m[list(restricted)]))

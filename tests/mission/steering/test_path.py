@@ -25,7 +25,7 @@ def paper_path(
     partition: Partition, final_stay_s: float = 100.0, settle_in: frozenset[int] = frozenset()
 ) -> SteeringPath:
     return build_path(
-        partition, RUN, start_m=(11.0, 9.5), speed_m_s=0.05, final_stay_s=final_stay_s, laps=1, settle_in=settle_in
+        partition, RUN, start_m=(11.0, 9.5), speed_m_s=0.05, final_stay_s=final_stay_s, settle_in=settle_in
     )
 
 
@@ -37,7 +37,8 @@ def test_the_papers_run_takes_743_s_and_33_8_m_before_the_stay(partition: Partit
     assert stay.start_s == pytest.approx(743.0, abs=0.5)
     assert paper_path(partition, 1e-9).length_m == pytest.approx(33.8, abs=0.05)
     assert path.length_m == pytest.approx(35.2, abs=0.05)
-    assert path.loop_segment == len(path.segments) - 1
+    assert path.lap is None
+    assert len(path.legs) == 1
 
 
 def test_length_is_that_of_a_fine_polygon(partition: Partition) -> None:
@@ -70,16 +71,58 @@ def test_settling_goes_well_inside(partition: Partition) -> None:
     assert settled.duration_s > paper_path(partition).duration_s
 
 
-def test_a_recurrent_run_flies_its_laps_and_ends_inside(partition: Partition) -> None:
-    path = build_path(partition, LOOP, start_m=(3.0, 6.5), speed_m_s=1.0, final_stay_s=5.0, laps=3)
-    assert [segment.triangle for segment in path.segments] == [*LOOP.suffix * 3, 5]
-    assert path.loop_segment == 8
-    assert path.laps_from_s == tuple(path.segments[i].start_s for i in (0, 4, 8))
-    assert partition.barycentric(np.array([5]), path.position([path.duration_s])).min() > 0.05
+def passed(path: SteeringPath) -> list[int]:
+    triangles = [segment.triangle for segment in path.segments]
+    return [t for i, t in enumerate(triangles) if i == 0 or t != triangles[i - 1]]
 
 
-@pytest.mark.parametrize("wrong", [{"speed_m_s": 0.0}, {"final_stay_s": 0.0}, {"laps": 0}])
+def test_a_recurrent_run_has_a_lap_that_ends_where_it_begins(partition: Partition) -> None:
+    path = build_path(partition, LOOP, start_m=(3.0, 6.5), speed_m_s=1.0, final_stay_s=5.0)
+    assert passed(path) == [*LOOP.suffix, 5]
+    out, lap = path.legs
+    assert path.repeated_leg == 1
+    assert passed(out) == [5]
+    assert passed(lap) == [*LOOP.suffix, 5]
+    begins_s, ends_s = path.lap_s or (0.0, 0.0)
+    assert (begins_s, ends_s) == (out.duration_s, path.duration_s)
+    begins, ends = path.position([begins_s, ends_s])
+    assert ends == pytest.approx(begins, abs=1e-12)
+    assert lap.position([0.0])[0] == pytest.approx(begins, abs=1e-12)
+    assert partition.barycentric(np.array([5]), ends[None]).min() > 0.05
+    assert np.hypot(*path.velocity(np.linspace(0.0, path.duration_s, 500)).T).max() <= 1.0 + 1e-9
+
+
+def test_a_flight_that_starts_where_its_lap_begins_starts_with_the_lap(partition: Partition) -> None:
+    there = build_path(partition, LOOP, start_m=(3.0, 6.5), speed_m_s=1.0, final_stay_s=5.0)
+    seam = there.position([there.duration_s])[0]
+    path = build_path(partition, LOOP, start_m=seam, speed_m_s=1.0, final_stay_s=5.0)
+    assert path.repeated_leg == 0
+    assert len(path.legs) == 1
+    assert path.position([0.0, path.duration_s]) == pytest.approx(np.array([seam, seam]), abs=1e-12)
+
+
+def test_a_path_goes_on_with_another_one(partition: Partition) -> None:
+    lap = build_path(partition, LOOP, start_m=(3.0, 6.5), speed_m_s=1.0, final_stay_s=5.0)
+    end = lap.position([lap.duration_s])[0]
+    back = build_path(partition, Run((5,), (7,), (3, 0)), start_m=end, speed_m_s=1.0, final_stay_s=5.0)
+    whole = lap.then(back)
+    assert [leg.duration_s for leg in whole.legs] == pytest.approx(
+        [*(leg.duration_s for leg in lap.legs), back.duration_s]
+    )
+    assert whole.duration_s == pytest.approx(lap.duration_s + back.duration_s)
+    assert whole.lap_s == lap.lap_s
+    later = np.linspace(0.0, back.duration_s, 30)
+    assert whole.position(lap.duration_s + later) == pytest.approx(back.position(later), abs=1e-9)
+
+
+@pytest.mark.parametrize("wrong", [{"speed_m_s": 0.0}, {"final_stay_s": 0.0}])
 def test_senseless_arguments_are_refused(partition: Partition, wrong: dict[str, float]) -> None:
-    arguments = {"speed_m_s": 1.0, "final_stay_s": 1.0, "laps": 1} | wrong
+    arguments = {"speed_m_s": 1.0, "final_stay_s": 1.0} | wrong
     with pytest.raises(ValueError, match="must be positive"):
-        build_path(partition, RUN, start_m=(11.0, 9.5), **arguments)  # type: ignore[arg-type] # one of each kind
+        build_path(
+            partition,
+            RUN,
+            start_m=(11.0, 9.5),
+            speed_m_s=arguments["speed_m_s"],
+            final_stay_s=arguments["final_stay_s"],
+        )

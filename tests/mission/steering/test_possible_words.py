@@ -102,9 +102,12 @@ def test_a_violation_exists_exactly_if_one_can_be_listed(
     )
     listed = any(not satisfies(word, formula) for word in words(layers, letter_of, semantics, moves=6))
     assert violations.exists() == listed
-    way = violations.witness(tuple(frozenset(layer) for layer in layers.triangles))
-    assert bool(way) == listed
-    for (layer, t), (following, u) in pairwise(way):
+    way, loop = violations.witness(tuple(frozenset(layer) for layer in layers.triangles))
+    assert bool(way) == bool(loop) == listed
+    if listed:
+        assert way[-1] == loop[0] == loop[-1]
+        assert layers.loop_from is None or {layer for layer, _ in loop} >= set(range(layers.loop_from, layers.last + 1))
+    for (layer, t), (following, u) in pairwise((*way, *loop[1:])):
         assert (following, u) in {place for place, _, _ in step(layers, (layer, t))}
 
 

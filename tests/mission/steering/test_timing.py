@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mission.spec.model import Extension
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from mission.steering.timing import GRAVITY_M_S2, TimeLaw, time_law
-from mission.steering.trajectory import Trajectory
+from mission.steering.trajectory import Leg, Trajectory
 from tests.support.curves import paper_path
 
 
@@ -38,7 +38,7 @@ def test_limits_are_kept_everywhere(curve: FourierCurve, speed: float, limit: fl
     law = time_law(curve, speed_m_s=speed, acceleration_m_s2=limit, tilt_rad=0.5, holds=holds_of(curve, fractions))
     knots = np.concatenate((law.knots_t_s, law.knots_t_s + law.window_s))
     t = np.union1d(np.linspace(0.0, law.duration_s, 4001), knots)
-    _, velocity, acceleration = Trajectory(curve, law, 10.0).state(t)
+    _, velocity, acceleration = Trajectory((Leg(curve, law),), 10.0).state(t)
     assert np.linalg.norm(velocity, axis=1).max() <= speed * (1 + 1e-9)
     assert np.linalg.norm(acceleration, axis=1).max() <= limit * (1 + 1e-6)
     _, rate, _ = law.jet(t)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mission.spec.model import Extension
 from mission.steering.smoothing import FourierCurve
 from mission.steering.timing import time_law
-from mission.steering.trajectory import Trajectory
+from mission.steering.trajectory import Leg, Trajectory
 
 
 def some_trajectory(seed: int, waves: int, extension: Extension) -> Trajectory:
@@ -20,7 +20,7 @@ def some_trajectory(seed: int, waves: int, extension: Extension) -> Trajectory:
     curve = FourierCurve(extension, rng.uniform(20.0, 200.0), rng.normal(size=2), slope, amplitudes)
     stop = (0.4 * curve.duration_s, 3.0)
     law = time_law(curve, speed_m_s=6.0, acceleration_m_s2=2.0, tilt_rad=0.4, holds=(stop,))
-    return Trajectory(curve, law, 15.0)
+    return Trajectory((Leg(curve, law),), 15.0)
 
 
 trajectories = st.builds(some_trajectory, st.integers(0, 10**6), st.integers(1, 30), st.sampled_from(Extension))
@@ -31,7 +31,8 @@ trajectories = st.builds(some_trajectory, st.integers(0, 10**6), st.integers(1, 
 def test_derivatives_agree_with_differences(trajectory: Trajectory, seed: int) -> None:
     t = np.random.default_rng(seed).uniform(0.0, trajectory.duration_s, 200)
     # Differences of differences: away from the law's knots, at which the third derivative jumps.
-    knots = np.concatenate((trajectory.law.knots_t_s, trajectory.law.knots_t_s + trajectory.law.window_s))
+    law = trajectory.legs[0].law
+    knots = np.concatenate((law.knots_t_s, law.knots_t_s + law.window_s))
     step = 2e-4
     t = t[np.abs(t[:, None] - knots).min(axis=1) > 2 * step]
     early, late = trajectory.state(t - step), trajectory.state(t + step)
@@ -58,3 +59,90 @@ def test_trajectories_survive_json() -> None:
     for mine, theirs in zip(trajectory.state(t), again.state(t), strict=True):
         assert (mine == theirs).all()
     assert again.altitude_m == trajectory.altitude_m
+
+
+def lapping(seed: int, laps: int | None = 3) -> Trajectory:
+    """A way to a lap, the lap, and a way back."""
+    rng = np.random.default_rng(seed)
+    seam, legs = rng.normal(size=2), []
+    for begin, end in ((rng.normal(size=2) * 9.0, seam), (seam, seam), (seam, rng.normal(size=2) * 9.0)):
+        duration_s = rng.uniform(10.0, 40.0)
+        waves = 8.0 * rng.normal(size=(6, 2)) / (np.arange(1, 7) ** 2)[:, None]
+        curve = FourierCurve(Extension.ODD, duration_s, begin, (end - begin) / duration_s, waves)
+        law = time_law(curve, speed_m_s=6.0, acceleration_m_s2=2.0, tilt_rad=0.4)
+        legs.append(Leg(curve, law))
+    return Trajectory(tuple(legs), 15.0, 1, laps)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_laps_repeat_and_join_without_a_jump(seed: int) -> None:
+    trajectory = lapping(seed)
+    out_s, lap_s, back_s = (leg.duration_s for leg in trajectory.legs)
+    assert trajectory.duration_s == pytest.approx(out_s + 3.0 * lap_s + back_s)
+    assert trajectory.laps_end_s == pytest.approx(out_s + 3.0 * lap_s)
+    own = np.linspace(0.0, lap_s, 40)[1:-1]
+    expected = trajectory.legs[1].state(own)
+    for lap in range(3):
+        for found, wanted in zip(trajectory.state(out_s + lap * lap_s + own), expected, strict=True):
+            assert found == pytest.approx(wanted, abs=1e-9)
+    for seam_s in out_s + lap_s * np.arange(4):
+        before, at, after = (trajectory.state(seam_s + np.array([step])) for step in (-1e-6, 0.0, 1e-6))
+        for values in zip(before, at, after, strict=True):
+            assert np.ptp(np.concatenate(values), axis=0) == pytest.approx(0.0, abs=1e-4)
+        assert at[1] == pytest.approx(np.zeros((1, 2)), abs=1e-6)
+
+
+def test_the_parameter_is_that_of_the_path_with_each_leg_once() -> None:
+    trajectory = lapping(1)
+    times = np.linspace(0.0, trajectory.duration_s, 300)
+    places = trajectory.parameter(times)
+    assert trajectory.curve.position(places) == pytest.approx(trajectory.position(times), abs=1e-7)
+    assert places[-1] == pytest.approx(trajectory.curve.duration_s)
+
+
+@given(st.floats(0.0, 500.0), st.sampled_from([None, 1, 2, 7]))
+@settings(deadline=None, max_examples=60)
+def test_to_end_laps_changes_nothing_before_the_present_one_is_over(now_s: float, laps: int | None) -> None:
+    trajectory = lapping(2, laps)
+    ended = trajectory.ended_after(now_s)
+    assert ended.laps is not None
+    assert laps is None or ended.laps <= laps
+    assert ended.duration_s < np.inf
+    until_s = min(now_s, trajectory.duration_s)
+    times = np.linspace(0.0, until_s, 50)
+    assert (ended.position(times) == trajectory.position(times)).all()
+    out_s, lap_s, _ = (leg.duration_s for leg in trajectory.legs)
+    if now_s < trajectory.laps_end_s:
+        # It is over with the lap that is flown, or with the first.
+        assert now_s <= ended.laps_end_s <= max(now_s, out_s) + lap_s + 1e-9
+
+
+def test_laps_without_an_end_go_on_for_ever() -> None:
+    trajectory = lapping(0, None)
+    assert trajectory.duration_s == np.inf
+    out_s, lap_s, _ = (leg.duration_s for leg in trajectory.legs)
+    early, late = trajectory.position([out_s + 3.0, out_s + 1000.0 * lap_s + 3.0])
+    assert late == pytest.approx(early, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lap", "laps", "words"), [(0, 1, "where it begins"), (3, 1, "where it begins"), (1, 0, "once or more")]
+)
+def test_what_is_no_lap_is_refused(lap: int, laps: int, words: str) -> None:
+    legs = lapping(0).legs
+    with pytest.raises(ValueError, match=words):
+        Trajectory(legs, 15.0, lap, laps)
+
+
+def test_legs_that_do_not_join_are_refused() -> None:
+    out, lap, back = lapping(0).legs
+    with pytest.raises(ValueError, match="do not join"):
+        Trajectory((lap, out, back), 15.0)
+
+
+def test_laps_survive_json() -> None:
+    for laps in (None, 4):
+        trajectory = lapping(5, laps)
+        again = Trajectory.from_json(json.loads(json.dumps(trajectory.to_json())))
+        assert (again.lap, again.laps, again.duration_s) == (1, laps, trajectory.duration_s)
+        assert (again.position([33.0, 99.0]) == trajectory.position([33.0, 99.0])).all()

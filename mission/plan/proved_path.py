@@ -1,0 +1,136 @@
+"""From a run to a path with a proof, and to the trajectory that flies it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mission.errors import NoPlanError
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.logic.automaton import CompiledGeneralised
+from mission.plan.flight_plan import tube_of
+from mission.plan.loiter import Stop, loiter_stops, shallow_stop
+from mission.plan.visits import earnest_visits
+from mission.planning.run import Run
+from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
+from mission.steering.certificate import Certificate
+from mission.steering.joined import JoinedCurve
+from mission.steering.path import SteeringPath, build_path
+from mission.steering.proved_smoothing import ProvedCurve, fit_legs, smooth_with_proof
+from mission.steering.timing import time_law
+from mission.steering.trajectory import Leg, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class PathPlanner:
+    """Plans the paths of one mission.
+
+    Attributes:
+        spec: The mission.
+        partition: Its triangles.
+        labelling: Their labels.
+    """
+
+    spec: MissionSpec
+    partition: Partition
+    labelling: Labelling
+
+    def path(self, run: Run, automaton: CompiledGeneralised, start_m: Point) -> SteeringPath:
+        """Steer through a run of an automaton's product."""
+        return build_path(
+            self.partition,
+            run,
+            start_m=start_m,
+            speed_m_s=self.spec.flight.speed_m_s,
+            final_stay_s=self.spec.flight.final_stay_s,
+            settle_in=earnest_visits(self.spec, self.partition, self.labelling, automaton, run),
+        )
+
+    def smoothed(
+        self, path: SteeringPath, certify: Callable[[JoinedCurve], Certificate], *, joins: bool, share: float = 1.0
+    ) -> ProvedCurve:
+        """Smooth a path and prove it, with as many frequencies as the mission asks for.
+
+        Args:
+            path: The path.
+            certify: Proves a curve, or says what fails.
+            joins: Whether the path has legs that must join each other or another path's; they are continued oddly then,
+                whatever the mission asks for, for that keeps their ends.
+            share: The part of the number of frequencies that the mission asks for, where it asks for one.
+
+        Raises:
+            NoPlanError: There is no proof.
+        """
+        smoothing, legs = self.spec.smoothing, path.legs
+        extension = Extension.ODD if joins else smoothing.extension
+
+        def refuses(curve: JoinedCurve) -> str:
+            return shallow_stop(self.stops(path, curve), tube_of(self.spec))
+
+        if smoothing.frequencies == "auto":
+            try:
+                return smooth_with_proof(legs, certify, extension=extension, refuses=refuses)
+            except NoPlanError as error:
+                raise NoPlanError(f"{error}; {_advice(self.spec)}") from error
+        frequencies = max(1, round(share * smoothing.frequencies))
+        curve = fit_legs(legs, frequencies, extension)
+        certificate = certify(curve)
+        fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
+        fault = fault or refuses(curve)
+        if fault:
+            raise NoPlanError(
+                f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: "
+                f"{fault}; ask for more frequencies, or for `auto`; {_advice(self.spec)}"
+            )
+        return ProvedCurve(curve, certificate)
+
+    def stops(self, path: SteeringPath, curve: JoinedCurve) -> tuple[Stop, ...]:
+        """Where a smoothed path stands still."""
+        return loiter_stops(path, curve, self.partition, self.labelling, self.spec.regions)
+
+
+def _advice(spec: MissionSpec) -> str:
+    """What may help where no curve is proved."""
+    tube_m = tube_of(spec)
+    if tube_m == 0.0:
+        return (
+            "a path without a tube may cut the corners of the regions that it visits: a `loiter_s` of theirs, or a "
+            "`disturbance_m_s2` above 0, makes it go well inside"
+        )
+    return (
+        f"the tube is {tube_m:g} m wide on each side, `disturbance_m_s2` times the square of `time_constant_s`: less "
+        f"of either makes it narrower"
+    )
+
+
+def trajectory_of(
+    spec: MissionSpec, curve: JoinedCurve, stops: tuple[tuple[float, float], ...], lap: int | None
+) -> Trajectory:
+    """The fastest flight along a curve within a mission's limits.
+
+    Args:
+        spec: The mission.
+        curve: The smoothed path.
+        stops: Pairs (curve parameter, seconds) at which the vehicle stands still.
+        lap: Which leg is the lap.
+
+    Raises:
+        ValueError: A stop is not on the curve.
+    """
+    limits, legs = spec.limits, []
+    for number, leg in enumerate(curve.legs):
+        begin, end = curve.starts_s[number : number + 2].tolist()
+        # At the place where two legs meet, it is the earlier one that has come into a region.
+        holds = [(s, held) for s, held in stops if begin < s <= end or (number == 0 and s <= begin)]
+        law = time_law(
+            leg,
+            speed_m_s=limits.speed_m_s,
+            acceleration_m_s2=limits.acceleration_m_s2,
+            tilt_rad=limits.tilt_rad,
+            holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
+        )
+        legs.append(Leg(leg, law))
+    if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
+        raise ValueError("a stop is not on the curve")
+    laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
+    return Trajectory(tuple(legs), spec.flight.altitude_m, lap, laps)

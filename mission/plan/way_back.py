@@ -1,0 +1,73 @@
+"""Plans the way back from the laps: the first one of ``homeward.ways_back`` that can be smoothed with a proof."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+from mission.errors import AutomatonSizeError, NoPlanError
+from mission.geometry.arrays import BoolArray
+from mission.logic.automaton import CompiledAutomaton, generalised
+from mission.logic.safety import safety_of
+from mission.plan.flight_plan import prover_of
+from mission.plan.homeward import Homeward, ends_of_flight, ways_back
+from mission.plan.proved_path import PathPlanner
+from mission.planning.run import Run
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.model import Semantics
+from mission.steering.joined import JoinedCurve
+from mission.steering.path import SteeringPath
+from mission.steering.proved_smoothing import ProvedCurve
+
+
+@dataclass(frozen=True, eq=False)
+class WayBack:
+    """A way back: its run with its proof, its path, and the smoothed one."""
+
+    homeward: Homeward
+    path: SteeringPath
+    curve: JoinedCurve
+
+
+def way_back(
+    planner: PathPlanner,
+    system: TransitionSystem,
+    automaton: CompiledAutomaton,
+    restricted: BoolArray,
+    *,
+    laps: Run,
+    proved: ProvedCurve,
+) -> WayBack | None:
+    """Plan the way back from laps.
+
+    Args:
+        planner: Of the mission.
+        system: T of its domain.
+        automaton: Of its formula, over the letters of T.
+        restricted: Shape (M,), triangles that must not be entered.
+        laps: The run of the laps.
+        proved: Their smoothed path.
+
+    Returns:
+        None where no way is proved to violate nothing, or the question is too large.
+    """
+    try:
+        safety = safety_of(automaton, len(system.letters))
+        refutation = safety.refutation()
+        prover = prover_of(planner.spec, planner.partition, planner.labelling, refutation, restricted)
+        reached = prover.reached(proved.curve, proved.certificate)
+        ends = ends_of_flight(planner.spec, planner.labelling, restricted, laps.states[0])
+        found = list(ways_back(system, safety, reached, lap_triangle=laps.suffix[0], ends=ends))
+    except AutomatonSizeError:
+        return None
+    # The label of the triangle in which the laps end was read when they did.
+    onward = replace(planner, spec=replace(planner.spec, semantics=Semantics.PAPER))
+    end = proved.curve.position([proved.curve.duration_s])[0]
+    longest_s = max(leg.duration_s for leg in proved.curve.legs)
+    for run in found:
+        path = onward.path(run, generalised(refutation), (float(end[0]), float(end[1])))
+        try:
+            share = min(1.0, path.duration_s / longest_s)
+            smooth = onward.smoothed(path, partial(prover.certify, begins=reached), joins=True, share=share)
+        except NoPlanError:
+            continue
+        return WayBack(Homeward(run, smooth.certificate), path, smooth.curve)
+    return None

@@ -1,0 +1,139 @@
+"""What the commands say of laps, and what they take for a number of them."""
+
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from mission.cli import live
+from mission.cli.arguments import build_parser
+from mission.cli.extent import extent
+from mission.cli.inputs import planned
+from mission.cli.live import Display
+from mission.fly import Progress
+from mission.monitor.stage import Stage
+from mission.monitor.verdict import Verdict
+from mission.plan import FlightPlan
+from tests.support.commands import ran
+from tests.support.small_missions import ROUNDS, SMALL, plan_of
+
+
+@pytest.fixture(scope="module")
+def rounds() -> FlightPlan:
+    return plan_of(ROUNDS)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "rounds.yaml"
+    path.write_text(ROUNDS, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("text", "laps"), [("3", 3), ("until-stopped", "until_stopped"), ("until_stopped", "until_stopped")]
+)
+def test_a_number_of_laps_overrides_that_of_the_file(file: Path, text: str, laps: int | str) -> None:
+    arguments = build_parser().parse_args(["fly", str(file), "--laps", text])
+    plan = planned(arguments.file, arguments.run, arguments.laps)
+    assert plan.spec.flight.laps == laps
+    assert plan.trajectory.laps == (laps if isinstance(laps, int) else None)
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "10001", "for-ever", "2.5"])
+def test_what_is_no_number_of_laps(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["fly", "rounds.yaml", "--laps", text])
+    assert "--laps" in capsys.readouterr().err
+
+
+def test_how_far_a_flight_of_laps_is(rounds: FlightPlan) -> None:
+    lap_s = rounds.trajectory.legs[1].duration_s
+    assert extent(rounds).startswith("2 laps of ")
+    assert extent(rounds).endswith(f"in {rounds.trajectory.duration_s:.0f} s")
+    endless = replace(rounds, trajectory=replace(rounds.trajectory, laps=None))
+    assert extent(endless) == f"laps of {rounds.path.legs[1].length_m:.0f} m in {lap_s:.0f} s each, until Ctrl-C"
+    small = plan_of(SMALL)
+    assert extent(small, 1) == f"{small.path.length_m:.1f} m in {small.trajectory.duration_s:.0f} s"
+
+
+@pytest.mark.parametrize("laps", ["2", "until_stopped"])
+def test_a_plan_of_laps_is_shown(laps: str, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file.write_text(ROUNDS.replace("laps: 2", f"laps: {laps}"), encoding="utf-8")
+    written = file.parent / "plan.json"
+    shown = ran(capsys, "plan", str(file), "--out", str(written))
+    assert (shown.code, shown.err) == (0, "")
+    assert "Way back" in shown.out
+    assert "on the way back from the laps nothing is violated" in shown.out
+    assert ("until it is told to return" in shown.out) == (laps == "until_stopped")
+    numbers = json.loads(ran(capsys, "plan", str(file), "--json").out)
+    assert str(numbers["laps"]) == laps
+    assert (numbers["flight_duration_s"] is None) == (laps == "until_stopped")
+    assert numbers["way_back"][0] == numbers["run"][numbers["prefix_states"]]
+    assert "proved" in ran(capsys, "check", str(file)).out
+    assert ran(capsys, "verify", str(written)).code == 0
+
+
+def test_a_way_back_that_was_forged_is_not_proved(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    written = file.parent / "plan.json"
+    assert ran(capsys, "plan", str(file), "--out", str(written)).code == 0
+    plan = json.loads(written.read_text(encoding="utf-8"))
+    back = plan["trajectory"]["legs"][2]["curve"]
+    back["slope_m_s"][1] += 14.0 / back["duration_s"]  # it begins where it did, and ends 14 m farther north
+    written.write_text(json.dumps(plan), encoding="utf-8")
+    refused = ran(capsys, "verify", str(written))
+    assert refused.code == 1
+    assert "the way back" in refused.out
+
+
+def moment(**values: object) -> Progress:
+    some = Progress(
+        stage=Stage.FLY,
+        waiting_for="",
+        t_s=40.0,
+        trajectory_s=20.0,
+        duration_s=float("inf"),
+        leg=3,
+        legs=20,
+        done=1,
+        total=2,
+        awaited=("east",),
+        laps=4,
+        laps_asked=None,
+        returning=False,
+        verdict=Verdict.OPEN,
+    )
+    return replace(some, **values)  # type: ignore[arg-type] # a test's shorthand
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({}, "Ctrl-C returns · leg 4/20 · lap 5 · automaton 1/2 · waits for east"),
+        ({"laps_asked": 7, "duration_s": 90.0}, "70 s left · leg 4/20 · lap 5/7 · "),
+        ({"laps_asked": 5, "duration_s": 60.0, "returning": True}, "40 s left · leg 4/20 · lap 5/5, then back · "),
+    ],
+)
+def test_the_lap_is_shown_in_flight(
+    values: dict[str, object], words: str, rounds: FlightPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = io.StringIO()
+    monkeypatch.setattr(live, "err", Console(file=screen, force_terminal=True, width=160, color_system=None))
+    with Display(rounds) as display:
+        display.show(moment(**values))
+        display._bar.refresh()
+    assert words in screen.getvalue()
+
+
+def test_that_the_vehicle_will_return_is_said_without_a_terminal(
+    rounds: FlightPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = io.StringIO()
+    monkeypatch.setattr(live, "err", Console(file=screen, width=160))
+    with Display(rounds) as display:
+        for returning in (False, False, True, True):
+            display.show(moment(returning=returning))
+    assert screen.getvalue() == "flying\nflying the last lap, then back\n"
