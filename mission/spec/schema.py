@@ -204,7 +204,7 @@ _FLIGHT: Final = _object(
     {
         "speed_m_s": _number("Reference speed, c of the paper, m/s.", 0.001, 100.0, default=3.0),
         "altitude_m": _number("Height above the take-off point, m.", 0.5, 5_000.0, default=10.0),
-        "final_stay_s": _number("How long to stay in the last triangle before landing, s.", 0.0, 86_400.0, default=5.0),
+        "final_stay_s": _number("How long to stay in the last triangle before landing, s.", 0.1, 86_400.0, default=5.0),
         "time_constant_s": _number("Time constant tau of the tracking law, s.", 0.05, 100.0, default=1.0),
         "disturbance_m_s2": _number(
             "Bound on each axis of the acceleration that tracking does not know of, m/s2; the certificate widens the "
