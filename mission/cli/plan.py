@@ -150,7 +150,7 @@ def _print_plan(plan: FlightPlan) -> None:
         "" if searched == automaton.size else f" (with A of {count(searched, 'state')} and several acceptance sets)"
     )
     _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable{several}")
-    _print(f"Best runs  {plan.shortest_runs:,}{_costs(plan)}")
+    _print(f"Best runs      {plan.shortest_runs:,}{_costs(plan)}")
     _print()
     _print(f"Run {plan.run_index}: state, label, control")
     for i, (state, control) in enumerate(zip(plan.run.states, plan.run.controls, strict=True)):

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from mission.errors import Fault, SpecError
+from mission.errors import Fault, GeometryError, SpecError
+from mission.geometry.arrays import IntArray
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automaton import BuchiAutomaton
@@ -91,7 +92,7 @@ def plan_from_json(text: str) -> FlightPlan:
     """
     try:
         return _plan(json.loads(text))
-    except (ValueError, KeyError, TypeError, IndexError, RecursionError) as error:
+    except (GeometryError, ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
         hint = "name a file that 'mission plan --out' wrote"
         raise SpecError((Fault(0, 0, "", f"this is not a plan: {error}", hint),)) from error
 
@@ -103,12 +104,16 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
     spec = parse_mission(json.dumps(document["mission"]).encode(), read=lambda _: named)
     dropped = tuple(_dropped(spec, task) for task in document.get("dropped", []))
     labels, path, homeward = document["labels"], document["path"], document["homeward"]
-    labelling = Labelling(tuple(frozenset(letter) for letter in labels["letters"]), np.array(labels["letter_of"]))
+    labelling = Labelling(tuple(frozenset(letter) for letter in labels["letters"]), _whole(labels["letter_of"]))
     start = document["start_m"]
     return FlightPlan(
         spec=spec,
         start_m=(float(start[0]), float(start[1])),
-        partition=Partition(**{name: np.array(rows) for name, rows in document["partition"].items()}),
+        partition=Partition(
+            np.array(document["partition"]["vertices_m"]),
+            _whole(document["partition"]["triangles"]),
+            _whole(document["partition"]["neighbours"]),
+        ),
         labelling=labelling,
         required=of_mission(spec, labelling.letters, (task.number for task in dropped)),
         product_states=int(document["product_states"]),
@@ -134,6 +139,14 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
 def _named(spec: MissionSpec) -> dict[str, str]:
     """The content of the file that the mission names, so that the plan needs no other file."""
     return {} if spec.automaton is None else {_NAMED: spec.automaton.text}
+
+
+def _whole(rows: Any) -> IntArray:  # noqa: ANN401 - any JSON value
+    """Whole numbers, not only numbers that could be cast to some."""
+    values = np.array(rows)
+    if values.dtype.kind != "i":
+        raise ValueError("whole numbers are expected here")
+    return values.astype(np.int64)
 
 
 def _run_data(run: Run) -> dict[str, list[int]]:

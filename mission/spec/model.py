@@ -2,10 +2,12 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 from mission.geometry.geodesy import LatLon
-from mission.logic.automaton import GeneralisedBuchi
+
+if TYPE_CHECKING:  # the command line reads these values before it loads a library
+    from mission.logic.automaton import GeneralisedBuchi
 
 Point = tuple[float, float]
 
@@ -234,7 +236,7 @@ class NamedAutomaton:
 
     file: str
     text: str
-    automaton: GeneralisedBuchi
+    automaton: "GeneralisedBuchi"
 
 
 @dataclass(frozen=True)

@@ -152,7 +152,7 @@ class TestPlan:
         assert "T  13 states" in lines
         assert "A  3 states, 6 edges, deterministic" in lines
         assert "P  39 states, 34 of them reachable" in lines
-        assert "Shortest runs  4, of 13 transitions each" in lines
+        assert "Best runs      4, of 13 transitions each" in lines
         assert "     0  0 8 11 12 4 5 7 3 1 5 4 12 (10)*" in lines
         assert "  0, u0 -> 0   0, u1 -> 8   0, u2 -> -1   0, u3 -> 2" in lines
 

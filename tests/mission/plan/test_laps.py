@@ -42,7 +42,9 @@ def with_a_shortcut(curve: FourierCurve, at_s: float, toward_m: tuple[float, flo
     return FourierCurve(curve.extension, curve.duration_s, curve.base_m, curve.slope_m_s, amplitudes)
 
 
-def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there(patrol: FlightPlan) -> None:
+def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there() -> None:
+    spec = load_mission(PATROL)
+    patrol = plan_mission(replace(spec, formula=f"F (north & F west) & {spec.formula}"))
     prover = prover_of(patrol.spec, patrol.partition, patrol.labelling, patrol.compiled_refutation, patrol.restricted)
     out, lap, _ = patrol.path.legs
     assert any("north" in patrol.labelling.label(segment.triangle) for segment in out.segments)
