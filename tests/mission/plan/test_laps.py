@@ -44,7 +44,7 @@ def with_a_shortcut(curve: FourierCurve, at_s: float, toward_m: tuple[float, flo
 
 def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there() -> None:
     spec = load_mission(PATROL)
-    patrol = plan_mission(replace(spec, formula=f"F (north & F west) & {spec.formula}"))
+    patrol = plan_mission(replace(spec, formula=f"F (north & F home) & {spec.formula}"))
     prover = prover_of(patrol.spec, patrol.partition, patrol.labelling, patrol.compiled_refutation, patrol.restricted)
     out, lap, _ = patrol.path.legs
     assert any("north" in patrol.labelling.label(segment.triangle) for segment in out.segments)
@@ -54,7 +54,7 @@ def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there(
     skipping = with_a_shortcut(whole[1], visit.start_s + 0.5 * visit.duration_s, (60.0, 66.0))
     refused = prover.certify(JoinedCurve((whole[0], skipping)), repeats=True)
     assert not refused.holds
-    assert "its lap does not enter north (within" in refused.reason
+    assert "its lap does not enter home, north (within" in refused.reason
     assert prover.certify(JoinedCurve((whole[0], whole[1], skipping)), repeats=False).counterexample  # no lap, no proof
 
 
