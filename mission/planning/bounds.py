@@ -40,8 +40,7 @@ class Marked:
     def of(component: Component, sets: int) -> "Marked":
         """Measure a component: two sweeps for each mark."""
         weights = component.weights
-        uniform = bool((weights == weights[0]).all())
-        graph = _graph(component.size, component.sources, component.targets, weights, uniform=uniform)
+        graph = Graph.from_edges(component.size, component.sources, component.targets, weights)
         backward = graph.reversed
         to, since, between = [], [], np.full((sets, sets), np.inf)
         for mark in range(sets):
@@ -155,8 +154,3 @@ def _least(costs: FloatArray, ways: FloatArray) -> FloatArray:
 def _bearing(component: Component, mark: int) -> BoolArray:
     bears: BoolArray = component.marks >> mark & 1 > 0
     return bears
-
-
-def _graph(size: int, sources: IntArray, targets: IntArray, weights: FloatArray, *, uniform: bool) -> Graph:
-    graph = Graph.from_edges(size, sources, targets, weights)
-    return Graph(graph.targets, graph.begins, float(weights[0])) if uniform else graph

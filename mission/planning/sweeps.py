@@ -32,12 +32,13 @@ class Graph:
     weights: FloatArray | float
 
     @staticmethod
-    def from_edges(size: int, sources: IntArray, targets: IntArray, weights: FloatArray) -> "Graph":
+    def from_edges(size: int, sources: IntArray | Codes, targets: IntArray | Codes, weights: FloatArray) -> "Graph":
         """The graph of any list of edges: (E,) sources, targets, and weights."""
         order = np.argsort(sources, kind="stable")
         begins = np.zeros(size + 1, dtype=np.int32)
         np.cumsum(np.bincount(sources, minlength=size), out=begins[1:])
-        return Graph(targets[order].astype(np.int32), begins, weights[order])
+        alike = len(weights) > 0 and weights[0] > 0.0 and bool((weights == weights[0]).all())
+        return Graph(targets[order].astype(np.int32), begins, float(weights[0]) if alike else weights[order])
 
     @property
     def size(self) -> int:
@@ -53,8 +54,7 @@ class Graph:
     def reversed(self) -> "Graph":
         """The graph with every edge turned round."""
         weights = np.broadcast_to(np.asarray(self.weights, dtype=np.float64), len(self.targets))
-        turned = Graph.from_edges(self.size, self.targets.astype(np.int64), self.sources, weights)
-        return turned if np.ndim(self.weights) else Graph(turned.targets, turned.begins, self.weights)
+        return Graph.from_edges(self.size, self.targets, self.sources, weights)
 
     @cached_property
     def components(self) -> IntArray:

@@ -124,8 +124,8 @@ def _some_tour(marked: Marked, table: TourTable, anchors: IntArray) -> float:
     """The cost of a good tour: the order of the table's best one, from one of the anchors that it could go through."""
     component = marked.component
     anchor = int(anchors[np.argmin(table.through(anchors)[0])])
-    weights = np.broadcast_to(np.asarray(marked.graph.weights, dtype=np.float64), len(marked.graph.targets))
-    graph = Graph(marked.graph.targets, marked.graph.begins, np.array(weights))
+    weights = np.broadcast_to(marked.graph.weights, len(marked.graph.targets))
+    graph = Graph(marked.graph.targets, marked.graph.begins, weights)  # as many, for a start at several distances
     reached = graph.distances(np.array([anchor]))
     for mark in table.order()[:-1]:
         bears = component.marks >> mark & 1 > 0
@@ -160,11 +160,10 @@ class _Lifted:
     @staticmethod
     def of(component: Component, kept: BoolArray, every: int) -> "_Lifted":
         """Lift a component; ``kept`` (2^K, n) says which vertices are made."""
-        number = np.where(kept, np.cumsum(kept).reshape(kept.shape) - 1, -1)
-        if number.max() >= _MOST_VERTICES:
-            raise SearchSizeError(
-                f"the best tour is one of too many: {number.max() + 1:,} states of it are in question"
-            )
+        size = int(np.count_nonzero(kept))
+        if size > _MOST_VERTICES:
+            raise SearchSizeError(f"the best tour is one of too many: {size:,} states of it are in question")
+        number = np.where(kept, np.cumsum(kept, dtype=np.int32).reshape(kept.shape) - 1, np.int32(-1))
         sources, targets, edges = [], [], []
         for borne in range(every + 1):
             begin = number[borne, component.sources]
