@@ -88,4 +88,4 @@ def _with_accepting_states(automaton: GeneralisedBuchi) -> BuchiAutomaton | None
 
 def _converted(automaton: GeneralisedBuchi) -> BuchiAutomaton:
     structure = structure_of(automaton)
-    return state_based(reduced(degeneralised(structure, tuple(range(structure.sets)))))
+    return state_based(reduced(degeneralised(structure, tuple(range(structure.sets))), by_state=True))

@@ -12,34 +12,87 @@ same letter, with at least its marks, enters the same state from a state that si
 Bloem, "Efficient Büchi automata from LTL formulae", 2000; Clemente and Mayr, "Advanced automata minimization", 2013).
 """
 
-from collections.abc import Iterable
-from functools import reduce
-from operator import or_
+from functools import partial
+from typing import TYPE_CHECKING
 
-from mission.logic.diagrams import Diagram
-from mission.logic.structure import Move, Moves, Structure, pruned
+from mission.logic.simulators import backward, letter_classes, simulators
+from mission.logic.structure import Moves, Structure, components, pruned
 
-_MAX_STATES = 400
-_MAX_CLASSES = 4096
+if TYPE_CHECKING:
+    from mission.logic.diagrams import Diagram
 
 
-def reduced(structure: Structure) -> Structure:
-    """A structure that accepts the same words, with no more states and moves; unchanged where it is too large."""
-    current = pruned(structure)
-    while True:
-        smaller = current
-        for quotient in (_forward_quotient, _backward_quotient):
-            letters = _letter_classes(smaller)
-            if letters is None:
-                return smaller
-            smaller = pruned(quotient(smaller, letters))
-        if smaller.size == current.size and smaller.moves == current.moves:
-            return smaller
+def reduced(structure: Structure, *, by_state: bool = False) -> Structure:
+    """A structure that accepts the same words, with no more states and moves; unchanged where it is too large.
+
+    Args:
+        structure: Any structure.
+        by_state: Whether all moves of a state that stay in its component are in the same sets, one at most, and are
+            to be so in the result; it then has these marks on all moves of the state.
+    """
+    current = pruned(_bisimilar(pruned(structure)))
+    while not current.deterministic:
+        smaller = _smaller(current, by_state=by_state)
+        if smaller is None or (smaller.size == current.size and smaller.moves == current.moves):
+            break
         current = smaller
+    return _marked_by_state(current) if by_state else current
+
+
+def _smaller(structure: Structure, *, by_state: bool) -> Structure | None:
+    """One round of both quotients; None where the structure is too large."""
+    letters = letter_classes(structure)
+    if letters is None:
+        return None
+    smaller = pruned(_forward_quotient(structure, letters))
+    if smaller.deterministic:
+        return smaller
+    if by_state:
+        smaller = _marked_by_state(smaller)
+    letters = letter_classes(smaller)
+    return smaller if letters is None else pruned(_backward_quotient(smaller, letters, by_state=by_state))
+
+
+def _marked_by_state(structure: Structure) -> Structure:
+    """The marks of a state's moves that stay in its component on all its moves.
+
+    That is right where the marks come from accepting states: a state that simulates an accepting one is accepting.
+    """
+    parts = components(structure)
+    rows = []
+    for state, transitions in enumerate(structure.transitions()):
+        inner = [marks for target, marks in transitions if parts.of_state[target] == parts.of_state[state]]
+        change = partial(_remarked, max(inner, default=0))
+        rows.append(structure.diagrams.transform(structure.moves[state], change, {}))
+    return Structure(structure.diagrams, structure.propositions, structure.initial, tuple(rows), structure.sets)
+
+
+def _remarked(marks: int, moves: Moves) -> Moves:
+    return tuple(sorted({(target, marks) for target, _ in moves}))
+
+
+def _bisimilar(structure: Structure) -> Structure:
+    """States with the same moves into the same classes made one; in a deterministic structure no others are equal."""
+    classes = [0] * structure.size
+    while True:
+        known: dict[Diagram, Diagram] = {}
+        rows = [structure.diagrams.transform(row, partial(_classed, classes), known) for row in structure.moves]
+        numbers: dict[tuple[int, Diagram], int] = {}
+        finer = [numbers.setdefault(key, len(numbers)) for key in zip(classes, rows, strict=True)]
+        if finer == classes:
+            break
+        classes = finer
+    first = dict(zip(classes[::-1], range(structure.size - 1, -1, -1), strict=True))
+    moves = tuple(rows[first[number]] for number in range(len(first)))
+    return Structure(structure.diagrams, structure.propositions, classes[structure.initial], moves, structure.sets)
+
+
+def _classed(classes: list[int], moves: Moves) -> Moves:
+    return tuple(sorted({(classes[target], marks) for target, marks in moves}))
 
 
 def _forward_quotient(structure: Structure, letters: list[tuple[Moves, ...]]) -> Structure:
-    above = _simulators(letters, [(1 << structure.size) - 1] * structure.size)
+    above = simulators(letters, [(1 << structure.size) - 1] * structure.size)
     representative = _representatives(above)
 
     def maximal(moves: Moves) -> Moves:
@@ -66,13 +119,15 @@ def _forward_quotient(structure: Structure, letters: list[tuple[Moves, ...]]) ->
     return moved.restricted(keep)
 
 
-def _backward_quotient(structure: Structure, letters: list[tuple[Moves, ...]]) -> Structure:
-    if structure.deterministic:
-        return structure  # a word leads to one state, so that only a state itself simulates it backward
+def _backward_quotient(structure: Structure, letters: list[tuple[Moves, ...]], *, by_state: bool) -> Structure:
     size, diagrams = structure.size, structure.diagrams
     start = [(1 << size) - 1] * size
-    start[structure.initial] = 1 << structure.initial
-    above = _simulators([_reversed(rows) for rows in letters], start)
+    if by_state:
+        accepting = [any(marks for _, marks in moves) for moves in structure.transitions()]
+        these = sum(1 << state for state in range(size) if accepting[state])
+        start = [these if accepts else (1 << size) - 1 for accepts in accepting]
+    start[structure.initial] &= 1 << structure.initial
+    above = simulators([backward(rows) for rows in letters], start)
     representative = _representatives(above)
 
     def union(left: Moves, right: Moves) -> Moves:
@@ -95,9 +150,9 @@ def _backward_quotient(structure: Structure, letters: list[tuple[Moves, ...]]) -
     rows = list(renamed.moves)
     for state, moves in joined.items():
         rows[state] = moves
-        for other in joined:
+        for other, better in joined.items():
             if other != state and above[state] >> other & 1:
-                rows[state] = diagrams.combine(rows[state], joined[other], without, known)
+                rows[state] = diagrams.combine(rows[state], better, without, known)
     smaller = Structure(diagrams, structure.propositions, structure.initial, tuple(rows), structure.sets)
     return smaller.restricted(sorted(joined))
 
@@ -108,70 +163,3 @@ def _representatives(above: list[int]) -> list[int]:
         min(other for other in range(len(above)) if simulators >> other & 1 and above[other] >> state & 1)
         for state, simulators in enumerate(above)
     ]
-
-
-def _reversed(rows: tuple[Moves, ...]) -> tuple[Moves, ...]:
-    """For each state, the moves that enter it, with where they come from."""
-    entering: list[list[Move]] = [[] for _ in rows]
-    for state, moves in enumerate(rows):
-        for target, marks in moves:
-            entering[target].append((state, marks))
-    return tuple(map(tuple, entering))
-
-
-def _letter_classes(structure: Structure) -> list[tuple[Moves, ...]] | None:
-    """For each set of letters that no state tells apart, the moves of every state; None where it is too large."""
-    if structure.size > _MAX_STATES:
-        return None
-    diagrams = structure.diagrams
-    joint = diagrams.leaf(())
-    for diagram in structure.moves:
-        known: dict[tuple[int, int], int] = {}
-        joint = diagrams.combine(joint, diagram, lambda row, moves: (*row, moves), known)
-        if len(known) > 4 * _MAX_CLASSES:
-            return None
-    classes = [diagrams.value[leaf] for leaf in diagrams.leaves(joint)]
-    return classes if len(classes) <= _MAX_CLASSES else None
-
-
-def _simulators(letters: list[tuple[Moves, ...]], start: list[int]) -> list[int]:
-    """For each state, the bits of the states that simulate it, out of those of ``start``."""
-    size = len(start)
-    entering = [_entering(rows) for rows in letters]
-    demands = [
-        sorted({(index, marks, target) for index, rows in enumerate(letters) for target, marks in rows[state]})
-        for state in range(size)
-    ]
-    above = start
-    while True:
-        answered: dict[tuple[int, int, int], int] = {}
-        following = []
-        for state in range(size):
-            able = above[state]
-            for index, marks, target in demands[state]:
-                key = (index, marks, above[target])
-                if key not in answered:
-                    answered[key] = _union(
-                        sources for entered, sources in entering[index][marks] if above[target] >> entered & 1
-                    )
-                able &= answered[key]
-            following.append(able)
-        if following == above:
-            return above
-        above = following
-
-
-def _entering(rows: tuple[Moves, ...]) -> dict[int, list[tuple[int, int]]]:
-    """For each marks, the states entered by moves with these marks or more, with the bits of where from."""
-    wanted = {marks for moves in rows for _, marks in moves}
-    entering: dict[int, dict[int, int]] = {marks: {} for marks in wanted}
-    for state, moves in enumerate(rows):
-        for target, marks in moves:
-            for less in wanted:
-                if not less & ~marks:
-                    entering[less][target] = entering[less].get(target, 0) | 1 << state
-    return {marks: list(table.items()) for marks, table in entering.items()}
-
-
-def _union(parts: Iterable[int]) -> int:
-    return reduce(or_, parts, 0)

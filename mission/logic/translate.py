@@ -157,6 +157,8 @@ class _Translation:
             first: dict[int, int] = {}
             for state, number in enumerate(classes):
                 first.setdefault(number, state)
+            if positive.deterministic and len(first) >= max(positive.size, _LARGE):
+                return None  # what was found is as small, and the more states the more this costs
             merged = renamed(diagrams, [rows[state] for state in first.values()], classes)
             found = accepting_like(merged, positive, negative, _LIMIT_OF_PRODUCTS)
             if found is not None:
@@ -210,9 +212,10 @@ def _state_based_forms(structure: Structure) -> Iterator[Structure]:
     for order in orders:
         current = structure
         if structure.sets != 1:
-            current = reduced(degeneralised(structure, order))
-            yield current
+            current = degeneralised(structure, order)
+            yield reduced(current, by_state=True)
+            current = reduced(current)
         if current.sets == 1:
             states = range(current.size)
             for chosen in (states, states[::-1]) if current.size < _LARGE else (states,):
-                yield reduced(degeneralised(with_few_mixed_states(current, chosen), (0,)))
+                yield reduced(degeneralised(with_few_mixed_states(current, chosen), (0,)), by_state=True)

@@ -66,6 +66,8 @@ def test_implications_are_true() -> None:
         ("(a U b) U b", "a U b"),
         ("G (a W b)", "G (a | b)"),
         ("F (a M b)", "F (a & b)"),
+        ("G F b | F a", "F (a | G F b)"),
+        ("G F a -> G F b", "F (G !a | G F b)"),
         ("!a W a", "true"),
     ],
 )
