@@ -17,6 +17,9 @@ Cube = tuple[int, int]
 LEAF: Final = 1 << 60
 """The ``variable`` of a leaf: after every variable."""
 
+_MAX_CUBES_OF_ONE: Final = 1 << 18
+_MAX_CUBES: Final = 1 << 21
+
 
 class TooLargeError(Exception):
     """What is being built grew beyond the size that it was allowed."""
@@ -25,11 +28,13 @@ class TooLargeError(Exception):
 class Diagrams:
     """A pool of diagrams; diagrams of different pools have nothing to do with each other.
 
-    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last.
+    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last, and ``cover`` when one function
+    or all of them together have too many cubes.
     """
 
     def __init__(self) -> None:
         self._limit = 10_000_000
+        self._cubes = _MAX_CUBES
         self.variable: list[int] = []
         self.low: list[Diagram] = []
         self.high: list[Diagram] = []
@@ -233,7 +238,11 @@ class Diagrams:
         Source: Minato, "Fast generation of irredundant sum-of-products forms from binary decision diagrams" (1992).
         """
         cube = self._single_cube(diagram)
-        return self._cover(diagram, diagram, {})[0] if cube is None else (cube,)
+        cubes = self._cover(diagram, diagram, {})[0] if cube is None else (cube,)
+        self._cubes -= len(cubes)
+        if self._cubes < 0:
+            raise TooLargeError
+        return cubes
 
     def _single_cube(self, diagram: Diagram) -> Cube | None:
         holds = fails = 0
@@ -270,6 +279,8 @@ class Diagrams:
         low_cubes, low = self._cover(self.both(lower_low, self.neither(upper_high)), upper_low, known)
         rest = self.either(self.both(lower_high, self.neither(high)), self.both(lower_low, self.neither(low)))
         free_cubes, free = self._cover(rest, self.both(upper_low, upper_high), known)
+        if len(high_cubes) + len(low_cubes) + len(free_cubes) > _MAX_CUBES_OF_ONE:
+            raise TooLargeError
         cubes = (
             *((holds | bit, fails) for holds, fails in high_cubes),
             *((holds, fails | bit) for holds, fails in low_cubes),

@@ -3,8 +3,10 @@
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
 
+from mission.errors import Fault, SpecError
 from mission.logic.automaton import BuchiAutomaton, Edge, GeneralisedBuchi
 from mission.logic.degeneralisation import degeneralised
+from mission.logic.diagrams import TooLargeError
 from mission.logic.guards import Guard
 from mission.logic.hoa_reader import Reader
 from mission.logic.simulation import reduced
@@ -19,7 +21,6 @@ def to_hoa(automaton: BuchiAutomaton | GeneralisedBuchi) -> str:
     if isinstance(automaton, BuchiAutomaton):
         lines += ["acc-name: Buchi", "Acceptance: 1 Inf(0)"]
         properties = ["trans-labels", "explicit-labels", "state-acc", "no-univ-branch"]
-        properties += ["deterministic"] * automaton.deterministic + ["complete"] * automaton.complete
         for edge in automaton.edges:
             rows[edge.source].append(f"[{_label(edge.guard)}] {edge.target}")
         heads = [f"State: {state}" + " {0}" * (state in automaton.accepting) for state in range(automaton.size)]
@@ -32,6 +33,7 @@ def to_hoa(automaton: BuchiAutomaton | GeneralisedBuchi) -> str:
             marks = f" {{{' '.join(map(str, marked.marks))}}}" if marked.marks else ""
             rows[marked.source].append(f"[{_label(marked.guard)}] {marked.target}{marks}")
         heads = [f"State: {state}" for state in range(automaton.size)]
+    properties += ["deterministic"] * automaton.deterministic + ["complete"] * automaton.complete
     lines += ["properties: " + " ".join(properties), "--BODY--"]
     for head, row in zip(heads, rows, strict=True):
         lines += [head, *row]
@@ -60,7 +62,11 @@ def parse_hoa(text: str) -> BuchiAutomaton:
         SpecError: The text is no such automaton, or one of a kind that is refused; with line, column and reason.
     """
     automaton = parse_generalised(text)
-    return _with_accepting_states(automaton) or _converted(automaton)
+    try:
+        return _with_accepting_states(automaton) or _converted(automaton)
+    except TooLargeError as error:
+        message = "with accepting states instead of marked transitions, the automaton is too large"
+        raise SpecError((Fault(1, 1, "automaton", message, "write it with Acceptance: 1 Inf(0) on states"),)) from error
 
 
 def parse_generalised(text: str) -> GeneralisedBuchi:

@@ -1,7 +1,8 @@
 """Reads automata in the Hanoi Omega-Automata format, version 1.
 
 Read are Büchi and generalised Büchi acceptance, on states and on transitions, labels on states and on edges, implicit
-labels, aliases, and several initial states. Everything else that the format allows is refused.
+labels, aliases, and several initial states. Everything else that the format allows is refused, and so is a header that
+contradicts itself or the body.
 
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
@@ -9,16 +10,19 @@ Source: the format's own description, https://adl.github.io/hoaf/.
 from typing import Final
 
 from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
-from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.formula import proposition
 from mission.logic.guards import Guard
+from mission.logic.hoa_claims import Claims, Use
 from mission.logic.hoa_tokens import Token, refusal, tokens
 
 MAX_STATES: Final = 20_000
 MAX_PROPOSITIONS: Final = 32
 MAX_IMPLICIT: Final = 12
 MAX_SETS: Final = 64
+MAX_COPIES: Final = 200_000
 _MAX_NESTING: Final = 100
+_GROWTH: Final = 1_000_000  # nodes of diagrams for the labels
 
 
 class Reader:
@@ -38,6 +42,9 @@ class Reader:
         self._sets: int | None = None
         self._edges: list[tuple[int, Diagram, Token, int]] = []
         self._defined: dict[int, Token] = {}
+        self._acceptance_item = self._next
+        self._claims = Claims()
+        self._diagrams.allow(_GROWTH)
 
     def read(self) -> GeneralisedBuchi:
         """The automaton, its states numbered as in the file.
@@ -45,16 +52,19 @@ class Reader:
         Raises:
             SpecError: The text is no such automaton, or one that this reader refuses; with line, column and reason.
         """
-        self._header()
-        self._body()
-        return self._finished()
+        try:
+            self._header()
+            self._body()
+            automaton = self._finished()
+            self._claims.check(automaton)
+        except TooLargeError as error:
+            raise refusal("the labels up to here are too large", self._next) from error
+        return automaton
 
     # Tokens
 
     def _take(self) -> Token:
         token = self._next
-        if token.kind == "mark" and token.text == "--ABORT--":
-            raise refusal("the automaton was aborted by the tool that wrote it", token)
         self._next = next(self._tokens)
         return token
 
@@ -97,9 +107,12 @@ class Reader:
             elif item.text[0].isupper():
                 raise refusal(f"{item.text}: is not known, and could change the meaning of the automaton", item)
             else:
+                values = []
                 while self._next.kind in ("identifier", "integer", "string"):
-                    self._take()
+                    values.append(self._take())
+                self._claims.note(item, values)
         body = self._expect("mark", "--BODY--")
+        self._claims.check_name(self._sets or 0, self._positive, self._negative)
         if self._sets is None:
             raise refusal("Acceptance: is missing", body, "add Acceptance: 1 Inf(0)")
         if not self._starts:
@@ -149,6 +162,7 @@ class Reader:
         if sets > MAX_SETS:
             raise refusal(f"more than {MAX_SETS} acceptance sets", item)
         self._sets = sets
+        self._acceptance_item = item
         self._condition(item, 0)
         for index in (*self._positive, *self._negative):
             if index >= sets:
@@ -239,7 +253,10 @@ class Reader:
             raise refusal("something follows the automaton; one automaton is read", self._next)
 
     def _state(self, item: Token) -> None:
+        opening = self._next
         shared = self._bracketed() if self._at("symbol", "[") else None
+        if shared is not None:
+            self._claims.use(Use.STATE_LABEL, opening)
         number = self._state_number(item)
         state = int(number.text)
         if state in self._defined:
@@ -247,7 +264,7 @@ class Reader:
         self._defined[state] = number
         if self._at("string"):
             self._take()
-        marks = self._marks()
+        marks = self._marks(Use.STATE_MARK)
         edges: list[tuple[Diagram | None, Token, int]] = []
         while self._at("symbol", "[") or self._at("integer"):
             opening = self._next
@@ -255,7 +272,7 @@ class Reader:
             if label is not None and shared is not None:
                 raise refusal(f"state {state} has a label, so that its edges have none", opening)
             target = self._state_number(opening)
-            edges.append((label, target, marks | self._marks()))
+            edges.append((label, target, marks | self._marks(Use.EDGE_MARK)))
         labels = self._labels(number, shared, [label for label, _, _ in edges])
         for label, (_, target, bits) in zip(labels, edges, strict=True):
             self._edges.append((state, label, target, bits))
@@ -267,7 +284,10 @@ class Reader:
         if found or not labels:
             if len(found) < len(labels):
                 raise refusal(f"some edges of state {state.text} have labels and some have none", state)
+            if found:
+                self._claims.use(Use.EDGE_LABEL, state)
             return found
+        self._claims.use(Use.IMPLICIT_LABEL, state)
         if len(self._names) > MAX_IMPLICIT:
             raise refusal(f"implicit labels are read for {MAX_IMPLICIT} propositions at most", state)
         letters = 1 << len(self._names)
@@ -281,10 +301,10 @@ class Reader:
         self._expect("symbol", "]")
         return label
 
-    def _marks(self) -> int:
+    def _marks(self, use: Use) -> int:
         bits = 0
         if self._at("symbol", "{"):
-            self._take()
+            self._claims.use(use, self._take())
             while self._at("integer"):
                 token = self._take()
                 if int(token.text) >= (self._sets or 0):
@@ -305,6 +325,10 @@ class Reader:
             raise refusal(f"proposition {self._largest_proposition.text} does not exist", self._largest_proposition)
         conditions = [(index, True) for index in dict.fromkeys(self._positive)]
         conditions += [(index, False) for index in dict.fromkeys(self._negative)]
+        if size * len(conditions) > MAX_COPIES:
+            raise refusal(
+                f"{size} states times {len(conditions)} sets are more than {MAX_COPIES}", self._acceptance_item
+            )
         letters: dict[tuple[int, int, tuple[int, ...]], Diagram] = {}
         for state, label, target, bits in self._edges:
             marks = tuple(

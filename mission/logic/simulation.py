@@ -13,13 +13,15 @@ Bloem, "Efficient Büchi automata from LTL formulae", 2000; Clemente and Mayr, "
 """
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from mission.logic.simulators import backward, letter_classes, simulators
 from mission.logic.structure import Moves, Structure, components, pruned
 
 if TYPE_CHECKING:
     from mission.logic.diagrams import Diagram
+
+_MAX_STEPS: Final = 1_000_000  # rounds of refinement times states
 
 
 def reduced(structure: Structure, *, by_state: bool = False) -> Structure:
@@ -72,9 +74,12 @@ def _remarked(marks: int, moves: Moves) -> Moves:
 
 
 def _bisimilar(structure: Structure) -> Structure:
-    """States with the same moves into the same classes made one; in a deterministic structure no others are equal."""
+    """States with the same moves into the same classes made one; in a deterministic structure no others are equal.
+
+    Unchanged where that takes too long.
+    """
     classes = [0] * structure.size
-    while True:
+    for _ in range(_MAX_STEPS // structure.size):
         known: dict[Diagram, Diagram] = {}
         rows = [structure.diagrams.transform(row, partial(_classed, classes), known) for row in structure.moves]
         numbers: dict[tuple[int, Diagram], int] = {}
@@ -82,6 +87,8 @@ def _bisimilar(structure: Structure) -> Structure:
         if finer == classes:
             break
         classes = finer
+    else:
+        return structure
     first = dict(zip(classes[::-1], range(structure.size - 1, -1, -1), strict=True))
     moves = tuple(rows[first[number]] for number in range(len(first)))
     return Structure(structure.diagrams, structure.propositions, classes[structure.initial], moves, structure.sets)

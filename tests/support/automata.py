@@ -28,10 +28,7 @@ class Rows:
 
 def rows_of(compiled: CompiledAutomaton | CompiledGeneralised) -> Rows:
     """Accepting states are marks on all that leaves them."""
-    if isinstance(compiled, CompiledAutomaton):
-        marks = compiled.accepting[compiled.sources][:, None]
-    else:
-        marks = compiled.marks
+    marks = compiled.accepting[compiled.sources][:, None] if isinstance(compiled, CompiledAutomaton) else compiled.marks
     return Rows(compiled.states, compiled.sources, compiled.letters, compiled.targets, marks, compiled.initial)
 
 
