@@ -14,11 +14,11 @@ Diagram = int
 Cube = tuple[int, int]
 """A conjunction of literals: the bits of the variables that hold, and of those that do not."""
 
+MAX_CUBES: Final = 100_000
+"""Cubes of a disjunction at which ``cover`` gives up."""
+
 LEAF: Final = 1 << 60
 """The ``variable`` of a leaf: after every variable."""
-
-_MAX_CUBES_OF_ONE: Final = 1 << 18
-_MAX_CUBES: Final = 1 << 21
 
 
 class TooLargeError(Exception):
@@ -28,13 +28,12 @@ class TooLargeError(Exception):
 class Diagrams:
     """A pool of diagrams; diagrams of different pools have nothing to do with each other.
 
-    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last, and ``cover`` when one function
-    or all of them together have too many cubes.
+    Every operation raises TooLargeError when the pool outgrows what ``allow`` set last, and ``cover`` when it needs
+    more than ``MAX_CUBES``.
     """
 
     def __init__(self) -> None:
         self._limit = 10_000_000
-        self._cubes = _MAX_CUBES
         self.variable: list[int] = []
         self.low: list[Diagram] = []
         self.high: list[Diagram] = []
@@ -238,11 +237,7 @@ class Diagrams:
         Source: Minato, "Fast generation of irredundant sum-of-products forms from binary decision diagrams" (1992).
         """
         cube = self._single_cube(diagram)
-        cubes = self._cover(diagram, diagram, {})[0] if cube is None else (cube,)
-        self._cubes -= len(cubes)
-        if self._cubes < 0:
-            raise TooLargeError
-        return cubes
+        return self._cover(diagram, diagram, {})[0] if cube is None else (cube,)
 
     def _single_cube(self, diagram: Diagram) -> Cube | None:
         holds = fails = 0
@@ -279,13 +274,13 @@ class Diagrams:
         low_cubes, low = self._cover(self.both(lower_low, self.neither(upper_high)), upper_low, known)
         rest = self.either(self.both(lower_high, self.neither(high)), self.both(lower_low, self.neither(low)))
         free_cubes, free = self._cover(rest, self.both(upper_low, upper_high), known)
-        if len(high_cubes) + len(low_cubes) + len(free_cubes) > _MAX_CUBES_OF_ONE:
-            raise TooLargeError
         cubes = (
             *((holds | bit, fails) for holds, fails in high_cubes),
             *((holds, fails | bit) for holds, fails in low_cubes),
             *free_cubes,
         )
+        if len(cubes) > MAX_CUBES:
+            raise TooLargeError
         covered = self.either(free, self.test(variable, low, high))
         known[lower, upper] = cubes, covered
         return cubes, covered

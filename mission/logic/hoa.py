@@ -3,14 +3,10 @@
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
 
-from mission.errors import Fault, SpecError
-from mission.logic.automaton import BuchiAutomaton, Edge, GeneralisedBuchi
-from mission.logic.degeneralisation import degeneralised
-from mission.logic.diagrams import TooLargeError
+from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi
+from mission.logic.conversion import with_accepting_states
 from mission.logic.guards import Guard
 from mission.logic.hoa_reader import Reader
-from mission.logic.simulation import reduced
-from mission.logic.structure import state_based, structure_of
 
 
 def to_hoa(automaton: BuchiAutomaton | GeneralisedBuchi) -> str:
@@ -60,13 +56,9 @@ def parse_hoa(text: str) -> BuchiAutomaton:
 
     Raises:
         SpecError: The text is no such automaton, or one of a kind that is refused; with line, column and reason.
+        AutomatonSizeError: It is too large to be brought to that form.
     """
-    automaton = parse_generalised(text)
-    try:
-        return _with_accepting_states(automaton) or _converted(automaton)
-    except TooLargeError as error:
-        message = "with accepting states instead of marked transitions, the automaton is too large"
-        raise SpecError((Fault(1, 1, "automaton", message, "write it with Acceptance: 1 Inf(0) on states"),)) from error
+    return with_accepting_states(parse_generalised(text))
 
 
 def parse_generalised(text: str) -> GeneralisedBuchi:
@@ -76,22 +68,3 @@ def parse_generalised(text: str) -> GeneralisedBuchi:
         SpecError: As ``parse_hoa``.
     """
     return Reader(text).read()
-
-
-def _with_accepting_states(automaton: GeneralisedBuchi) -> BuchiAutomaton | None:
-    if automaton.sets > 1:
-        return None
-    marks: dict[int, set[tuple[int, ...]]] = {}
-    for edge in automaton.edges:
-        marks.setdefault(edge.source, set()).add(edge.marks)
-    if any(len(found) > 1 for found in marks.values()):
-        return None
-    wanted = tuple(range(automaton.sets))
-    accepting = frozenset(state for state, found in marks.items() if wanted in found)
-    edges = tuple(Edge(edge.source, edge.guard, edge.target) for edge in automaton.edges)
-    return BuchiAutomaton(automaton.propositions, automaton.size, automaton.initial, accepting, edges)
-
-
-def _converted(automaton: GeneralisedBuchi) -> BuchiAutomaton:
-    structure = structure_of(automaton)
-    return state_based(reduced(degeneralised(structure, tuple(range(structure.sets))), by_state=True))

@@ -7,10 +7,11 @@ contradicts itself or the body.
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
 
+from collections.abc import Iterable
 from typing import Final
 
 from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
-from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
+from mission.logic.diagrams import MAX_CUBES, Diagram, Diagrams, TooLargeError
 from mission.logic.formula import proposition
 from mission.logic.guards import Guard
 from mission.logic.hoa_claims import Claims, Use
@@ -20,7 +21,6 @@ MAX_STATES: Final = 20_000
 MAX_PROPOSITIONS: Final = 32
 MAX_IMPLICIT: Final = 12
 MAX_SETS: Final = 64
-MAX_COPIES: Final = 200_000
 _MAX_NESTING: Final = 100
 _GROWTH: Final = 1_000_000  # nodes of diagrams for the labels
 
@@ -42,7 +42,6 @@ class Reader:
         self._sets: int | None = None
         self._edges: list[tuple[int, Diagram, Token, int]] = []
         self._defined: dict[int, Token] = {}
-        self._acceptance_item = self._next
         self._claims = Claims()
         self._diagrams.allow(_GROWTH)
 
@@ -55,11 +54,9 @@ class Reader:
         try:
             self._header()
             self._body()
-            automaton = self._finished()
-            self._claims.check(automaton)
+            return self._finished()
         except TooLargeError as error:
-            raise refusal("the labels up to here are too large", self._next) from error
-        return automaton
+            raise refusal("the labels of this automaton are too complicated", self._next) from error
 
     # Tokens
 
@@ -162,7 +159,6 @@ class Reader:
         if sets > MAX_SETS:
             raise refusal(f"more than {MAX_SETS} acceptance sets", item)
         self._sets = sets
-        self._acceptance_item = item
         self._condition(item, 0)
         for index in (*self._positive, *self._negative):
             if index >= sets:
@@ -325,10 +321,6 @@ class Reader:
             raise refusal(f"proposition {self._largest_proposition.text} does not exist", self._largest_proposition)
         conditions = [(index, True) for index in dict.fromkeys(self._positive)]
         conditions += [(index, False) for index in dict.fromkeys(self._negative)]
-        if size * len(conditions) > MAX_COPIES:
-            raise refusal(
-                f"{size} states times {len(conditions)} sets are more than {MAX_COPIES}", self._acceptance_item
-            )
         letters: dict[tuple[int, int, tuple[int, ...]], Diagram] = {}
         for state, label, target, bits in self._edges:
             marks = tuple(
@@ -336,10 +328,24 @@ class Reader:
             )
             key = (state, int(target.text), marks)
             letters[key] = self._diagrams.either(letters.get(key, self._diagrams.false), label)
+        guards = self._guards(dict.fromkeys(letters.values()))
         edges = tuple(
-            MarkedEdge(source, Guard(self._names, self._diagrams.cover(letters[source, target, marks])), target, marks)
+            MarkedEdge(source, guards[letters[source, target, marks]], target, marks)
             for source, target, marks in sorted(letters)
             if letters[source, target, marks] != self._diagrams.false
         )
         initial = tuple(sorted({int(token.text) for token in self._starts}))
-        return GeneralisedBuchi(self._names, size, initial, len(conditions), edges)
+        automaton = GeneralisedBuchi(self._names, size, initial, len(conditions), edges)
+        self._claims.check(automaton)
+        return automaton
+
+    def _guards(self, labels: Iterable[Diagram]) -> dict[Diagram, Guard]:
+        """Each label as a guard; all together have no more cubes than one may have."""
+        guards: dict[Diagram, Guard] = {}
+        cubes = 0
+        for label in labels:
+            guards[label] = Guard(self._names, self._diagrams.cover(label))
+            cubes += len(guards[label].cubes)
+            if cubes > MAX_CUBES:
+                raise TooLargeError
+        return guards

@@ -24,14 +24,12 @@ if TYPE_CHECKING:
 _MAX_STEPS: Final = 1_000_000  # rounds of refinement times states
 
 
-def reduced(structure: Structure, *, by_state: bool = False) -> Structure:
+def reduced(structure: Structure) -> Structure:
     """A structure that accepts the same words, with no more states and moves; unchanged where it is too large.
 
-    Args:
-        structure: Any structure.
-        by_state: Whether all moves of a state that stay in its component are in the same sets, one at most, and are
-            to be so in the result; it then has these marks on all moves of the state.
+    One whose states accept stays so, and then all moves of a state have the same marks.
     """
+    by_state = structure.accepting_by_state
     current = pruned(_bisimilar(pruned(structure)))
     while not current.deterministic:
         smaller = _smaller(current, by_state=by_state)

@@ -212,10 +212,9 @@ def _state_based_forms(structure: Structure) -> Iterator[Structure]:
     for order in orders:
         current = structure
         if structure.sets != 1:
-            current = degeneralised(structure, order)
-            yield reduced(current, by_state=True)
-            current = reduced(current)
+            current = reduced(degeneralised(structure, order))
+            yield current
         if current.sets == 1:
             states = range(current.size)
             for chosen in (states, states[::-1]) if current.size < _LARGE else (states,):
-                yield reduced(degeneralised(with_few_mixed_states(current, chosen), (0,)), by_state=True)
+                yield reduced(degeneralised(with_few_mixed_states(current, chosen), (0,)))

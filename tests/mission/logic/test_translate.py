@@ -12,8 +12,8 @@ from mission.logic.hoa import parse_generalised, parse_hoa, to_hoa
 from mission.logic.parser import parse_formula
 from mission.logic.translate import translate, translate_generalised
 from mission.logic.word import satisfies
-from tests.support.automata import Rows, accepts, have_common_word, rows_of
 from tests.support.formulas import GOLDEN, Measured, measured_formulas, random_formula, random_word
+from tests.support.letters import Rows, accepts, have_common_word, rows_of
 
 NAMES = ("a", "b", "c", "d")
 LETTERS = tuple(frozenset(letter) for size in range(4) for letter in combinations(NAMES[:3], size))
