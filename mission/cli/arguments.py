@@ -85,7 +85,15 @@ def build_parser() -> argparse.ArgumentParser:
     forms = automaton.add_mutually_exclusive_group()
     for form, words in (("hoa", "in the Hanoi Omega-Automata format"), ("dot", "for Graphviz"), ("json", "as JSON")):
         forms.add_argument(f"--{form}", dest="form", action="store_const", const=form, help=f"print it {words}")
+    forms.add_argument(
+        "--generalised",
+        dest="form",
+        action="store_const",
+        const="generalised",
+        help="print the smaller generalised automaton, whose transitions accept, in that format",
+    )
     automaton.set_defaults(form="table")
+    automaton.add_argument("--picture", metavar="FILE", help="draw it into a file (.png, .svg, .pdf), too")
 
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")

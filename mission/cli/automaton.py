@@ -1,21 +1,55 @@
-"""``mission automaton``: the Büchi automaton of a formula, as a table, as HOA, as Graphviz text or as JSON."""
+"""``mission automaton``: the Büchi automaton of a formula, as a table, HOA, Graphviz text or JSON, and as a picture."""
 
 import json
 from argparse import Namespace
+from pathlib import Path
 
+from mission.cli.inputs import write_named
 from mission.cli.screen import count, out
+from mission.errors import Fault, SpecError
 from mission.logic.automaton import BuchiAutomaton
+from mission.logic.formula import Formula
 from mission.logic.hoa import to_hoa
 from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.translate import translate, translate_generalised
+
+_PICTURES = (".pdf", ".png", ".svg")
 
 
 def run(arguments: Namespace) -> int:
-    """Translate and show."""
-    automaton = translate(parse_formula(arguments.formula))
-    shown = {"hoa": to_hoa, "dot": to_dot, "json": to_json, "table": to_table}[arguments.form]
-    out.out(shown(automaton).rstrip("\n"), highlight=False)
+    """Translate and show; a picture is written first, whoever reads the rest."""
+    picture = None if arguments.picture is None else _picture_file(arguments.picture)
+    formula = parse_formula(arguments.formula)
+    if picture is not None:
+        _draw(formula, picture)
+    if arguments.form == "generalised":
+        _print(to_hoa(translate_generalised(formula)))
+    else:
+        shown = {"hoa": to_hoa, "dot": to_dot, "json": to_json, "table": to_table}[arguments.form]
+        _print(shown(translate(formula)))
     return 0
+
+
+def _print(text: str) -> None:
+    out.out(text.rstrip("\n"), highlight=False)
+
+
+def _picture_file(name: str) -> Path:
+    file = Path(name)
+    if file.suffix.lower() not in _PICTURES:
+        kinds = f"{', '.join(_PICTURES[:-1])} or {_PICTURES[-1]}"
+        message = f"{name!r} does not say which kind of picture to draw"
+        raise SpecError((Fault(0, 0, "--picture", message, f"give the file a name that ends in {kinds}"),))
+    return file
+
+
+def _draw(formula: Formula, file: Path) -> None:
+    # Drawing is loaded when it is asked for.
+    from mission.report.figures.automaton import automaton_of_formula  # noqa: PLC0415
+    from mission.report.figures.canvas import to_pdf, to_png, to_svg  # noqa: PLC0415
+
+    written = {".png": to_png, ".svg": to_svg, ".pdf": to_pdf}[file.suffix.lower()]
+    write_named("--picture", file, written(automaton_of_formula(translate(formula), str(formula))))
 
 
 def to_table(automaton: BuchiAutomaton) -> str:

@@ -61,7 +61,7 @@ def read_plan(file: Path) -> FlightPlan:
         raise SpecError(tuple(replace(fault, line=0, column=0) for fault in error.faults), str(file)) from error
 
 
-def write_named(option: str, file: Path, content: str) -> None:
+def write_named(option: str, file: Path, content: bytes | str) -> None:
     """Write a whole file that an option names.
 
     Raises:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mission.logic.components import backward_reachable, strong_components
-from mission.logic.diagrams import Diagrams
+from mission.logic.diagrams import Diagram, Diagrams
 from mission.logic.guards import Guard
 from mission.logic.word import LassoWord, Letter
 
@@ -91,27 +91,12 @@ class BuchiAutomaton:
     @cached_property
     def deterministic(self) -> bool:
         """Whether there is one initial state and no state has two transitions for the same letter."""
-        if len(self.initial) > 1:
-            return False
-        diagrams = Diagrams()
-        for group in self.outgoing:
-            seen = diagrams.false
-            for edge in group:
-                letters = diagrams.any_of(map(diagrams.cube, edge.guard.cubes))
-                if diagrams.both(seen, letters) != diagrams.false:
-                    return False
-                seen = diagrams.either(seen, letters)
-        return True
+        return len(self.initial) == 1 and not _offers_a_choice(self.edges)
 
     @cached_property
     def complete(self) -> bool:
         """Whether every state has a transition for every letter."""
-        diagrams = Diagrams()
-        for group in self.outgoing:
-            letters = diagrams.any_of(diagrams.cube(cube) for edge in group for cube in edge.guard.cubes)
-            if letters != diagrams.true:
-                return False
-        return True
+        return _read_everything(self.size, self.edges)
 
     def accepts(self, word: LassoWord) -> bool:
         """Whether ``word`` is in the language: an accepting cycle in the product with the lasso."""
@@ -160,6 +145,38 @@ class GeneralisedBuchi:
         for edge in self.edges:
             if list(edge.marks) != sorted({mark for mark in edge.marks if 0 <= mark < self.sets}):
                 raise ValueError(f"an edge has the marks {edge.marks}, with {self.sets} acceptance sets")
+
+    @cached_property
+    def deterministic(self) -> bool:
+        """Whether there is one initial state and no state has two transitions for the same letter."""
+        return len(self.initial) == 1 and not _offers_a_choice(self.edges)
+
+    @cached_property
+    def complete(self) -> bool:
+        """Whether every state has a transition for every letter."""
+        return _read_everything(self.size, self.edges)
+
+
+def _offers_a_choice(edges: Sequence[Edge | MarkedEdge]) -> bool:
+    """Whether some state has two edges for the same letter."""
+    diagrams = Diagrams()
+    read: dict[int, Diagram] = {}
+    for edge in edges:
+        seen = read.get(edge.source, diagrams.false)
+        letters = diagrams.any_of(map(diagrams.cube, edge.guard.cubes))
+        if diagrams.both(seen, letters) != diagrams.false:
+            return True
+        read[edge.source] = diagrams.either(seen, letters)
+    return False
+
+
+def _read_everything(size: int, edges: Sequence[Edge | MarkedEdge]) -> bool:
+    """Whether every state has an edge for every letter."""
+    diagrams = Diagrams()
+    read = [diagrams.false] * size
+    for edge in edges:
+        read[edge.source] = diagrams.either(read[edge.source], diagrams.any_of(map(diagrams.cube, edge.guard.cubes)))
+    return all(letters == diagrams.true for letters in read)
 
 
 def _check_states(propositions: tuple[str, ...], size: int, initial: tuple[int, ...]) -> None:

@@ -43,6 +43,18 @@ def strong_components(successors: Sequence[Iterable[int]], roots: Iterable[int])
     return components
 
 
+def reachable(successors: Sequence[Iterable[int]], start: int) -> set[int]:
+    """Every vertex that ``start`` reaches, itself included."""
+    found = {start}
+    pending = [start]
+    while pending:
+        for vertex in successors[pending.pop()]:
+            if vertex not in found:
+                found.add(vertex)
+                pending.append(vertex)
+    return found
+
+
 def backward_reachable(successors: Sequence[Iterable[int]], goals: Iterable[int]) -> set[int]:
     """Every vertex from which one of ``goals`` can be reached, the goals included."""
     predecessors: list[list[int]] = [[] for _ in successors]

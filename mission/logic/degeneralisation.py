@@ -8,7 +8,7 @@ a component is entered at those levels that a run can meet again and again, and 
 
 from collections.abc import Sequence
 
-from mission.logic.components import strong_components
+from mission.logic.components import reachable, strong_components
 from mission.logic.structure import Components, Moves, Structure, components
 
 
@@ -112,16 +112,20 @@ def with_few_mixed_states(structure: Structure, order: Sequence[int]) -> Structu
     circles = _Circles(structure.size, plain)
     unmarkable = {(state, target) for state, target in plain if circles.joins(state, target)}
     markable = {(state, target, marks) for state, target, marks in inner if marks or (state, target) not in unmarkable}
+    successors: list[list[int]] = [[] for _ in range(structure.size)]
+    for state, target in unmarkable:
+        successors[state].append(target)
+    sources: list[list[int]] = [[] for _ in range(structure.size)]
+    for state, target, _ in sorted(markable):
+        sources[target].append(state)
+    mixed = {target for _, target in unmarkable if sources[target]}
     light: set[int] = set()
     for chosen in order:
-        mixed = any(target == chosen for _, target in unmarkable)
-        if not mixed or not any(target == chosen for _, target, _ in markable):
-            continue
-        trial = light | {chosen}
-        plain = [(s, t) for s, t, marks in inner if (s, t, marks) not in markable or t in trial]
-        circles = _Circles(structure.size, plain)
-        if not any(t in trial and circles.joins(s, t) for s, t, _ in markable):
-            light = trial
+        # Without the marks of what enters the state, no cycle may be left that had no other mark.
+        if chosen in mixed and reachable(successors, chosen).isdisjoint(sources[chosen]):
+            light.add(chosen)
+            for state in sources[chosen]:
+                successors[state].append(chosen)
     rows = []
     for state, diagram in enumerate(structure.moves):
 

@@ -145,4 +145,8 @@ def _lasting_letters(product: _Product) -> list[list[Diagram]] | None:
 
 
 def _within(diagrams: Diagrams, part: list[Diagram], other: list[Diagram]) -> bool:
-    return all(diagrams.both(inner, outer) == inner for inner, outer in zip(part, other, strict=True))
+    return all(
+        diagrams.both(inner, outer) == inner
+        for inner, outer in zip(part, other, strict=True)
+        if inner != diagrams.false
+    )

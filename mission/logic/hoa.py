@@ -17,7 +17,6 @@ def to_hoa(automaton: BuchiAutomaton | GeneralisedBuchi) -> str:
     if isinstance(automaton, BuchiAutomaton):
         lines += ["acc-name: Buchi", "Acceptance: 1 Inf(0)"]
         properties = ["trans-labels", "explicit-labels", "state-acc", "no-univ-branch"]
-        properties += ["deterministic"] * automaton.deterministic + ["complete"] * automaton.complete
         for edge in automaton.edges:
             rows[edge.source].append(f"[{_label(edge.guard)}] {edge.target}")
         heads = [f"State: {state}" + " {0}" * (state in automaton.accepting) for state in range(automaton.size)]
@@ -30,6 +29,7 @@ def to_hoa(automaton: BuchiAutomaton | GeneralisedBuchi) -> str:
             marks = f" {{{' '.join(map(str, marked.marks))}}}" if marked.marks else ""
             rows[marked.source].append(f"[{_label(marked.guard)}] {marked.target}{marks}")
         heads = [f"State: {state}" for state in range(automaton.size)]
+    properties += ["deterministic"] * automaton.deterministic + ["complete"] * automaton.complete
     lines += ["properties: " + " ".join(properties), "--BODY--"]
     for head, row in zip(heads, rows, strict=True):
         lines += [head, *row]

@@ -1,7 +1,8 @@
 """Reads automata in the Hanoi Omega-Automata format, version 1.
 
 Read are Büchi and generalised Büchi acceptance, on states and on transitions, labels on states and on edges, implicit
-labels, aliases, and several initial states. Everything else that the format allows is refused.
+labels, aliases, and several initial states. Everything else that the format allows is refused, and so is a header that
+contradicts itself or the body.
 
 Source: the format's own description, https://adl.github.io/hoaf/.
 """
@@ -13,6 +14,7 @@ from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
 from mission.logic.diagrams import MAX_CUBES, Diagram, Diagrams, TooLargeError
 from mission.logic.formula import proposition
 from mission.logic.guards import Guard
+from mission.logic.hoa_claims import Claims, Use
 from mission.logic.hoa_tokens import Token, refusal, tokens
 
 MAX_STATES: Final = 20_000
@@ -20,6 +22,7 @@ MAX_PROPOSITIONS: Final = 32
 MAX_IMPLICIT: Final = 12
 MAX_SETS: Final = 64
 _MAX_NESTING: Final = 100
+_GROWTH: Final = 1_000_000  # nodes of diagrams for the labels
 
 
 class Reader:
@@ -39,6 +42,8 @@ class Reader:
         self._sets: int | None = None
         self._edges: list[tuple[int, Diagram, Token, int]] = []
         self._defined: dict[int, Token] = {}
+        self._claims = Claims()
+        self._diagrams.allow(_GROWTH)
 
     def read(self) -> GeneralisedBuchi:
         """The automaton, its states numbered as in the file.
@@ -57,8 +62,6 @@ class Reader:
 
     def _take(self) -> Token:
         token = self._next
-        if token.kind == "mark" and token.text == "--ABORT--":
-            raise refusal("the automaton was aborted by the tool that wrote it", token)
         self._next = next(self._tokens)
         return token
 
@@ -101,9 +104,12 @@ class Reader:
             elif item.text[0].isupper():
                 raise refusal(f"{item.text}: is not known, and could change the meaning of the automaton", item)
             else:
+                values = []
                 while self._next.kind in ("identifier", "integer", "string"):
-                    self._take()
+                    values.append(self._take())
+                self._claims.note(item, values)
         body = self._expect("mark", "--BODY--")
+        self._claims.check_name(self._sets or 0, self._positive, self._negative)
         if self._sets is None:
             raise refusal("Acceptance: is missing", body, "add Acceptance: 1 Inf(0)")
         if not self._starts:
@@ -243,7 +249,10 @@ class Reader:
             raise refusal("something follows the automaton; one automaton is read", self._next)
 
     def _state(self, item: Token) -> None:
+        opening = self._next
         shared = self._bracketed() if self._at("symbol", "[") else None
+        if shared is not None:
+            self._claims.use(Use.STATE_LABEL, opening)
         number = self._state_number(item)
         state = int(number.text)
         if state in self._defined:
@@ -251,7 +260,7 @@ class Reader:
         self._defined[state] = number
         if self._at("string"):
             self._take()
-        marks = self._marks()
+        marks = self._marks(Use.STATE_MARK)
         edges: list[tuple[Diagram | None, Token, int]] = []
         while self._at("symbol", "[") or self._at("integer"):
             opening = self._next
@@ -259,7 +268,7 @@ class Reader:
             if label is not None and shared is not None:
                 raise refusal(f"state {state} has a label, so that its edges have none", opening)
             target = self._state_number(opening)
-            edges.append((label, target, marks | self._marks()))
+            edges.append((label, target, marks | self._marks(Use.EDGE_MARK)))
         labels = self._labels(number, shared, [label for label, _, _ in edges])
         for label, (_, target, bits) in zip(labels, edges, strict=True):
             self._edges.append((state, label, target, bits))
@@ -271,7 +280,10 @@ class Reader:
         if found or not labels:
             if len(found) < len(labels):
                 raise refusal(f"some edges of state {state.text} have labels and some have none", state)
+            if found:
+                self._claims.use(Use.EDGE_LABEL, state)
             return found
+        self._claims.use(Use.IMPLICIT_LABEL, state)
         if len(self._names) > MAX_IMPLICIT:
             raise refusal(f"implicit labels are read for {MAX_IMPLICIT} propositions at most", state)
         letters = 1 << len(self._names)
@@ -285,10 +297,10 @@ class Reader:
         self._expect("symbol", "]")
         return label
 
-    def _marks(self) -> int:
+    def _marks(self, use: Use) -> int:
         bits = 0
         if self._at("symbol", "{"):
-            self._take()
+            self._claims.use(use, self._take())
             while self._at("integer"):
                 token = self._take()
                 if int(token.text) >= (self._sets or 0):
@@ -323,7 +335,9 @@ class Reader:
             if letters[source, target, marks] != self._diagrams.false
         )
         initial = tuple(sorted({int(token.text) for token in self._starts}))
-        return GeneralisedBuchi(self._names, size, initial, len(conditions), edges)
+        automaton = GeneralisedBuchi(self._names, size, initial, len(conditions), edges)
+        self._claims.check(automaton)
+        return automaton
 
     def _guards(self, labels: Iterable[Diagram]) -> dict[Diagram, Guard]:
         """Each label as a guard; all together have no more cubes than one may have."""

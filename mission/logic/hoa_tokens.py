@@ -47,7 +47,7 @@ def tokens(text: str) -> Iterator[Token]:
     """Every token of a file, and one of kind ``end`` that never stops coming.
 
     Raises:
-        SpecError: A character belongs to no token, a comment is not closed, or the file is too long.
+        SpecError: A character belongs to no token, a comment is not closed, or the file is too long or aborted.
     """
     line, line_start, position = 1, 0, 0
     if len(text) > MAX_LENGTH:
@@ -61,6 +61,8 @@ def tokens(text: str) -> Iterator[Token]:
         end = match.end()
         if kind == "comment":
             end = _comment_end(text, position, Token("comment", "/*", *place))
+        elif match.group() == "--ABORT--":
+            raise refusal("the automaton was aborted by the tool that wrote it", Token(kind, match.group(), *place))
         elif kind != "space":
             yield _token(kind, match.group(), *place)
         newlines = text.count("\n", position, end)

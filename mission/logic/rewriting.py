@@ -269,6 +269,8 @@ class Rewriter:
         if absorbing in flat:
             return absorbing
         merged = self._merged(operator, list(flat))
+        if not conjoin:
+            merged = self._awaited(merged)
         kept: list[Formula] = []
         for index, part in enumerate(merged):
             others = kept + merged[index + 1 :]
@@ -299,6 +301,15 @@ class Rewriter:
             joined = self._merge(operator, kind, group)
             result.extend(joined.operands if joined.operator is operator else (joined,))
         return list(dict.fromkeys(result))
+
+    def _awaited(self, parts: list[Formula]) -> list[Formula]:
+        """``F a | G F b`` as ``F (a | G F b)``: one thing to wait for, after which one of the parts is chosen."""
+        lasting, rest = _parted(tuple(parts), lambda part: is_suspendable(part) and part.operator is Operator.ALWAYS)
+        awaited = next((part for part in rest if part.operator is Operator.EVENTUALLY), None)
+        if not lasting or awaited is None:
+            return parts
+        joined = self.eventually(self.disjunction([*awaited.operands, *lasting]))
+        return [joined if part is awaited else part for part in rest]
 
     def _merge(self, operator: Operator, kind: Operator, group: list[Formula]) -> Formula:
         if kind is _DUAL[_UNARY[operator]]:

@@ -8,11 +8,15 @@ infinitely often.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Final
 
 from mission.logic.automaton import BuchiAutomaton, Edge, GeneralisedBuchi, MarkedEdge
 from mission.logic.components import backward_reachable, strong_components
-from mission.logic.diagrams import Diagram, Diagrams
+from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.guards import Guard
+
+_GROWTH_OF_READ: Final = 1_000_000  # nodes of diagrams
+_WORK_OF_READ: Final = 20_000_000  # moves joined
 
 Move = tuple[int, int]
 Moves = tuple[Move, ...]
@@ -247,13 +251,23 @@ def transition_based(structure: Structure) -> GeneralisedBuchi:
 
 
 def structure_of(automaton: GeneralisedBuchi) -> Structure:
-    """The working form of an automaton; several initial states become one more state with the moves of all."""
+    """The working form of an automaton; several initial states become one more state with the moves of all.
+
+    Raises:
+        TooLargeError: States tell too many letters apart.
+    """
     diagrams = Diagrams()
+    diagrams.allow(_GROWTH_OF_READ)
+    work = _WORK_OF_READ
     nothing = diagrams.leaf(())
     known: dict[tuple[Diagram, Diagram], Diagram] = {}
     rows = [nothing] * automaton.size
 
     def union(left: Moves, right: Moves) -> Moves:
+        nonlocal work
+        work -= len(left) + len(right)
+        if work < 0:
+            raise TooLargeError
         return tuple(sorted({*left, *right}))
 
     for edge in automaton.edges:

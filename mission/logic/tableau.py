@@ -7,6 +7,9 @@ linear temporal logic" (1999), on the clauses of Gastin and Oddoux, "Fast LTL to
 Each eventuality is one acceptance set: the transitions that do not put it off.
 """
 
+from functools import reduce
+from operator import or_
+
 from mission.logic.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.formula import Formula, Operator, postorder
 from mission.logic.structure import Moves, Structure
@@ -175,7 +178,10 @@ class Tableau:
         self._work -= len(left) * len(right)
         if self._work < 0:
             raise TooLargeError
-        return self._minimal({(self._short(a | c), b | d) for a, b in left for c, d in right})
+        clauses = {(self._short(a | c), b | d) for a, b in left for c, d in right}
+        if len(clauses) == len(left) * len(right) and _apart(left, right):
+            return tuple(sorted(clauses))
+        return self._minimal(clauses)
 
     def _union(self, left: Clauses, right: Clauses) -> Clauses:
         return self._minimal({*left, *right})
@@ -191,3 +197,12 @@ class Tableau:
             for clause in ordered
             if not any(not (other[0] & ~clause[0] or other[1] & ~clause[1]) for other in ordered if other != clause)
         )
+
+
+def _apart(left: Clauses, right: Clauses) -> bool:
+    """Whether two sets of clauses share nothing, so that no clause of one with one of the other is superfluous."""
+    return not any(_all(left, part) & _all(right, part) for part in (0, 1))
+
+
+def _all(clauses: Clauses, part: int) -> int:
+    return reduce(or_, (clause[part] for clause in clauses), 0)

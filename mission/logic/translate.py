@@ -157,6 +157,8 @@ class _Translation:
             first: dict[int, int] = {}
             for state, number in enumerate(classes):
                 first.setdefault(number, state)
+            if positive.deterministic and len(first) >= max(positive.size, _LARGE):
+                return None  # what was found is as small, and the more states the more this costs
             merged = renamed(diagrams, [rows[state] for state in first.values()], classes)
             found = accepting_like(merged, positive, negative, _LIMIT_OF_PRODUCTS)
             if found is not None:

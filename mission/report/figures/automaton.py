@@ -1,79 +1,34 @@
-"""Figure 4: the Büchi automaton of the formula, states in layers from the initial ones to the accepting ones."""
+"""Figure 4: the Büchi automaton of a formula, states in layers from the initial ones to the accepting ones."""
 
-import itertools
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
-import shapely
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from mission.errors import AutomatonSizeError
 from mission.geometry.arrays import FloatArray
 from mission.logic.automaton import BuchiAutomaton, Edge
 from mission.plan import FlightPlan
-from mission.report.figures.arrows import between_discs, bowed, draw_arrows
-from mission.report.figures.canvas import drawing, new_figure, text_size_em, titled
-from mission.report.figures.fitting import boxes_at
-from mission.report.figures.guard_text import keyed, shortened, written
-from mission.report.figures.layering import Layers, layered
+from mission.report.figures.arrows import draw_arrows
+from mission.report.figures.automaton_layout import DISC_PT, Arrangement, Part, arranged
+from mission.report.figures.canvas import NOTE_PT, POINTS_PER_INCH, TITLE_PT, drawing, new_figure, text_size_em, titled
+from mission.report.figures.guard_text import in_lines, keyed, shortened, written
 from mission.report.figures.palette import BLACK, BLUE, QUIET, WHITE
 from mission.spec.model import RegionKind, Semantics
 
 MOST_STATES = 30
 MOST_STATES_IN_FULL = 8
 MOST_EDGES_IN_FULL = 24
-CLASH = 100.0
-DISC_PT = 15.0
-LOOP_PT = 40.0
 GUARD_PT, SMALL_GUARD_PT = 10.0, 8.5
-ROW_PT = 74.0
-WIDEST_PT = 900.0
 LEAST_WIDTH_PT = 470.0
 MARGIN_PT = 26.0
 INITIAL_ARROW_PT = 24.0
-KEY_LINE_PT = 14.0
+TEXT_MARGIN_PT = 12.0
+KEY_PT, KEY_LINE_PT, KEY_GAP_PT = 9.0, 14.0, 18.0
+ON_PIXELS = 1.05  # how much wider long lines become when each letter starts on a pixel
+WIDEST_PT, HIGHEST_PT = 1000.0, 1300.0  # of a picture that is still read when it is printed on a page
 ACCEPTING_FILL = "#CCEBE3"  # GREEN at a fifth
-Pair = tuple[int, int]
-PLACES_ON_ARROW = (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.19, 0.81)
-
-
-@dataclass(frozen=True)
-class Part:
-    """What is drawn of an automaton, and how its guards are written.
-
-    Attributes:
-        states: Those drawn, ascending.
-        edges: Those drawn.
-        idle: Indices into ``edges`` of those that no label of the domain can take.
-        texts: What is written at each edge.
-        key: Lines that explain the texts.
-        note: What the reader must know of what was left out.
-    """
-
-    states: tuple[int, ...]
-    edges: tuple[Edge, ...]
-    idle: frozenset[int]
-    texts: tuple[str, ...]
-    key: tuple[str, ...]
-    note: str
-
-    @property
-    def pairs(self) -> list[Pair]:
-        """The ends of the edges, as indices into ``states``."""
-        place = {state: index for index, state in enumerate(self.states)}
-        return [(place[edge.source], place[edge.target]) for edge in self.edges]
-
-
-@dataclass(frozen=True, eq=False)
-class Arrangement:
-    """Where things stand, in points: nodes (N, 2), one polyline an edge, one label centre an edge (E, 2)."""
-
-    nodes: FloatArray
-    curves: list[FloatArray]
-    labels: FloatArray
-    sizes: list[tuple[float, float]]
-    clashes: int
 
 
 def automaton(plan: FlightPlan) -> Figure:
@@ -82,26 +37,74 @@ def automaton(plan: FlightPlan) -> Figure:
     Guards are written in full where they find room, else as short as the labels of the domain allow, else by a key.
     """
     machine = plan.automaton
-    for part in _parts(plan):
+    part, arrangement = _first_that_fits(machine, _parts(plan))
+    title = f"Automaton: {machine.size} states, {machine.edge_count} edges"
+    return _drawn(machine, part, arrangement, title)
+
+
+def automaton_of_formula(machine: BuchiAutomaton, formula: str) -> Figure:
+    """The whole automaton of a formula, with guards in full where they find room, else by a key.
+
+    Raises:
+        AutomatonSizeError: It is too large to be read in a picture.
+    """
+    if machine.size > MOST_STATES:
+        raise _unreadable(f"an automaton of {machine.size} states cannot be read in a picture, {MOST_STATES} can be")
+    part, arrangement = _first_that_fits(machine, _whole(machine, formula))
+    if arrangement.clashes:
+        raise _unreadable(f"the guards of {machine.edge_count} edges find no room in a picture")
+    kind = "deterministic" if machine.deterministic else "nondeterministic"
+    numbers = f"{_count(machine.size, 'state')}, {_count(machine.edge_count, 'edge')}"
+    figure = _drawn(machine, part, arrangement, f"Automaton: {numbers}, {kind}")
+    width_pt, height_pt = POINTS_PER_INCH * figure.get_size_inches()
+    if width_pt > WIDEST_PT or height_pt > HIGHEST_PT:
+        raise _unreadable(f"an automaton of {machine.edge_count} edges cannot be read in a picture")
+    return figure
+
+
+def _unreadable(reason: str) -> AutomatonSizeError:
+    return AutomatonSizeError(f"{reason}; print it as a table, or with --dot for a drawing program")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _first_that_fits(machine: BuchiAutomaton, parts: Iterable[Part]) -> tuple[Part, Arrangement]:
+    """The first part whose guards find room, or the last one."""
+    for part in parts:
         roots = [part.states.index(state) for state in machine.initial if state in part.states]
         size_pt = GUARD_PT if len(part.states) <= MOST_STATES_IN_FULL else SMALL_GUARD_PT
-        arrangement = _arranged(part, roots, size_pt)
+        arrangement = arranged(part, roots, size_pt)
         if arrangement.clashes == 0:
             break
+    return part, arrangement
+
+
+def _whole(machine: BuchiAutomaton, formula: str) -> Iterator[Part]:
+    """Ways to show an automaton that no domain belongs to."""
+    states, guards = tuple(range(machine.size)), [edge.guard for edge in machine.edges]
+    note = in_lines(formula)
+    if len(guards) <= MOST_EDGES_IN_FULL and len(states) <= MOST_STATES_IN_FULL:
+        yield Part(states, machine.edges, frozenset(), tuple(map(written, guards)), (), note)
+    names, key = keyed(guards)
+    yield Part(states, machine.edges, frozenset(), tuple(names), tuple(key), note)
+
+
+def _drawn(machine: BuchiAutomaton, part: Part, arrangement: Arrangement, title: str) -> Figure:
     with drawing():
-        title = f"Automaton: {machine.size} states, {machine.edge_count} edges"
         corners = [arrangement.labels + 0.5 * sign * np.array(arrangement.sizes).reshape(-1, 2) for sign in (-1, 1)]
         figure, axes = _canvas([arrangement.nodes, *arrangement.curves, *corners], title, part)
         for idle, colour in ((False, BLACK), (True, QUIET)):
             chosen = [curve for k, curve in enumerate(arrangement.curves) if (k in part.idle) is idle]
             draw_arrows(axes, chosen, colour=colour, width=1.0, head=8.0, dashed=idle)
-        _draw_states(axes, machine, part.states, arrangement.nodes, roots)
+        _draw_states(axes, machine, part.states, arrangement)
         for k, ((x, y), text) in enumerate(zip(arrangement.labels.tolist(), part.texts, strict=True)):
             axes.text(
                 x,
                 y,
                 text,
-                fontsize=size_pt,
+                fontsize=arrangement.size_pt,
                 color=QUIET if k in part.idle else BLUE,
                 ha="center",
                 va="center",
@@ -144,20 +147,6 @@ def _takes_any(edge: Edge, letters: Sequence[frozenset[str]]) -> bool:
     return any(edge.guard.allows(letter) for letter in letters)
 
 
-def _arranged(part: Part, roots: Sequence[int], size_pt: float) -> Arrangement:
-    pairs = part.pairs
-    sizes = [(size_pt * width, size_pt * height) for width, height in map(text_size_em, part.texts)]
-    layers = layered(len(part.states), roots, pairs)
-    columns, row_pt = _spacing(layers, pairs, sizes)
-    nodes = np.stack((columns[list(layers.layer)], -row_pt * np.array(layers.row)), axis=-1)
-    curves = [
-        _loop(nodes[source]) if source == target else _way(layers, (source, target), pairs, columns, row_pt)
-        for source, target in pairs
-    ]
-    labels, clashes = _label_places(curves, pairs, sizes, nodes)
-    return Arrangement(nodes, curves, labels, sizes, clashes)
-
-
 def states_along(plan: FlightPlan) -> list[int]:
     """States that some accepting reading of the run's word goes through, in the order in which they are met.
 
@@ -185,114 +174,40 @@ def states_along(plan: FlightPlan) -> list[int]:
     return list(dict.fromkeys(state for states in kept[::-1] for state in sorted(states)))
 
 
-def _spacing(layers: Layers, pairs: Sequence[Pair], sizes: Sequence[tuple[float, float]]) -> tuple[FloatArray, float]:
-    """Where each layer stands, shape (layers,), and the height of a row, in points: as wide as the guards need."""
-    count = max(layers.layer) + 1
-    gaps, loops = np.full(count, 60.0), np.zeros(count)
-    for (source, target), (width, _) in zip(pairs, sizes, strict=True):
-        first, last = sorted((layers.layer[source], layers.layer[target]))
-        if source == target:
-            loops[first] = max(loops[first], 0.5 * width)
-        else:
-            gaps[first:last] = np.maximum(gaps[first:last], (width if last - first == 1 else 0.5 * width) + 34.0)
-    steps = np.maximum(2 * DISC_PT + gaps[:-1], loops[:-1] + loops[1:] + 12.0)
-    columns = np.concatenate(([0.0], np.cumsum(steps)))
-    columns *= min(1.0, WIDEST_PT / max(float(columns[-1]), 1.0))
-    tallest = max((height for _, height in sizes), default=0.0)
-    return columns, max(ROW_PT, LOOP_PT + DISC_PT + tallest + 8.0)
-
-
-def _loop(node: FloatArray) -> FloatArray:
-    """An arrow from a node round to itself, above it."""
-    t = np.linspace(0.0, 1.0, 33)[:, None]
-    left, right = np.array([-24.0, LOOP_PT + 12.0]), np.array([24.0, LOOP_PT + 12.0])
-    start = DISC_PT * np.array([-np.sin(0.5), np.cos(0.5)])
-    end = start * (-1.0, 1.0)
-    curve: FloatArray = node + _bezier(t, start, left, right, end)
-    return curve
-
-
-def _way(layers: Layers, pair: Pair, pairs: Sequence[Pair], columns: FloatArray, row_pt: float) -> FloatArray:
-    """An arrow between two nodes through its way points, level at each; apart from one that goes the other way."""
-    points = np.array([(columns[level], -row_pt * row) for level, row in layers.ways[pair]])
-    both_ways = pair[::-1] in pairs
-    if both_ways and len(points) == 2:  # noqa: PLR2004 - nothing in between
-        return between_discs(bowed(points[0], points[1], 0.14), DISC_PT, DISC_PT)
-    if both_ways:
-        points[1:-1, 1] += 9.0 if pair[0] < pair[1] else -9.0
-    t = np.linspace(0.0, 1.0, 25)[:, None]
-    pieces = []
-    for start, end in itertools.pairwise(points):
-        middle = 0.5 * (start[0] + end[0])
-        pieces.append(_bezier(t, start, np.array([middle, start[1]]), np.array([middle, end[1]]), end))
-    return between_discs(np.concatenate(pieces), DISC_PT, DISC_PT)
-
-
-def _bezier(t: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
-    curve: FloatArray = (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * b + 3 * t**2 * (1 - t) * c + t**3 * d
-    return curve
-
-
-def _label_places(
-    curves: Sequence[FloatArray], pairs: Sequence[Pair], sizes: Sequence[tuple[float, float]], nodes: FloatArray
-) -> tuple[FloatArray, int]:
-    """The centre of each guard, and how many hide a state or another guard.
-
-    Guards stand over their loops, or on their arrows where they hide no state, no other guard and few arrows.
-    """
-    discs = shapely.buffer(shapely.points(nodes), DISC_PT + 1.0)
-    lines = shapely.linestrings(
-        [point for curve in curves for point in curve],
-        indices=np.repeat(np.arange(len(curves)), [len(curve) for curve in curves]),
-    )
-    clashes = 0
-    taken: list[shapely.Geometry] = []
-    places = np.zeros((len(curves), 2))
-    loops_first = sorted(range(len(curves)), key=lambda k: (pairs[k][0] != pairs[k][1], k))
-    for k in loops_first:
-        curve, (width, height) = curves[k], sizes[k]
-        if pairs[k][0] == pairs[k][1]:
-            spots = np.array([[curve[:, 0].mean(), curve[:, 1].max() + 0.5 * height + 1.0]])
-        else:
-            along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))
-            at = along[-1] * np.array(PLACES_ON_ARROW)
-            spots = np.stack((np.interp(at, along, curve[:, 0]), np.interp(at, along, curve[:, 1])), axis=-1)
-        boxes = boxes_at(spots[:, 0], spots[:, 1], (width, height), 1.0)
-        cost = 3.0 * CLASH * shapely.intersects(boxes[:, None], discs[None]).sum(axis=1)
-        if taken:
-            cost += CLASH * shapely.intersects(boxes[:, None], np.array(taken)[None]).sum(axis=1)
-        cost += shapely.intersects(boxes[:, None], np.delete(lines, k)[None]).sum(axis=1)
-        best = int(np.argmin(cost))
-        places[k] = spots[best]
-        clashes += bool(cost[best] >= CLASH)
-        taken.append(boxes[best])
-    return places, clashes
-
-
 def _canvas(content: Sequence[FloatArray], title: str, part: Part) -> tuple[Figure, Axes]:
     """A figure as large as what it shows, with axes in points that cover it."""
     points = np.concatenate([part for part in content if len(part)])
     (west, south), (east, north) = points.min(axis=0) - DISC_PT, points.max(axis=0) + DISC_PT
     west -= INITIAL_ARROW_PT
-    more = max(0.0, 0.5 * (LEAST_WIDTH_PT - 2 * MARGIN_PT - (east - west)))
-    west, east = west - more - MARGIN_PT, east + more + MARGIN_PT
-    below = 30.0 + KEY_LINE_PT * len(part.key) + 13.0 * part.note.count("\n") + (8.0 if part.key else 0.0)
+    key_width = KEY_PT * max((text_size_em(line)[0] for line in part.key), default=0.0)
+    words = max(key_width, NOTE_PT * text_size_em(part.note)[0], TITLE_PT * text_size_em(title, "bold")[0])
+    width = max(LEAST_WIDTH_PT, east - west + 2 * MARGIN_PT, ON_PIXELS * words + 2 * TEXT_MARGIN_PT)
+    west = 0.5 * (west + east - width)
+    rows = _key_rows(part.key, width - 2 * TEXT_MARGIN_PT, key_width)
+    below = 30.0 + KEY_LINE_PT * rows + 13.0 * part.note.count("\n") + (8.0 if part.key else 0.0)
     north, south = north + 38.0, south - below
-    figure = new_figure(east - west, north - south)
+    figure = new_figure(width, north - south)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set(xlim=(west, east), ylim=(south, north))
+    axes.set(xlim=(west, west + width), ylim=(south, north))
     axes.set_axis_off()
     titled(figure, title, part.note)
     for k, line in enumerate(part.key):
-        axes.text(
-            west + 12.0, south + below - KEY_LINE_PT * (k + 1), line, fontsize=9.0, va="bottom", color=BLUE, gid="key"
-        )
+        x = west + TEXT_MARGIN_PT + (key_width + KEY_GAP_PT) * (k // rows)
+        y = south + below - KEY_LINE_PT * (k % rows + 1)
+        axes.text(x, y, line, fontsize=KEY_PT, va="bottom", color=BLUE, gid="key")
     return figure, axes
 
 
-def _draw_states(
-    axes: Axes, machine: BuchiAutomaton, states: Sequence[int], nodes: FloatArray, roots: Sequence[int]
-) -> None:
+def _key_rows(key: Sequence[str], width: float, line_width: float) -> int:
+    """How many lines a column of the key has; entries of several lines stand in one column."""
+    columns = 1
+    if key and not any(line.startswith(" ") for line in key):
+        columns = max(1, int((width + KEY_GAP_PT) // (line_width + KEY_GAP_PT)))
+    return -(-len(key) // columns)
+
+
+def _draw_states(axes: Axes, machine: BuchiAutomaton, states: Sequence[int], arrangement: Arrangement) -> None:
+    nodes = arrangement.nodes
     axes.scatter(
         nodes[:, 0],
         nodes[:, 1],
@@ -326,6 +241,7 @@ def _draw_states(
             gid="state",
         )
     starts = [
-        np.array([node - (DISC_PT + INITIAL_ARROW_PT, 0.0), node - (DISC_PT, 0.0)]) for node in nodes[list(roots)]
+        np.array([node - (DISC_PT + INITIAL_ARROW_PT, 0.0), node - (DISC_PT, 0.0)])
+        for node in nodes[list(arrangement.roots)]
     ]
     draw_arrows(axes, starts, colour=BLACK, width=1.8, head=9.0)

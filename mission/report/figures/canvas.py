@@ -1,11 +1,11 @@
-"""From an empty figure to PNG bytes, with no state that outlives a call and no window system."""
+"""From an empty figure to the bytes of a file, with no state that outlives a call and no window system."""
 
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 
-from matplotlib import style
+from matplotlib import rc_context, style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont, get_font
@@ -17,6 +17,7 @@ from mission.report.figures.palette import BLACK, QUIET, STYLE
 DPI = 150
 POINTS_PER_INCH = 72.0
 LINE_HEIGHT_EM = 1.17
+TITLE_PT, NOTE_PT = 12.5, 9.0
 
 
 @contextmanager
@@ -37,9 +38,9 @@ def titled(figure: Figure, title: str, note: str = "") -> None:
     """Put what the picture shows at its top left, and a small note under it at the bottom."""
     height_pt = figure.get_figheight() * POINTS_PER_INCH
     left = 12.0 / (figure.get_figwidth() * POINTS_PER_INCH)
-    figure.text(left, 1 - 8 / height_pt, plain(title), fontsize=12.5, fontweight="bold", color=BLACK, va="top")
+    figure.text(left, 1 - 8 / height_pt, plain(title), fontsize=TITLE_PT, fontweight="bold", color=BLACK, va="top")
     if note:
-        figure.text(left, 7 / height_pt, plain(note), fontsize=9, color=QUIET, va="bottom")
+        figure.text(left, 7 / height_pt, plain(note), fontsize=NOTE_PT, color=QUIET, va="bottom")
 
 
 def to_png(figure: Figure) -> bytes:
@@ -47,6 +48,22 @@ def to_png(figure: Figure) -> bytes:
     stream = io.BytesIO()
     with drawing():
         figure.savefig(stream, format="png", dpi=DPI, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
+    return stream.getvalue()
+
+
+def to_svg(figure: Figure) -> bytes:
+    """The figure as SVG, its text as outlines; the same bytes for the same figure."""
+    stream = io.BytesIO()
+    with drawing(), rc_context({"svg.hashsalt": "figure"}):
+        figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
+    return stream.getvalue()
+
+
+def to_pdf(figure: Figure) -> bytes:
+    """The figure as PDF; the same bytes for the same figure."""
+    stream = io.BytesIO()
+    with drawing():
+        figure.savefig(stream, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
     return stream.getvalue()
 
 

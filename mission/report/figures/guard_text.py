@@ -35,6 +35,11 @@ def written(guard: Guard) -> str:
     return "\n".join(_broken(_signs(guard), LONGEST_LINE))
 
 
+def in_lines(formula: str) -> str:
+    """A formula as it is written, in lines."""
+    return "\n".join(_broken(plain(formula), LONGEST_KEY_LINE))
+
+
 def keyed(guards: Sequence[Guard]) -> tuple[list[str], list[str]]:
     """Short names for all but the shortest guards, and the lines that explain the names."""
     key: dict[str, str] = {}
@@ -74,9 +79,11 @@ def _signs(guard: Guard) -> str:
 
 
 def _broken(text: str, longest: int) -> list[str]:
-    """Break a guard before its operators."""
+    """Break a guard, or a formula, before its operators."""
     lines: list[str] = []
-    for word in text.replace(" ∧ ", " \n∧ ").replace(" ∨ ", " \n∨ ").split("\n"):
+    for sign in "∧∨&|":
+        text = text.replace(f" {sign} ", f" \n{sign} ")
+    for word in text.split("\n"):
         if lines and len(lines[-1]) + len(word) <= longest:
             lines[-1] += word
         else:

@@ -16,6 +16,8 @@ from mission.geometry.arrays import FloatArray
 Edge = tuple[int, int]
 SWEEPS = 12
 EVENINGS = 40
+BESIDE_A_WAY = 0.6  # rows between a node and the way point of an edge that passes by
+BETWEEN_WAYS = 0.4  # rows between two such way points
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Layers:
 
     Attributes:
         layer: The layer of each node, from 0.
-        row: The row of each node; nodes of one layer are at least one row apart.
+        row: The row of each node; nodes of one layer are at least one row apart, and less so the edges that pass by.
         ways: The way points of each edge, as pairs (layer, row), from its source to its target, both included.
     """
 
@@ -41,7 +43,8 @@ def layered(size: int, roots: Sequence[int], edges: Sequence[Edge]) -> Layers:
     chains, height = _with_way_points(size, layer, sorted(set(forward.values())))
     levels = [*layer, *(height[k] for k in range(size, len(height)))]
     order = _ordered(levels, chains)
-    rows = _evened(order, chains)
+    loops = {source for source, target in edges if source == target}
+    rows = _evened(order, chains, _Gaps(size, loops))
     ways: dict[Edge, tuple[tuple[int, float], ...]] = {}
     for edge in distinct:
         chain = chains[forward[edge]]
@@ -149,28 +152,43 @@ def _crossings(order: Sequence[Sequence[int]], after: Sequence[Sequence[int]]) -
     return total
 
 
-def _evened(order: Sequence[Sequence[int]], chains: Mapping[Edge, tuple[int, ...]]) -> list[float]:
-    """Rows near the mean of the neighbours' rows, in the given order and one apart."""
+@dataclass(frozen=True)
+class _Gaps:
+    """Rows between neighbours in a layer; nodes are numbers below ``size``, and ``loops`` are drawn above theirs."""
+
+    size: int
+    loops: set[int]
+
+    def between(self, upper: int, lower: int) -> float:
+        if lower in self.loops or max(upper, lower) < self.size:
+            return 1.0
+        return BESIDE_A_WAY if min(upper, lower) < self.size else BETWEEN_WAYS
+
+
+def _evened(order: Sequence[Sequence[int]], chains: Mapping[Edge, tuple[int, ...]], gaps: _Gaps) -> list[float]:
+    """Rows near the mean of the neighbours' rows, in the given order and far enough apart."""
     count = sum(len(nodes) for nodes in order)
     near: list[list[int]] = [[] for _ in range(count)]
     for chain in chains.values():
         for source, target in itertools.pairwise(chain):
             near[source].append(target)
             near[target].append(source)
+    offsets = []
     rows = np.zeros(count)
     for nodes in order:
-        rows[list(nodes)] = np.arange(len(nodes)) - 0.5 * (len(nodes) - 1)
+        offsets.append(np.cumsum([0.0, *(gaps.between(*pair) for pair in itertools.pairwise(nodes))]))
+        rows[list(nodes)] = offsets[-1] - 0.5 * offsets[-1][-1]
     for turn in range(EVENINGS):
-        for nodes in order if turn % 2 == 0 else order[::-1]:
+        layers = list(zip(order, offsets, strict=True))
+        for nodes, places in layers if turn % 2 == 0 else layers[::-1]:
             wished = np.array([rows[near[node]].mean() if near[node] else rows[node] for node in nodes])
-            rows[list(nodes)] = _spaced(wished)
+            rows[list(nodes)] = _spaced(wished, places)
     return [float(row) for row in rows - rows.min()]
 
 
-def _spaced(wished: FloatArray) -> FloatArray:
-    """The places nearest to those wished for (least squares) that keep the order and a distance of one."""
-    # With the distances taken off, this is an isotonic regression: blocks that clash are merged to their mean.
-    offsets = np.arange(len(wished), dtype=np.float64)
+def _spaced(wished: FloatArray, offsets: FloatArray) -> FloatArray:
+    """The places nearest to those wished for (least squares) that are as far apart as ``offsets``, or farther."""
+    # With the offsets taken off, this is an isotonic regression: blocks that clash are merged to their mean.
     blocks: list[tuple[float, int]] = []
     for value in wished - offsets:
         mean, weight = float(value), 1

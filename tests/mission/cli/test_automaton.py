@@ -1,13 +1,14 @@
 """``mission automaton``: every form of the same automaton."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 from mission.cli import main
-from mission.logic.hoa import parse_hoa
+from mission.logic.hoa import parse_generalised, parse_hoa
 from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.translate import translate, translate_generalised
 
 FORMULA = "F (S1 & F R) & G !K1"
 
@@ -35,6 +36,48 @@ def test_hoa_reads_back_as_the_same_automaton(capsys: pytest.CaptureFixture[str]
     automaton = translate(parse_formula(FORMULA))
     assert (again.size, again.initial, again.accepting) == (automaton.size, automaton.initial, automaton.accepting)
     assert again.edge_count == automaton.edge_count
+
+
+def test_the_generalised_automaton_reads_back_too(capsys: pytest.CaptureFixture[str]) -> None:
+    formula = "G F a & G F b"
+    assert main(["automaton", formula, "--generalised"]) == 0
+    again = parse_generalised(capsys.readouterr().out)
+    assert again == translate_generalised(parse_formula(formula))
+    assert (again.size, again.sets) == (1, 2)
+
+
+@pytest.mark.parametrize(("suffix", "magic"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".PDF", b"%PDF")])
+def test_a_picture_is_written_beside_the_table(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, suffix: str, magic: bytes
+) -> None:
+    file = tmp_path / f"automaton{suffix}"
+    assert "3 states, 6 edges, deterministic" in shown(capsys, "--picture", str(file))
+    drawn = file.read_bytes()
+    assert drawn.startswith(magic)
+    shown(capsys, "--picture", str(file))
+    assert file.read_bytes() == drawn
+    assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize(
+    ("formula", "file", "reason", "hint"),
+    [
+        (FORMULA, "a.gif", "which kind of picture", "ends in .pdf, .png or .svg"),
+        (FORMULA, "a", "which kind of picture", "ends in .pdf, .png or .svg"),
+        (FORMULA, "nowhere/a.png", "cannot be written: no such file or directory", "a place that can be written to"),
+        ("F a & F b & F c & F d & F e", "a.png", "of 32 states cannot be read", "with --dot for a drawing program"),
+        ("F a & F b & F c & F d", "a.png", "of 81 edges cannot be read", "print it as a table"),
+    ],
+)
+def test_a_picture_that_cannot_be_drawn(
+    *, capsys: pytest.CaptureFixture[str], tmp_path: Path, formula: str, file: str, reason: str, hint: str
+) -> None:
+    assert main(["automaton", formula, "--picture", str(tmp_path / file)]) == 2
+    printed = capsys.readouterr()
+    assert not printed.out
+    assert reason in printed.err
+    assert hint in printed.err
+    assert not list(tmp_path.iterdir())
 
 
 def test_dot_has_a_line_for_each_edge(capsys: pytest.CaptureFixture[str]) -> None:

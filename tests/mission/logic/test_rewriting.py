@@ -12,15 +12,46 @@ from tests.support.formulas import random_formula, random_word
 NAMES = ("a", "b", "c")
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_rewriting_keeps_the_meaning(seed: int) -> None:
+def check_rewriting(seed: int, formulas: int) -> None:
     random = Random(seed)  # noqa: S311 - no secrets here
-    for _ in range(150):
-        formula = random_formula(random, random.randrange(1, 15), NAMES[: random.randrange(1, 4)])
+    for _ in range(formulas):
+        formula = random_formula(random, random.randrange(1, 21), NAMES[: random.randrange(1, 4)])
         short = simplified(formula)
         for _ in range(6):
             word = random_word(random, NAMES)
             assert satisfies(word, formula) == satisfies(word, short), f"{formula} became {short}; {word}"
+
+
+def check_implications(seed: int, pairs: int) -> int:
+    """The number of implications that were found, and held."""
+    random = Random(seed)  # noqa: S311 - no secrets here
+    found = 0
+    for _ in range(pairs):
+        left = simplified(random_formula(random, random.randrange(6), NAMES[:2]))
+        right = simplified(random_formula(random, random.randrange(6), NAMES[:2]))
+        if left is not right and Implications().implies(left, right):
+            found += 1
+            for _ in range(6):
+                word = random_word(random, NAMES[:2])
+                assert satisfies(word, right) or not satisfies(word, left), f"{left} does not imply {right}; {word}"
+    return found
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_rewriting_keeps_the_meaning(seed: int) -> None:
+    check_rewriting(seed, 150)
+
+
+def test_implications_are_true() -> None:
+    assert check_implications(2, 1500) > 100
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1200)
+@pytest.mark.parametrize("seed", range(10, 14))
+def test_many_rewritings_and_implications(seed: int) -> None:
+    check_rewriting(seed, 5_000)
+    assert check_implications(seed, 20_000) > 1_000
 
 
 def test_negation_normal_form() -> None:
@@ -29,20 +60,6 @@ def test_negation_normal_form() -> None:
         for node in postorder(simplified(random_formula(random, 12, NAMES))):
             assert node.operator not in (Operator.IMPLIES, Operator.IFF)
             assert node.operator is not Operator.NOT or node.operands[0].operator is Operator.PROPOSITION
-
-
-def test_implications_are_true() -> None:
-    random = Random(2)  # noqa: S311 - no secrets here
-    found = 0
-    for _ in range(1500):
-        left = simplified(random_formula(random, random.randrange(5), NAMES[:2]))
-        right = simplified(random_formula(random, random.randrange(5), NAMES[:2]))
-        if left is not right and Implications().implies(left, right):
-            found += 1
-            for _ in range(6):
-                word = random_word(random, NAMES[:2])
-                assert satisfies(word, right) or not satisfies(word, left), f"{left} does not imply {right}; {word}"
-    assert found > 100
 
 
 @pytest.mark.parametrize(
@@ -66,6 +83,8 @@ def test_implications_are_true() -> None:
         ("(a U b) U b", "a U b"),
         ("G (a W b)", "G (a | b)"),
         ("F (a M b)", "F (a & b)"),
+        ("G F b | F a", "F (a | G F b)"),
+        ("G F a -> G F b", "F (G !a | G F b)"),
         ("!a W a", "true"),
     ],
 )

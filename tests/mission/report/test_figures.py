@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
@@ -16,10 +17,14 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from numpy.typing import ArrayLike
 
+from mission.errors import AutomatonSizeError
 from mission.geometry.arrays import FloatArray
+from mission.logic.parser import parse_formula
+from mission.logic.translate import translate
 from mission.plan import FlightPlan
 from mission.report.figures import PICTURES, save_all
-from mission.report.figures.automaton import automaton, states_along
+from mission.report.figures.automaton import automaton, automaton_of_formula, states_along
+from mission.report.figures.automaton_layout import DISC_PT
 from mission.report.figures.canvas import plain, text_size_em, to_png
 from mission.report.figures.histories import control_signals, time_histories, tracked_states
 from mission.report.figures.palette import KIND_COLOUR, OKABE_ITO
@@ -176,6 +181,55 @@ def test_no_text_of_an_automaton_covers_another(tour: Tour) -> None:
     figure = automaton(plan_of(tour))
     (axes,) = figure.axes
     assert overlaps(boxes(figure, texts(axes, "state", "guard", "key"))) == 0
+
+
+FORMULAS = (
+    "true",
+    "false",
+    "F a",
+    "F G a | G F b",
+    "F (a & X X X b)",
+    "F a & F b & F c",
+    "G (a -> F b) & G (c -> F d)",
+    "G F a & G F b & G F c & G F d",
+    "(G F a -> G F b) & (G F c -> G F d)",
+    "F a & F b & F c & G (low -> !a & !b & !c U base)",
+    "F (a & F (b & F (c & F (d & F (e & F (f & F (g & F h))))))) & G !k",
+    'F (inspection_hall_north & F (loading_bay_7 & F "home base")) & G !restricted_area_east & G !"no fly zone"',
+    "G (" + " | ".join(f"a_very_long_name_of_a_region_{i}" for i in range(12)) + ")",
+)
+
+
+@pytest.mark.parametrize("formula", FORMULAS)
+def test_the_automaton_of_a_formula_is_drawn_whole_and_legibly(formula: str) -> None:
+    machine = translate(parse_formula(formula))
+    figure = automaton_of_formula(machine, formula)
+    (axes,) = figure.axes
+    assert len(texts(axes, "state")) == machine.size
+    assert len(texts(axes, "guard")) == machine.edge_count
+    shown = boxes(figure, [*texts(axes, "state", "guard", "key"), *figure.texts])
+    assert overlaps(shown) == 0
+    page = figure.bbox
+    assert all(page.x0 <= box.x0 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1 for box in shown)
+
+
+def test_no_guard_of_a_loop_lies_on_another_arrow() -> None:
+    figure = automaton_of_formula(translate(parse_formula("F a & F b & F c")), "")
+    (axes,) = figure.axes
+    arrows = next(drawn for drawn in axes.collections if isinstance(drawn, LineCollection))
+    lines = [shapely.LineString(line) for line in arrows.get_segments()]
+    guards = [
+        shapely.box(*axes.transData.inverted().transform(box).ravel()) for box in boxes(figure, texts(axes, "guard"))
+    ]
+    for guard, line in zip(guards, lines, strict=True):
+        if shapely.Point(line.coords[0]).distance(shapely.Point(line.coords[-1])) < 2 * DISC_PT:
+            assert not any(guard.intersects(other) for other in lines)
+
+
+def test_an_automaton_that_fills_more_than_a_page_is_refused() -> None:
+    for formula in ("F a & F b & F c & F d", "F a & F b & F c & F d & F e"):
+        with pytest.raises(AutomatonSizeError, match="cannot be read in a picture"):
+            automaton_of_formula(translate(parse_formula(formula)), formula)
 
 
 def test_the_states_along_the_run_read_its_word() -> None:
