@@ -11,9 +11,11 @@ from functools import cached_property
 from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.combination import intersection, union
 from mission.logic.complement import complement
-from mission.logic.conversion import with_accepting_states
+from mission.logic.conversion import with_accepting_states, with_marked_transitions
 from mission.logic.formula import TRUE, Formula, negation
+from mission.logic.rewriting import simplified
 from mission.logic.translate import translate, translate_generalised
+from mission.logic.weak import is_obligation
 from mission.logic.word import LassoWord, Letter, satisfies
 from mission.plan.tasks import formula_of
 from mission.spec.model import MissionSpec, NamedAutomaton
@@ -54,10 +56,16 @@ class Specification:
     def generalised(self) -> GeneralisedBuchi:
         """A generalised Büchi automaton of the same words as ``automaton``, often smaller.
 
+        What asks for nothing again and again has one acceptance set: ``automaton`` itself.
+
         Raises:
             AutomatonSizeError: It is too large to be built.
         """
-        return translate_generalised(self.formula) if self.given is None else generalised_of(self.formula, self.given)
+        if self.given is not None:
+            return generalised_of(self.formula, self.given)
+        if is_obligation(simplified(self.formula)):
+            return with_marked_transitions(self.automaton)
+        return translate_generalised(self.formula)
 
     def satisfied_by(self, word: LassoWord) -> bool:
         """Whether a word satisfies it: by the definition of LTL and by the automaton that was given, as they are."""
