@@ -1,24 +1,17 @@
-"""Sizes of automata and times of translation; run with ``python -m pytest -m bench -s tests/bench``."""
+"""Size of the automaton and time of the translation, formula by formula, beside the best known translator.
 
-from statistics import median
-from time import perf_counter
+python -m pytest -m bench -n 0 -s tests/bench/test_bench_automata.py
+"""
+
+from functools import partial
 
 import pytest
 
 from mission.logic.translate import translate
-from tests.support.formulas import Measured, measured_formulas
+from tests.support.formulas import measured_formulas
+from tests.support.measuring import timed
 
 REPETITIONS = 3
-
-
-def timed(measured: Measured) -> float:
-    """Median time of a translation in seconds."""
-    times = []
-    for _ in range(REPETITIONS):
-        start = perf_counter()
-        translate(measured.formula)
-        times.append(perf_counter() - start)
-    return median(times)
 
 
 @pytest.mark.bench
@@ -33,7 +26,7 @@ def test_automata_of_the_measured_formulas(group: str) -> None:
         found = (automaton.size, automaton.edge_count, int(automaton.deterministic))
         known = (measured.states, measured.edges, int(measured.deterministic))
         sums = [total + value for total, value in zip(sums, found + known, strict=True)]
-        seconds = timed(measured)
+        seconds = timed(partial(translate, measured.formula), REPETITIONS).processor_s
         slowest = max(slowest, seconds)
         cells = [f"{mine} ({theirs})" for mine, theirs in zip(found, known, strict=True)]
         name = f"{group} {measured.number}"

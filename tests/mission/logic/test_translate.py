@@ -1,5 +1,6 @@
 import subprocess
 import sys
+from collections.abc import Sequence
 from itertools import combinations, product
 from random import Random
 
@@ -7,11 +8,12 @@ import pytest
 
 from mission.errors import AutomatonSizeError
 from mission.logic.automaton import BuchiAutomaton, compile_generalised, compile_to_alphabet
-from mission.logic.formula import Formula, negation
+from mission.logic.formula import Formula, negation, proposition_order
 from mission.logic.hoa import parse_generalised, parse_hoa, to_hoa
 from mission.logic.parser import parse_formula
 from mission.logic.translate import translate, translate_generalised
 from mission.logic.word import satisfies
+from tests.support.families import ETESSAMI_HOLZMANN, FAMILIES, SOMENZI_BLOEM
 from tests.support.formulas import GOLDEN, Measured, measured_formulas, random_formula, random_word
 from tests.support.letters import Rows, accepts, have_common_word, rows_of
 
@@ -103,6 +105,30 @@ def test_missions_have_small_and_right_automata() -> None:
             for _ in range(20):
                 word = random_word(random, automaton.propositions)
                 assert automaton.accepts(word) is satisfies(word, measured.formula), f"{measured.formula} on {word}"
+
+
+@pytest.mark.parametrize(
+    ("texts", "states"),
+    [
+        (ETESSAMI_HOLZMANN, 97),
+        (SOMENZI_BLOEM, 161),
+        ([family(2) for family in FAMILIES.values()], 265),
+    ],
+    ids=["Etessami, Holzmann", "Somenzi, Bloem", "families of 2"],
+)
+def test_formulas_that_are_no_targets_have_small_and_right_automata(texts: Sequence[str], states: int) -> None:
+    random, found = Random(9), 0  # noqa: S311 - no secrets here
+    for text in texts:
+        formula = parse_formula(text)
+        names = proposition_order(formula)
+        positive, negative = translate(formula), translate(negation(formula))
+        found += positive.size + negative.size
+        for _ in range(10):
+            word = random_word(random, names)
+            expected = satisfies(word, formula)
+            assert positive.accepts(word) is expected, f"{formula} on {word}"
+            assert negative.accepts(word) is not expected, f"!({formula}) on {word}"
+    assert found <= states  # as measured, so that no change makes them larger unseen
 
 
 def test_specification_patterns_have_the_automata_that_were_checked_in() -> None:

@@ -1,0 +1,65 @@
+"""Every bar that automata and search are held against, in one table.
+
+    python -m pytest -m bench -n 0 -s tests/bench/test_bars.py
+
+Times are of the processor, as nothing here runs in parallel: where others use the machine, the wall's clock says what
+they take too. Of each search the remark has the median by the wall, the memory of product and search, and how many
+shortest runs there are. A new row is one more ``Bar`` in one of the functions below, a new search one more ``Case``.
+"""
+
+from collections.abc import Iterator
+from functools import partial
+
+import pytest
+
+from mission.logic.translate import translate
+from tests.support.formulas import Measured, measured_formulas
+from tests.support.measuring import Bar, at_least, at_most, peak_mb, seconds, table, timed, within
+from tests.support.searches import CASES, problem, searched
+
+pytestmark = [pytest.mark.bench, pytest.mark.timeout(600)]
+
+ROUNDS = 9
+ROUNDS_OF_A_FORMULA = 3
+EIGHT_TARGETS = 256  # states
+
+
+def translation_s(measured: Measured) -> float:
+    return timed(partial(translate, measured.formula), ROUNDS_OF_A_FORMULA).processor_s
+
+
+def of_automata() -> Iterator[Bar]:
+    patterns, missions = measured_formulas("dac"), measured_formulas("mission")
+    automata = {measured: translate(measured.formula) for measured in (*patterns, *missions)}
+    of_patterns, of_missions = ([automata[measured] for measured in group] for group in (patterns, missions))
+    yield at_most("55 specification patterns: states", sum(found.size for found in of_patterns), 214)
+    yield at_most("55 specification patterns: edges", sum(found.edge_count for found in of_patterns), 614)
+    yield at_least("55 specification patterns: deterministic", sum(found.deterministic for found in of_patterns), 48)
+    yield at_most("25 mission formulas: states", sum(found.size for found in of_missions), 619)
+    yield at_least("25 mission formulas: deterministic", sum(found.deterministic for found in of_missions), 24)
+    times = {measured: translation_s(measured) for measured in automata}
+    large = {measured for measured, found in automata.items() if found.size >= EIGHT_TARGETS}
+    for what, bar_s, group in (
+        ("slowest formula but those of 8 targets", 1.0, times.keys() - large),
+        ("slowest formula of 8 targets", 2.0, large),
+    ):
+        slowest = max(group, key=times.__getitem__)
+        remark = f"{slowest.group} {slowest.number}, {automata[slowest].size} states"
+        yield within(what, times[slowest], bar_s, remark)
+
+
+def of_searches() -> Iterator[Bar]:
+    as_short = 0
+    for case in CASES:
+        search = partial(searched, *problem(case))
+        times, memory_mb, runs = timed(search, ROUNDS), peak_mb(search), search()
+        as_short += runs[runs.count - 1].cost == runs[0].cost == runs.cost
+        remark = f"wall {seconds(times.wall_s)}, {memory_mb:.0f} MB, {float(runs.count):.1e} runs of cost {runs.cost}"
+        yield within(f"search: {case.name}", times.processor_s, case.bar_s, remark)
+    yield at_least("searches whose last counted run is as short as the first", as_short, len(CASES))
+
+
+def test_every_bar_is_met() -> None:
+    bars = [*of_automata(), *of_searches()]
+    print(f"\n{table(bars)}")
+    assert not [bar.what for bar in bars if not bar.met]
