@@ -36,10 +36,10 @@ LEVEL_RAD: Final = 1e-6
 _HOVER_W: Final = 140.0
 _SOUND: Final[FourRotors] = (1.0, 1.0, 1.0, 1.0)
 _LEVER_PER_M: Final = 3.2
-"""Angular acceleration about roll or pitch for each m/s^2 of thrust that one rotor of a quadrotor lacks: m l / Ixx / 4."""
+"""Angular acceleration about roll or pitch by thrust (m/s^2) where a rotor gives none: m l / 4 Ixx."""
 
 _TWIST_PER_M: Final = 0.11
-"""The same about yaw: (drag / lift) m / Izz / 4."""
+"""The same about yaw: (drag / lift) m / 4 Izz."""
 
 
 Vector4 = tuple[float, float, float, float]

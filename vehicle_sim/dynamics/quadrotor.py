@@ -14,9 +14,10 @@ come from -w x h and are those of the corrected Eq. 6; the paper's U3 and U4 cou
 opposite sign here (see `rotors`). H' is the reaction to rotors that change their speed. Drag is that of the rotors,
 linear in the air's velocity in body axes, with the factors of the hover model.
 
-A step is explicit midpoint for rates and velocity, the exponential map of the mean rate for attitude, and exact for the
-rotors: second order. Near the flight that a survey needs it differs from the exact solution by less than a millimetre
-after ten seconds at steps of 10 ms (tests hold it to that).
+A step is exact for the rotors and their mean thrust and torques, explicit midpoint for rates and velocity, and the
+exponential map of Magnus' expansion for attitude: second order. After ten
+seconds of manoeuvre without feedback, at steps of 10 ms, rates and attitude differ from a fine solution by less than
+3e-4 (rad/s, rad), and the place, which integrates gravity along that angle twice, by less than 0.1 m.
 """
 
 from math import asin, atan2, cos, exp, sin, sqrt
@@ -82,14 +83,18 @@ class Quadrotor:
         """Stand still with resting rotors, looking to `yaw_rad`."""
         self._step_s = step_s
         self._rotors = rotors
-        self._half, self._whole = exp(-0.5 * step_s / rotors.response_s), exp(-step_s / rotors.response_s)
+        # What is left of a speed's miss after half a step and after a step, and its mean and mean square over both.
+        halves, wholes = 0.5 * step_s / rotors.response_s, step_s / rotors.response_s
+        self._left = (exp(-halves), exp(-wholes))
+        self._half = ((1.0 - exp(-halves)) / halves, (1.0 - exp(-2.0 * halves)) / (2.0 * halves))
+        self._whole = ((1.0 - exp(-wholes)) / wholes, (1.0 - exp(-2.0 * wholes)) / (2.0 * wholes))
         ixx, iyy, izz = rotors.inertia_kg_m2
         self._spread = ((iyy - izz) / ixx, (izz - ixx) / iyy, (ixx - iyy) / izz)
-        self._gyro = (rotors.rotor_inertia_kg_m2 / ixx, rotors.rotor_inertia_kg_m2 / iyy)
-        self._reaction = rotors.rotor_inertia_kg_m2 / (izz * step_s)
+        ip = rotors.rotor_inertia_kg_m2
+        self._gyro = (ip / ixx, ip / iyy, ip / izz)
         self._lift = rotors.lift / rotors.mass_kg
-        self._tilting = (rotors.lift * rotors.arm_m / ixx, rotors.lift * rotors.arm_m / iyy)
-        self._turning = rotors.drag / izz
+        lever = rotors.lift * rotors.arm_m
+        self._torque = (lever / ixx, lever / iyy, rotors.drag / izz)
         self._most_speeds: FourRotors = (rotors.most_speed_rad_s,) * 4
         self._speeds: FourRotors = (0.0, 0.0, 0.0, 0.0)
         self._attitude = quaternion_of(0.0, 0.0, yaw_rad)
@@ -138,57 +143,64 @@ class Quadrotor:
 
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step with the rotors' `outputs` of `command`, limited to 0 to 1, and in wind."""
-        before = self._speeds
-        half, after = self._spin(command.outputs)
+        o1, o2, o3, o4 = command.outputs
+        m1, m2, m3, m4 = self._most_speeds
+        wanted = (
+            m1 * sqrt(min(max(o1, 0.0), 1.0)),
+            m2 * sqrt(min(max(o2, 0.0), 1.0)),
+            m3 * sqrt(min(max(o3, 0.0), 1.0)),
+            m4 * sqrt(min(max(o4, 0.0), 1.0)),
+        )
+        before, left = self._speeds, self._left[1]
+        a, b, c, d = wanted
+        self._speeds = (
+            a + left * (before[0] - a),
+            b + left * (before[1] - b),
+            c + left * (before[2] - c),
+            d + left * (before[3] - d),
+        )
         if self._on_ground and self.thrust_m_s2 <= GRAVITY_M_S2:
             self.motion = self._standing()
         else:
             self._on_ground = False
-            self.motion = self._moving(before, half, after, wind_ned_m_s)
+            self.motion = self._moving(before, wanted, wind_ned_m_s)
         return self.motion
 
-    def _spin(self, outputs: FourRotors) -> tuple[FourRotors, FourRotors]:
-        """Bring the rotors to the end of the step; return their speeds in the middle and at the end of it."""
-        o1, o2, o3, o4 = outputs
-        m1, m2, m3, m4 = self._most_speeds
-        w1, w2 = m1 * sqrt(min(max(o1, 0.0), 1.0)), m2 * sqrt(min(max(o2, 0.0), 1.0))
-        w3, w4 = m3 * sqrt(min(max(o3, 0.0), 1.0)), m4 * sqrt(min(max(o4, 0.0), 1.0))
-        a, b, c, d = self._speeds
-        a, b, c, d = a - w1, b - w2, c - w3, d - w4
-        half, whole = self._half, self._whole
-        self._speeds = after = (w1 + whole * a, w2 + whole * b, w3 + whole * c, w4 + whole * d)
-        return (w1 + half * a, w2 + half * b, w3 + half * c, w4 + half * d), after
-
-    def _moving(self, before: FourRotors, half: FourRotors, after: FourRotors, wind: Vector) -> Motion:
-        dt, was = self._step_s, self.motion
-        a0, b0, c0, d0 = before
-        a1, b1, c1, d1 = half
-        a2, b2, c2, d2 = after
-        # Squares: averages over the first half of the step (trapezium) and over all of it (Simpson).
-        s0, r0, t0, u0 = a0 * a0, b0 * b0, c0 * c0, d0 * d0
-        s1, r1, t1, u1 = a1 * a1, b1 * b1, c1 * c1, d1 * d1
-        s, r = (s0 + 4.0 * s1 + a2 * a2) / 6.0, (r0 + 4.0 * r1 + b2 * b2) / 6.0
-        t, u = (t0 + 4.0 * t1 + c2 * c2) / 6.0, (u0 + 4.0 * u1 + d2 * d2) / 6.0
-        spin0, spin1, spin2 = b0 - a0 + d0 - c0, b1 - a1 + d1 - c1, b2 - a2 + d2 - c2
-        (x, y, z), (gx, gy), (fx, fy), fz = self._spread, self._gyro, self._tilting, self._turning
-        p0, q0, w0 = was.rates_rad_s
-        h, back = 0.25 * dt, self._reaction
-        p1 = p0 + 2.0 * h * (x * q0 * w0 - gx * q0 * spin0) + h * fx * (u0 + u1 - r0 - r1)
-        q1 = q0 + 2.0 * h * (y * p0 * w0 + gy * p0 * spin0) + h * fy * (s0 + s1 - t0 - t1)
-        w1 = w0 + 2.0 * h * z * p0 * q0 + h * fz * (s0 + s1 - r0 - r1 + t0 + t1 - u0 - u1) - dt * back * (spin1 - spin0)
-        p2 = p0 + dt * (x * q1 * w1 - gx * q1 * spin1 + fx * (u - r))
-        q2 = q0 + dt * (y * p1 * w1 + gy * p1 * spin1 + fy * (s - t))
-        w2 = w0 + dt * (z * p1 * q1 + fz * (s - r + t - u) - back * (spin2 - spin0))
-        start = self._attitude
-        sixth = dt / 6.0
-        rotation = (sixth * (p0 + 4.0 * p1 + p2), sixth * (q0 + 4.0 * q1 + q2), sixth * (w0 + 4.0 * w1 + w2))
+    def _moving(self, before: FourRotors, wanted: FourRotors, wind: Vector) -> Motion:
+        dt, was, half = self._step_s, self.motion, 0.5 * self._step_s
+        o1, o2, o3, o4 = wanted
+        e1, e2, e3, e4 = before[0] - o1, before[1] - o2, before[2] - o3, before[3] - o4
+        # Mean squares of the speeds over the first half of the step, then over all of it.
+        mean, square = self._half
+        s1, s2 = o1 * (o1 + 2.0 * mean * e1) + square * e1 * e1, o2 * (o2 + 2.0 * mean * e2) + square * e2 * e2
+        s3, s4 = o3 * (o3 + 2.0 * mean * e3) + square * e3 * e3, o4 * (o4 + 2.0 * mean * e4) + square * e4 * e4
+        spin, miss = before[1] - before[0] + before[3] - before[2], e2 - e1 + e4 - e3
+        slowed, stopped = miss * (self._left[0] - 1.0), miss * (self._left[1] - 1.0)
+        (x, y, z), (gx, gy, back), (fx, fy, fz) = self._spread, self._gyro, self._torque
+        p0, q0, r0 = was.rates_rad_s
+        p1 = p0 + half * (x * q0 * r0 - gx * q0 * spin + fx * (s4 - s2))
+        q1 = q0 + half * (y * p0 * r0 + gy * p0 * spin + fy * (s1 - s3))
+        r1 = r0 + half * (z * p0 * q0 + fz * (s1 - s2 + s3 - s4)) - back * slowed
+        mean, square = self._whole
+        s1, s2 = o1 * (o1 + 2.0 * mean * e1) + square * e1 * e1, o2 * (o2 + 2.0 * mean * e2) + square * e2 * e2
+        s3, s4 = o3 * (o3 + 2.0 * mean * e3) + square * e3 * e3, o4 * (o4 + 2.0 * mean * e4) + square * e4 * e4
+        spin += slowed
+        p2 = p0 + dt * (x * q1 * r1 - gx * q1 * spin + fx * (s4 - s2))
+        q2 = q0 + dt * (y * p1 * r1 + gy * p1 * spin + fy * (s1 - s3))
+        r2 = r0 + dt * (z * p1 * q1 + fz * (s1 - s2 + s3 - s4)) - back * stopped
+        start, sixth, twelfth = self._attitude, dt / 6.0, dt * dt / 12.0
+        rotation = (
+            sixth * (p0 + 4.0 * p1 + p2) + twelfth * (q0 * r2 - r0 * q2),
+            sixth * (q0 + 4.0 * q1 + q2) + twelfth * (r0 * p2 - p0 * r2),
+            sixth * (r0 + 4.0 * r1 + r2) + twelfth * (p0 * q2 - q0 * p2),
+        )
         self._attitude = end = turned(start, rotation)
-        place, going, acceleration = self._carried(start, end, self._lift * (s + r + t + u), wind)
+        place, going, acceleration = self._carried(start, end, self._lift * (s1 + s2 + s3 + s4), wind)
         if place[2] >= 0.0 and going[2] >= 0.0:
             return self._touched_down(place)
         roll, pitch, yaw = angles_of(end)
         force = specific_force(roll, pitch, yaw, acceleration)
-        return Motion(place, going, acceleration, roll, pitch, yaw, (p2, q2, w2), force, False)
+        return Motion(place, going, acceleration, roll, pitch, yaw, (p2, q2, r2), force, False)
 
     def _carried(
         self, start: Quaternion, end: Quaternion, thrust: float, wind: Vector
