@@ -1,14 +1,12 @@
 """A circle flown by setpoints, as it was flown on real autopilots: 6 m of radius at 2.1 m/s."""
 
-from dataclasses import replace
 from math import cos, hypot, pi, sin, sqrt
 
-from tests.support.bare_vehicle import wait_until
-from vehicle_sim.autopilot import LandedState, Mode, Outcome
+from tests.support.bare_vehicle import hovering
+from vehicle_sim.autopilot import Mode
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import FREE, Setpoint
-from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
 RADIUS_M = 6.0
 SPEED_M_S = 2.1
@@ -23,15 +21,8 @@ def rms_error_m(
 
     The first quarter, in which the vehicle gains its speed, does not count. Wind has gusts of a quarter of its speed.
     """
-    config = replace(VehicleConfig(), flavour=flavour, dynamics=dynamics, seed=seed)
-    vehicle = Vehicle(replace(config, wind_m_s=wind_m_s, gust_m_s=0.25 * wind_m_s))
+    vehicle = hovering(flavour, dynamics=dynamics, wind_m_s=wind_m_s, seed=seed)
     autopilot = vehicle.autopilot
-    wait_until(vehicle, lambda v: v.estimate.status.position_ok and autopilot.home is not None, within_s=20.0)
-    if flavour is Flavour.ARDUPILOT:
-        assert autopilot.set_mode(Mode.GUIDED) is Outcome.ACCEPTED
-    assert autopilot.arm() is Outcome.ACCEPTED
-    assert autopilot.takeoff(10.0) is Outcome.ACCEPTED
-    wait_until(vehicle, lambda v: autopilot.landed_state is LandedState.IN_AIR, within_s=30.0)
     north_m, east_m, down_m = vehicle.estimate.position_ned_m
     turn_rad_s = SPEED_M_S / RADIUS_M
     round_s = 2.0 * pi / turn_rad_s
