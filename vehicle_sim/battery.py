@@ -1,18 +1,15 @@
 """The battery: charge drained by the power flown, and a voltage that sags under current."""
 
 from enum import IntEnum
-from math import sqrt
 from typing import Final
 
 from vehicle_sim.parameters import BatteryThresholds
-from vehicle_sim.signals import GRAVITY_M_S2
 
 _CELLS: Final = 3
 _FULL_CELL_V: Final = 4.2
 _FLAT_CELL_V: Final = 3.4
 _INTERNAL_OHM: Final = 0.02
 _ELECTRONICS_W: Final = 6.0
-_HOVER_W: Final = 140.0
 
 
 class BatteryLevel(IntEnum):
@@ -25,10 +22,7 @@ class BatteryLevel(IntEnum):
 
 
 class Battery:
-    """Three lithium cells in series, with an open-circuit voltage that falls linearly with the charge drawn.
-
-    Power rises with the 3/2 power of thrust (momentum theory of a hovering rotor).
-    """
+    """Three lithium cells in series, with an open-circuit voltage that falls linearly with the charge drawn."""
 
     def __init__(self) -> None:
         """Start full and at rest."""
@@ -40,14 +34,12 @@ class Battery:
         self._below_low_s = 0.0
         self._below_critical_s = 0.0
 
-    def drain(self, thrust_m_s2: float, duration_s: float, thresholds: BatteryThresholds) -> None:
-        """Draw what `thrust_m_s2` of specific thrust costs for `duration_s`, and judge the level anew.
+    def drain(self, motors_w: float, duration_s: float, thresholds: BatteryThresholds) -> None:
+        """Draw `motors_w` of power for the motors, and what else runs, for `duration_s`; judge the level anew.
 
         The level never improves in flight: a sagging voltage that recovers is still a tired battery.
         """
-        load = max(thrust_m_s2, 0.0) / GRAVITY_M_S2
-        power_w = _ELECTRONICS_W + _HOVER_W * load * sqrt(load)
-        self.current_a = power_w / max(self.voltage_v, 1.0)
+        self.current_a = (_ELECTRONICS_W + motors_w) / max(self.voltage_v, 1.0)
         self.consumed_mah += self.current_a * duration_s / 3.6
         self.remaining = max(1.0 - self.consumed_mah / thresholds.capacity_mah, 0.0)
         cell_v = _FLAT_CELL_V + (_FULL_CELL_V - _FLAT_CELL_V) * self.remaining

@@ -81,6 +81,7 @@ def _with_negative_values(arguments: Sequence[str]) -> list[str]:
 def _run(options: argparse.Namespace) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
+    from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
     from vehicle_sim.parameters import Flavour  # noqa: PLC0415
     from vehicle_sim.patience import Patience  # noqa: PLC0415
     from vehicle_sim.ports import Port, open_port  # noqa: PLC0415
@@ -93,7 +94,13 @@ def _run(options: argparse.Namespace) -> None:
     speed_m_s, from_deg = options.wind
     place = {} if options.home is None else dict(zip(_HOME_FIELDS, options.home, strict=True))
     config = VehicleConfig(
-        seed=options.seed, flavour=flavour, wind_m_s=speed_m_s, wind_from_deg=from_deg, gust_m_s=options.gusts, **place
+        seed=options.seed,
+        flavour=flavour,
+        dynamics=Dynamics(options.dynamics),
+        wind_m_s=speed_m_s,
+        wind_from_deg=from_deg,
+        gust_m_s=options.gusts,
+        **place,
     )
     endpoint = Endpoint(Vehicle(config), flavour, options.sysid)
     ports: list[Port] = []
@@ -194,6 +201,12 @@ def _parser() -> argparse.ArgumentParser:
     vehicle = parser.add_argument_group("vehicle")
     vehicle.add_argument(
         "--flavour", choices=("ardupilot", "px4"), default="ardupilot", help="autopilot to answer like (ardupilot)"
+    )
+    vehicle.add_argument(
+        "--dynamics",
+        choices=("hover", "quadrotor"),
+        default="hover",
+        help="linearised about hover, or the full quadrotor with its rotors (hover)",
     )
     vehicle.add_argument("--seed", type=_seed, default=1, metavar="N", help="seed of all noise and gusts (1)")
     vehicle.add_argument(

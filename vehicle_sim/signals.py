@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 Vector = tuple[float, float, float]
 PartialVector = tuple[float | None, float | None, float | None]
+FourRotors = tuple[float, float, float, float]
 
 GRAVITY_M_S2 = 9.80665
 """Standard gravity, the only gravity there is in the simulation."""
@@ -145,11 +146,13 @@ class Command(NamedTuple):
     """What the controller asks of the airframe.
 
     `thrust_m_s2` is specific thrust along body up (U1/m of Eq. 6), `angular_acceleration_rad_s2` are the three body
-    angular accelerations (U2/Ixx, U3/Iyy, U4/Izz).
+    angular accelerations (U2/Ixx, U3/Iyy, U4/Izz). `outputs` is what each rotor is to give, as a share of its greatest
+    thrust, for an airframe that has rotors: `RotorControl` fills it in.
     """
 
     thrust_m_s2: float
     angular_acceleration_rad_s2: Vector
+    outputs: FourRotors = (0.0, 0.0, 0.0, 0.0)
 
 
 IDLE = Command(0.0, (0.0, 0.0, 0.0))

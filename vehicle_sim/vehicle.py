@@ -1,20 +1,24 @@
 """One vehicle: airframe, wind, sensors, estimator, controller and autopilot, composed at a fixed step."""
 
 from dataclasses import dataclass, field
-from math import isfinite
+from math import hypot, isfinite
 from typing import Final, NamedTuple
 
 from vehicle_sim.autopilot import Autopilot
 from vehicle_sim.battery import Battery
 from vehicle_sim.clock import StepClock
 from vehicle_sim.controller import Controller, TrackingGains
+from vehicle_sim.dynamics.airframe import Airframe, Dynamics
 from vehicle_sim.dynamics.hover import MOST_THRUST_M_S2, Hover
+from vehicle_sim.dynamics.quadrotor import Quadrotor
+from vehicle_sim.dynamics.rotors import vibration_m_s2
 from vehicle_sim.dynamics.wind import Wind, blowing_from
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.estimator import Estimator, EstimatorTuning
 from vehicle_sim.geodesy import geodetic_at
 from vehicle_sim.noise import Normals
 from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters
+from vehicle_sim.rotor_control import RotorControl
 from vehicle_sim.sensors import SensorErrors, Sensors
 from vehicle_sim.signals import (
     BaroReading,
@@ -24,6 +28,7 @@ from vehicle_sim.signals import (
     GpsReading,
     ImuReading,
     Motion,
+    Vector,
 )
 
 _WIND: Final = 5
@@ -52,6 +57,7 @@ class VehicleConfig:
 
     seed: int = 1
     flavour: Flavour = Flavour.ARDUPILOT
+    dynamics: Dynamics = Dynamics.HOVER
     home_lat_deg: float = 47.397742
     home_lon_deg: float = 8.545594
     home_alt_m: float = 488.0
@@ -68,6 +74,8 @@ class VehicleConfig:
         """Refuse what cannot be simulated."""
         if not isinstance(self.flavour, Flavour):
             raise ConfigurationError(f"a flavour is one of Flavour's members, not {self.flavour!r}")
+        if not isinstance(self.dynamics, Dynamics):
+            raise ConfigurationError(f"dynamics are one of Dynamics' members, not {self.dynamics!r}")
         if self.seed < 0:
             raise ConfigurationError(f"a seed is a whole number from 0 up, not {self.seed}")
         # The poles themselves have no east.
@@ -111,7 +119,8 @@ class Vehicle:
             raise ConfigurationError(f"parameters of {self.parameters.flavour} for a vehicle of {config.flavour}")
         step_s = config.step_s
         self._clock = StepClock(step_s)
-        self._airframe = Hover(step_s=step_s, yaw_rad=config.home_yaw_rad)
+        kind = Quadrotor if config.dynamics is Dynamics.QUADROTOR else Hover
+        self.airframe: Airframe = kind(step_s=step_s, yaw_rad=config.home_yaw_rad)
         if config.wind_m_s > 0.0 or config.gust_m_s > 0.0:
             self.parameters.set("SIM_WIND_SPD", config.wind_m_s)
             self.parameters.set("SIM_WIND_DIR", config.wind_from_deg % 360.0)
@@ -120,6 +129,8 @@ class Vehicle:
         self._sensors = Sensors(config.sensor_errors, seed=config.seed, home=config.home, step_s=step_s)
         self._estimator = Estimator(config.estimator, step_s=step_s)
         self._controller = Controller(config.gains, step_s=step_s)
+        self._rotors = RotorControl(step_s=step_s) if config.dynamics is Dynamics.QUADROTOR else None
+        self._command = self._controller.command
         self.battery = Battery()
         self.autopilot = Autopilot(self.parameters, self.battery, self._estimator.estimate)
         self._autopilot_steps = max(1, round(1.0 / (_AUTOPILOT_HZ * step_s)))
@@ -145,12 +156,12 @@ class Vehicle:
     @property
     def truth(self) -> Motion:
         """The true motion, relative to `config.home`."""
-        return self._airframe.motion
+        return self.airframe.motion
 
     @property
     def true_place(self) -> Geodetic:
         """Where the vehicle really is."""
-        return geodetic_at(self.config.home, self._airframe.motion.position_ned_m)
+        return geodetic_at(self.config.home, self.airframe.motion.position_ned_m)
 
     @property
     def estimate(self) -> Estimate:
@@ -166,14 +177,21 @@ class Vehicle:
     @property
     def thrust(self) -> float:
         """Thrust of all rotors as a share of the greatest, 0 to 1."""
-        return self._airframe.thrust_m_s2 / MOST_THRUST_M_S2
+        return self.airframe.thrust_m_s2 / MOST_THRUST_M_S2
+
+    @property
+    def vibration_m_s2(self) -> Vector:
+        """Root mean square of the shaking along forward, right and down: the rotors' and the accelerometers' noise."""
+        noise = self.config.sensor_errors.accelerometer_noise_m_s2
+        across, along = vibration_m_s2(self.airframe.outputs)
+        return (hypot(across, noise), hypot(across, noise), hypot(along, noise))
 
     def step(self) -> None:
         """Advance by exactly one step."""
         time_s = self._clock.advance()
         steps = self._clock.steps
         self.wind_ned_m_s = self._wind.step()
-        motion = self._airframe.step(self._controller.command, self.wind_ned_m_s)
+        motion = self.airframe.step(self._command, self.wind_ned_m_s)
         sensors = self._sensors
         sensors.sample(steps, time_s, motion)
         gps, baro, compass = sensors.gps, sensors.baro, sensors.compass
@@ -187,13 +205,14 @@ class Vehicle:
         self.autopilot.observe(time_s, estimate)
         if steps % self._autopilot_steps == 0:
             self.battery.drain(
-                self._airframe.thrust_m_s2,
+                self.airframe.power_w,
                 self._autopilot_steps * self.config.step_s,
                 self.autopilot.settings.battery_thresholds,
             )
             self._take_wind_parameters()
-            self.autopilot.advance(self._controller.command.thrust_m_s2)
-        self._controller.step(estimate, self.autopilot.guidance)
+            self.autopilot.advance(self._command.thrust_m_s2)
+        command = self._controller.step(estimate, self.autopilot.guidance)
+        self._command = command if self._rotors is None else self._rotors.step(command, estimate)
 
     def _take_wind_parameters(self) -> None:
         """Let the wind blow as the parameters say, once they have been changed."""

@@ -39,6 +39,7 @@ class VehicleOptions:
         seed: Seed of its noise.
         wind: NORTH,EAST in m/s, where the wind blows to, or SPEED@FROM_DEGREES.
         flavour: The autopilot that it answers like, ``ardupilot`` or ``px4``.
+        dynamics: Its equations of motion, ``hover`` or ``quadrotor``.
         home: Latitude and longitude in degrees, altitude above sea level in metres.
         ground_station: Whether it offers itself to a ground station on this machine's UDP port 14550.
     """
@@ -47,6 +48,7 @@ class VehicleOptions:
     seed: int | None = None
     wind: str | None = None
     flavour: str | None = None
+    dynamics: str | None = None
     home: tuple[float, float, float] | None = None
     ground_station: bool = True
 
@@ -54,7 +56,8 @@ class VehicleOptions:
         """The vehicle's command line, without the program."""
         arguments = ["--listen", "udpin:127.0.0.1:0", "--announce", "--exit-with-parent", "--quiet"]
         arguments += [f"--speed={self.speed:g}", f"--patience={_PATIENCE_S:g}"]
-        for name, value in (("seed", self.seed), ("wind", self.wind), ("flavour", self.flavour)):
+        choices = {"seed": self.seed, "wind": self.wind, "flavour": self.flavour, "dynamics": self.dynamics}
+        for name, value in choices.items():
             if value is not None:
                 arguments.append(f"--{name}={value}")
         if self.home is not None:

@@ -1,6 +1,7 @@
 """Flights in steady wind end where they should, on the ground and disarmed."""
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,14 +11,19 @@ from mission.plan import plan_mission
 from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
 from tests.support.lockstep import LockstepVehicle, vehicle_of
+from vehicle_sim.dynamics.airframe import Dynamics
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
+@pytest.mark.parametrize("dynamics", list(Dynamics))
 @pytest.mark.parametrize(("flavour", "wind_m_s", "from_deg"), [("ardupilot", 9.4, 330.0), ("px4", 12.0, 90.0)])
-def test_a_mission_is_achieved_in_strong_wind(flavour: str, wind_m_s: float, from_deg: float) -> None:
+def test_a_mission_is_achieved_in_strong_wind(
+    flavour: str, wind_m_s: float, from_deg: float, dynamics: Dynamics
+) -> None:
     plan = plan_mission(load_mission(MISSIONS / "response.yaml"))
-    vehicle = LockstepVehicle(vehicle_of(flavour, seed=3, wind_m_s=wind_m_s, wind_from_deg=from_deg))
+    config = vehicle_of(flavour, seed=3, wind_m_s=wind_m_s, wind_from_deg=from_deg)
+    vehicle = LockstepVehicle(replace(config, dynamics=dynamics))
     result = fly(plan, vehicle, vehicle, FlightRecord(io.BytesIO(), mission="windy"))
     assert result.achieved, result.reason
     assert result.largest_error_m <= plan.certificate.tube_m

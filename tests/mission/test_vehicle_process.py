@@ -87,12 +87,23 @@ def test_its_death_is_noticed() -> None:
 
 
 def test_choices_become_arguments() -> None:
-    options = VehicleOptions(speed=5, seed=3, wind="-1,2", flavour="px4", home=(47.0, 8.5, 100.0), ground_station=False)
+    options = VehicleOptions(
+        speed=5,
+        seed=3,
+        wind="-1,2",
+        flavour="px4",
+        dynamics="quadrotor",
+        home=(47.0, 8.5, 100.0),
+        ground_station=False,
+    )
     arguments = options.arguments()
     assert arguments[:3] == ["--listen", "udpin:127.0.0.1:0", "--announce"]
     assert {"--speed=5", "--seed=3", "--wind=-1,2", "--flavour=px4", "--no-ground-station"} <= set(arguments)
+    assert "--dynamics=quadrotor" in arguments
     assert "--home=47.000000000,8.500000000,100.000" in arguments
-    assert not any(a.startswith(("--seed", "--wind", "--flavour", "--home")) for a in VehicleOptions().arguments())
+    assert not any(
+        a.startswith(("--seed", "--wind", "--flavour", "--dynamics", "--home")) for a in VehicleOptions().arguments()
+    )
 
 
 def test_the_vehicle_is_put_where_the_mission_starts() -> None:

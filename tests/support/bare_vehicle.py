@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from vehicle_sim.autopilot import LandedState, Mode, Outcome
+from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import Setpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
@@ -32,19 +33,32 @@ def wait_until(vehicle: Vehicle, predicate: Callable[[Vehicle], bool], *, within
     return vehicle.time_s
 
 
-def booted(flavour: Flavour = Flavour.ARDUPILOT, *, seed: int = 1, wind_m_s: float = 0.0) -> Vehicle:
+def booted(
+    flavour: Flavour = Flavour.ARDUPILOT,
+    *,
+    seed: int = 1,
+    wind_m_s: float = 0.0,
+    dynamics: Dynamics = Dynamics.HOVER,
+) -> Vehicle:
     """Return a vehicle that has waited for its position; wind comes with gusts of a quarter of its speed."""
-    config = replace(VehicleConfig(flavour=flavour, seed=seed), wind_m_s=wind_m_s, gust_m_s=0.25 * wind_m_s)
+    config = replace(
+        VehicleConfig(flavour=flavour, seed=seed, dynamics=dynamics), wind_m_s=wind_m_s, gust_m_s=0.25 * wind_m_s
+    )
     vehicle = Vehicle(config)
     wait_until(vehicle, lambda v: v.estimate.status.position_ok and v.autopilot.home is not None, within_s=20.0)
     return vehicle
 
 
 def hovering(
-    flavour: Flavour = Flavour.ARDUPILOT, *, height_m: float = 10.0, seed: int = 1, wind_m_s: float = 0.0
+    flavour: Flavour = Flavour.ARDUPILOT,
+    *,
+    height_m: float = 10.0,
+    seed: int = 1,
+    wind_m_s: float = 0.0,
+    dynamics: Dynamics = Dynamics.HOVER,
 ) -> Vehicle:
     """Return a vehicle that has taken off and hovers."""
-    vehicle = booted(flavour, seed=seed, wind_m_s=wind_m_s)
+    vehicle = booted(flavour, seed=seed, wind_m_s=wind_m_s, dynamics=dynamics)
     autopilot = vehicle.autopilot
     if flavour is Flavour.ARDUPILOT:
         assert autopilot.set_mode(Mode.GUIDED) is Outcome.ACCEPTED

@@ -4,56 +4,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from vehicle_sim.controller import Controller, TrackingGains, approach_speed, wrap
-from vehicle_sim.dynamics.hover import DRAG_PER_S, Hover
-from vehicle_sim.estimator.estimator import _NOTHING
-from vehicle_sim.signals import FREE, Estimate, Guidance, Limits, Motion, Setpoint, Vector
-
-LIMITS = Limits(
-    speed_m_s=10.0,
-    climb_m_s=2.5,
-    descent_m_s=1.5,
-    acceleration_m_s2=4.0,
-    vertical_acceleration_m_s2=2.0,
-    tilt_rad=0.5,
-    yaw_rate_rad_s=1.0,
-)
-STEP_S = 0.01
+from tests.support.airframes import LIMITS, STEP_S, PerfectFlight, perfect
+from vehicle_sim.controller import TrackingGains, approach_speed, wrap
+from vehicle_sim.dynamics.airframe import Dynamics
+from vehicle_sim.dynamics.hover import DRAG_PER_S
+from vehicle_sim.signals import FREE, Guidance, Setpoint
 
 
-def perfect(motion: Motion) -> Estimate:
-    """An estimate without error."""
-    return Estimate(
-        0.0,
-        None,
-        motion.position_ned_m,
-        motion.velocity_ned_m_s,
-        motion.acceleration_ned_m_s2,
-        motion.roll_rad,
-        motion.pitch_rad,
-        motion.yaw_rad,
-        motion.rates_rad_s,
-        _NOTHING,
-    )
+class Flight(PerfectFlight):
+    """The hover model under control, twenty metres up."""
 
-
-class Flight:
-    """Controller and airframe with nothing between them; `wind` may be changed at any time."""
-
-    def __init__(self, gains: TrackingGains | None = None, limits: Limits = LIMITS) -> None:
-        self.hover = Hover(step_s=STEP_S)
-        self.controller = Controller(TrackingGains() if gains is None else gains, step_s=STEP_S)
-        self.limits = limits
-        self.wind: Vector = (0.0, 0.0, 0.0)
+    def __init__(self, gains: TrackingGains | None = None) -> None:
+        super().__init__(Dynamics.HOVER, gains=gains)
         self.fly(Setpoint(position_ned_m=(0.0, 0.0, -20.0)), 20.0)
-
-    def fly(self, setpoint: Setpoint, seconds: float) -> list[Motion]:
-        """Fly `setpoint` and return the motion after each step."""
-        motions = []
-        for _ in range(round(seconds / STEP_S)):
-            command = self.controller.step(perfect(self.hover.motion), Guidance(setpoint, self.limits))
-            motions.append(self.hover.step(command, self.wind))
-        return motions
 
 
 @settings(max_examples=100, deadline=None)
@@ -110,8 +73,8 @@ def test_the_observer_takes_out_what_lasts() -> None:
     for flight in (bare, watched):
         flight.wind = (8.0, 0.0, 0.0)
         flight.fly(target, 20.0)
-    assert bare.hover.motion.position_ned_m[0] == pytest.approx(8.0 * DRAG_PER_S * 0.8**2, rel=0.15)
-    assert abs(watched.hover.motion.position_ned_m[0]) < 0.01
+    assert bare.airframe.motion.position_ned_m[0] == pytest.approx(8.0 * DRAG_PER_S * 0.8**2, rel=0.15)
+    assert abs(watched.airframe.motion.position_ned_m[0]) < 0.01
     assert watched.controller.disturbance_ned_m_s2[0] == pytest.approx(8.0 * DRAG_PER_S, abs=0.02)
 
 
@@ -189,7 +152,7 @@ def test_yaw_turns_the_short_way_and_keeps_its_rate(target: float) -> None:
 
 def test_a_yaw_rate_is_kept_up() -> None:
     flight = Flight()
-    before = flight.hover.motion.yaw_rad
+    before = flight.airframe.motion.yaw_rad
     motions = flight.fly(Setpoint(position_ned_m=(0.0, 0.0, -20.0), yaw_rate_rad_s=0.3), 6.0)
     assert motions[-1].rates_rad_s[2] == pytest.approx(0.3, abs=0.01)
     assert motions[-1].yaw_rad - before == pytest.approx(1.8, abs=0.2)
@@ -197,5 +160,5 @@ def test_a_yaw_rate_is_kept_up() -> None:
 
 def test_idle_guidance_stops_the_motors() -> None:
     flight = Flight()
-    command = flight.controller.step(perfect(flight.hover.motion), Guidance(None, LIMITS))
+    command = flight.controller.step(perfect(flight.airframe.motion), Guidance(None, LIMITS))
     assert command.thrust_m_s2 == 0.0

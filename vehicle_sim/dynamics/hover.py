@@ -15,14 +15,15 @@ which roll, pitch and their rates are counted. Commands and wind are held over a
 gives the exact step.
 """
 
-from math import cos, exp, pi, sin
+from math import cos, exp, pi, sin, sqrt
 from typing import Final
 
 import numpy as np
 from scipy.linalg import expm
 
+from vehicle_sim.dynamics.airframe import checked_efficiency
 from vehicle_sim.dynamics.kinematics import body_rates, specific_force
-from vehicle_sim.signals import GRAVITY_M_S2, Command, Motion, Vector
+from vehicle_sim.signals import GRAVITY_M_S2, Command, FourRotors, Motion, Vector
 
 DRAG_PER_S: Final = 0.1
 VERTICAL_DRAG_PER_S: Final = 0.2
@@ -32,6 +33,13 @@ MOST_ANGULAR_RAD_S2: Final = 60.0
 MOST_YAW_RAD_S2: Final = 10.0
 LEVELLING_S: Final = 0.1
 LEVEL_RAD: Final = 1e-6
+_HOVER_W: Final = 140.0
+_SOUND: Final[FourRotors] = (1.0, 1.0, 1.0, 1.0)
+_LEVER_PER_M: Final = 3.2
+"""Angular acceleration about roll or pitch by thrust (m/s^2) where a rotor gives none: m l / 4 Ixx."""
+
+_TWIST_PER_M: Final = 0.11
+"""The same about yaw: (drag / lift) m / 4 Izz."""
 
 
 Vector4 = tuple[float, float, float, float]
@@ -89,6 +97,7 @@ class Hover:
         self._yaw_rad = yaw_rad
         self._yaw_rate_rad_s = 0.0
         self._on_ground = True
+        self._efficiency = _SOUND
         self.motion = self._standing()
 
     @property
@@ -96,11 +105,40 @@ class Hover:
         """Specific thrust that the rotors give now."""
         return self._down[2]
 
+    @property
+    def outputs(self) -> FourRotors:
+        """The share of the greatest thrust, which the rotors bear evenly here."""
+        share = self._down[2] / MOST_THRUST_M_S2
+        return (share, share, share, share)
+
+    @property
+    def power_w(self) -> float:
+        """Electrical power: it rises with the 3/2 power of thrust (momentum theory of a hovering rotor)."""
+        load = max(self._down[2], 0.0) / GRAVITY_M_S2
+        return _HOVER_W * load * sqrt(load)
+
+    def weaken(self, efficiency: FourRotors) -> None:
+        """Let each rotor give only this share of its part of the thrust.
+
+        What the rotors lack together is missing from the thrust; what they lack unevenly turns the vehicle, as much as
+        it would turn the quadrotor (Eq. 7 with even thrust). The limits of thrust and angular acceleration stay.
+
+        Raises:
+            ValueError: A share does not lie in [0, 1].
+        """
+        self._efficiency = checked_efficiency(efficiency)
+
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step under `command`, held and limited to what the rotors can do."""
         roll_up, pitch_up, yaw_up = command.angular_acceleration_rad_s2
         roll_up, pitch_up = _clip(roll_up, MOST_ANGULAR_RAD_S2), _clip(pitch_up, MOST_ANGULAR_RAD_S2)
         thrust = min(max(command.thrust_m_s2, 0.0), MOST_THRUST_M_S2)
+        if self._efficiency is not _SOUND:
+            front, right, rear, left = self._efficiency
+            roll_up += _LEVER_PER_M * thrust * (left - right)
+            pitch_up += _LEVER_PER_M * thrust * (front - rear)
+            yaw_up += _TWIST_PER_M * thrust * (front - right + rear - left)
+            thrust *= 0.25 * (front + right + rear + left)
         down = self._step_down(thrust, wind_ned_m_s[2])
         if self._on_ground and down[1] <= 0.0 and down[2] > GRAVITY_M_S2:
             self._on_ground = False

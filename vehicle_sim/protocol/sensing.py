@@ -113,8 +113,8 @@ def scaled_pressure(host: Host) -> Message | None:
 
 
 def vibration(host: Host) -> Message | None:
-    """VIBRATION: none, in software."""
-    return mavlink.MAVLink_vibration_message(host.now_us, 0.0, 0.0, 0.0, 0, 0, 0)
+    """VIBRATION: levels of the body axes in m/s^2, as the rotors shake them; the accelerometers never clip."""
+    return mavlink.MAVLink_vibration_message(host.now_us, *host.vehicle.vibration_m_s2, 0, 0, 0)
 
 
 def rc_channels(host: Host) -> Message | None:
@@ -123,7 +123,9 @@ def rc_channels(host: Host) -> Message | None:
 
 
 def servo_output_raw(host: Host) -> Message | None:
-    """SERVO_OUTPUT_RAW: pulse widths in microseconds of the four motors, which share the thrust evenly here."""
-    vehicle = host.vehicle
-    pulse = clamp(1000 + 1000 * vehicle.thrust, 1000, 2000)
-    return mavlink.MAVLink_servo_output_raw_message(host.now_us & 0xFFFFFFFF, 0, *(pulse,) * 4, *(0,) * 4)
+    """SERVO_OUTPUT_RAW: pulse widths in microseconds, linear in the thrust that each rotor really gives.
+
+    Outputs 1 to 4 are the rotors in front, on the right, at the rear and on the left.
+    """
+    pulses = [clamp(1000 + 1000 * share, 1000, 2000) for share in host.vehicle.airframe.outputs]
+    return mavlink.MAVLink_servo_output_raw_message(host.now_us & 0xFFFFFFFF, 0, *pulses, *(0,) * 4)
