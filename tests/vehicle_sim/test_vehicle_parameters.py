@@ -37,6 +37,7 @@ def test_every_bound_can_be_stored_and_flown_with(flavour: Flavour) -> None:
 def test_every_setting_depends_on_some_parameter_alone(flavour: Flavour) -> None:
     """No parameter of flight is there for show: each changes the settings, or is read by name elsewhere."""
     elsewhere = {"MAV_SYSID", "MAV_SYS_ID", "SIM_WIND_SPD", "SIM_WIND_DIR", "SIM_WIND_TURB"}
+    elsewhere |= {"RCMAP_ROLL", "RCMAP_PITCH", "RCMAP_THROTTLE", "RCMAP_YAW"}
     for name in set(default_parameters(flavour)) - elsewhere:
         definition = default_parameters(flavour).definition(name)
         choices = definition.is_integer and definition.maximum < 10

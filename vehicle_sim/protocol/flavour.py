@@ -11,7 +11,7 @@ from typing import Final
 
 from vehicle_sim.autopilot import Mode, Outcome
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.protocol.dialect import mavlink
+from vehicle_sim.protocol.dialect import CURRENT_MODE_ID, mavlink
 
 _CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 _STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
@@ -70,6 +70,8 @@ class FlavourTable:
         plan_timeout_us: After this long without an item it gives an upload up.
         plan_request_id: The message with which it asks for items.
         home_is_item_0: Whether item 0 of a mission is the home position.
+        system_id_parameter: The parameter that holds the system id.
+        no_reboot: Result of a request to restart while armed.
         answers_ping: Whether PING is answered.
         takeoff_is_amsl: Whether NAV_TAKEOFF's height is above mean sea level instead of above home.
     """
@@ -92,6 +94,8 @@ class FlavourTable:
     plan_timeout_us: int
     plan_request_id: int
     home_is_item_0: bool
+    system_id_parameter: str
+    no_reboot: Outcome
     answers_ping: bool
     takeoff_is_amsl: bool
     modes: Mapping[int, Mode] = field(init=False)
@@ -105,7 +109,7 @@ def _px4_mode(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
 
-def _rates(**hertz: float) -> Mapping[int, float]:
+def _rates(**hertz: float) -> dict[int, float]:
     return {getattr(mavlink, f"MAVLINK_MSG_ID_{name}"): rate for name, rate in hertz.items()}
 
 
@@ -160,15 +164,18 @@ _ARDUPILOT: Final = FlavourTable(
             "POWER_STATUS",
             "MISSION_CURRENT",
             "GPS_RAW_INT",
+            "NAV_CONTROLLER_OUTPUT",
             "POSITION_TARGET_GLOBAL_INT",
         ),
         mavlink.MAV_DATA_STREAM_RC_CHANNELS: _messages("SERVO_OUTPUT_RAW", "RC_CHANNELS"),
         mavlink.MAV_DATA_STREAM_POSITION: _messages("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
-        mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE"),
+        mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE", "SIMSTATE"),
         mavlink.MAV_DATA_STREAM_EXTRA2: _messages("VFR_HUD"),
-        mavlink.MAV_DATA_STREAM_EXTRA3: _messages("SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"),
+        mavlink.MAV_DATA_STREAM_EXTRA3: _messages(
+            "AHRS", "WIND", "SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"
+        ),
     },
-    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "HIGHRES_IMU")),
+    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "HIGHRES_IMU")) | {CURRENT_MODE_ID},
     no_stream=Outcome.DENIED,
     no_message=Outcome.FAILED,
     no_mode=Outcome.FAILED,
@@ -178,6 +185,8 @@ _ARDUPILOT: Final = FlavourTable(
     plan_timeout_us=8_000_000,
     plan_request_id=mavlink.MAVLINK_MSG_ID_MISSION_REQUEST,
     home_is_item_0=True,
+    system_id_parameter="MAV_SYSID",
+    no_reboot=Outcome.FAILED,
     answers_ping=False,
     takeoff_is_amsl=False,
 )
@@ -234,6 +243,7 @@ _PX4: Final = FlavourTable(
             HOME_POSITION=0.5,
             ESTIMATOR_STATUS=0.5,
             POSITION_TARGET_LOCAL_NED=1.5,
+            ATTITUDE_TARGET=2,
             RC_CHANNELS=5,
             SERVO_OUTPUT_RAW=1,
             ALTITUDE=1,
@@ -241,7 +251,8 @@ _PX4: Final = FlavourTable(
             SYSTEM_TIME=1,
             PING=0.1,
             VIBRATION=0.1,
-        ),
+        )
+        | {CURRENT_MODE_ID: 0.5},
         Rates.ONBOARD: _rates(
             TIMESYNC=10,
             ATTITUDE=100,
@@ -251,6 +262,7 @@ _PX4: Final = FlavourTable(
             LOCAL_POSITION_NED=30,
             ODOMETRY=30,
             POSITION_TARGET_LOCAL_NED=10,
+            ATTITUDE_TARGET=10,
             VFR_HUD=10,
             GPS_RAW_INT=10,
             ALTITUDE=10,
@@ -265,10 +277,13 @@ _PX4: Final = FlavourTable(
             PING=1,
             BATTERY_STATUS=0.5,
             VIBRATION=0.5,
-        ),
+        )
+        | {CURRENT_MODE_ID: 0.5},
     },
     stream_groups={},
-    absent_messages=frozenset(_messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS")),
+    absent_messages=frozenset(
+        _messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS", "NAV_CONTROLLER_OUTPUT", "AHRS", "WIND", "SIMSTATE")
+    ),
     no_stream=Outcome.FAILED,
     no_message=Outcome.DENIED,
     no_mode=Outcome.TEMPORARILY_REJECTED,
@@ -278,6 +293,8 @@ _PX4: Final = FlavourTable(
     plan_timeout_us=5_000_000,
     plan_request_id=mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
     home_is_item_0=False,
+    system_id_parameter="MAV_SYS_ID",
+    no_reboot=Outcome.DENIED,
     answers_ping=True,
     takeoff_is_amsl=True,
 )

@@ -26,10 +26,15 @@ _LONGEST_US: Final = 1 << 31
 
 
 class RateService:
-    """Sets the streams of each link as its peer asks for them."""
+    """Sets the streams of each link as its peer asks for them.
+
+    Attributes:
+        requests: Who answers REQUEST_MESSAGE for messages whose request has parameters of its own.
+    """
 
     def __init__(self, host: Host) -> None:
         self._host = host
+        self.requests: dict[int, Callable[[Request], Outcome]] = {}
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: self.on_request_data_stream,
         }
@@ -118,7 +123,10 @@ class RateService:
 
     def _request_message(self, request: Request) -> Outcome:
         message_id = whole_number(request.params[0])
-        return self._host.table.no_message if message_id is None else self._give(request, message_id)
+        if message_id is None:
+            return self._host.table.no_message
+        answer = self.requests.get(message_id)
+        return self._give(request, message_id) if answer is None else answer(request)
 
     def _give(self, request: Request, message_id: int) -> Outcome:
         """Send one telemetry message to whoever asked for it."""
