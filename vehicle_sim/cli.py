@@ -63,6 +63,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the program; return its exit code: 0 ended as asked, 2 an option or address that cannot be used."""
     parser = _parser()
     options = parser.parse_args(_with_negative_values(sys.argv[1:] if arguments is None else arguments))
+    if options.modes is not None:
+        _show_modes(options)
+        return 0
     try:
         _run(options)
     except ConfigurationError as error:
@@ -122,6 +125,13 @@ def _run(options: argparse.Namespace) -> None:
     finally:
         for port in ports:
             port.close()
+
+
+def _show_modes(options: argparse.Namespace) -> None:
+    from vehicle_sim.autopilot.diagram import Drawing, drawing  # noqa: PLC0415
+    from vehicle_sim.parameters import Flavour  # noqa: PLC0415
+
+    print(drawing(Flavour(options.flavour), Drawing(options.modes)), end="")  # noqa: T201 - what was asked for
 
 
 def _parameters(options: argparse.Namespace) -> "ParameterStore":
@@ -274,6 +284,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     process.add_argument("--exit-with-parent", action="store_true", help="end when standard input is closed")
     process.add_argument("--quiet", action="store_true", help="say nothing but warnings")
+    process.add_argument(
+        "--modes",
+        nargs="?",
+        const="table",
+        choices=("table", "dot", "mermaid"),
+        help="print the flavour's modes and what leads where, and exit: as a table, for Graphviz, for Mermaid",
+    )
     process.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     return parser
 

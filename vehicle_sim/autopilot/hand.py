@@ -30,12 +30,14 @@ class Pilot:
     """What is known of the pilot at the sticks.
 
     Attributes:
+        hand: What full stick means, and which sticks count; whoever changes the settings changes it.
         heard_s: Vehicle time at which the sticks were last heard, None before the first time.
         sticks: How they stood then.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, hand: HandSettings) -> None:
         """Nobody has been heard."""
+        self.hand = hand
         self.heard_s: float | None = None
         self.sticks = CENTRED
 
@@ -54,10 +56,15 @@ class Pilot:
         """Return for how long the sticks have been silent, infinity where they were never heard."""
         return inf if self.heard_s is None else now_s - self.heard_s
 
-    def asked(self, now_s: float, hand: HandSettings) -> Sticks:
+    def counts(self, now_s: float) -> bool:
+        """Whether somebody is at the sticks now: they have been heard lately, and they are listened to."""
+        return self.hand.listens and self.silent_s(now_s) <= self.hand.timeout_s
+
+    def asked(self, now_s: float) -> Sticks:
         """Return what the sticks ask for now, without their dead zones; nothing where they do not count."""
-        if not hand.listens or self.silent_s(now_s) > hand.timeout_s:
+        if not self.counts(now_s):
             return CENTRED
+        hand = self.hand
         forward, right, turn, climb = self.sticks
         zone = hand.dead_zone
         return Sticks(
@@ -80,23 +87,27 @@ class HandTask(Task):
         """Begin with sticks that are let go."""
         at_rest = HoldTask(estimate, settings) if keeps_place else LevelTask(estimate)
         super().__init__(at_rest.setpoint)
-        self._settings, self._hand, self._pilot = settings, settings.hand, pilot
+        self._settings, self._pilot = settings, pilot
         self._keeps_place = keeps_place
         self._asked = CENTRED
-        self.speed_m_s = self._hand.speed_m_s
-        self.climb_m_s, self.descent_m_s = self._hand.climb_m_s, self._hand.descent_m_s
+        self._take_limits()
+
+    def _take_limits(self) -> None:
+        hand = self._pilot.hand
+        self.speed_m_s, self.climb_m_s, self.descent_m_s = hand.speed_m_s, hand.climb_m_s, hand.descent_m_s
 
     def lifts(self, estimate: Estimate) -> bool:
         """Leave the ground when the pilot asks for a climb."""
-        return self._pilot.asked(estimate.time_s, self._hand).climb > 0.0
+        return self._pilot.asked(estimate.time_s).climb > 0.0
 
     def advance(self, now_s: float, estimate: Estimate) -> None:
         """Bring the setpoint up to date with the sticks."""
-        asked, before = self._pilot.asked(now_s, self._hand), self._asked
+        asked, before = self._pilot.asked(now_s), self._asked
         self._asked = asked
         if asked == before == CENTRED:
             return
-        hand, place = self._hand, self.setpoint.position_ned_m
+        self._take_limits()
+        hand, place = self._pilot.hand, self.setpoint.position_ned_m
         down, sink = place[2], None
         if asked.climb != 0.0:
             down, sink = None, -asked.climb * (hand.climb_m_s if asked.climb > 0.0 else hand.descent_m_s)
@@ -113,7 +124,7 @@ class HandTask(Task):
             self.setpoint = self._leaning(setpoint, estimate, down, sink)
 
     def _going(self, setpoint: Setpoint, estimate: Estimate, down: float | None, sink: float | None) -> Setpoint:
-        asked, hand = self._asked, self._hand
+        asked, hand = self._asked, self._pilot.hand
         north, east, _ = setpoint.position_ned_m
         velocity: PartialVector = (None, None, sink)
         if asked.forward != 0.0 or asked.right != 0.0:
@@ -130,7 +141,7 @@ class HandTask(Task):
             setpoint,
             position_ned_m=(None, None, down),
             velocity_ned_m_s=(None, None, sink),
-            lean_ne_rad=(self._hand.tilt_rad * ahead, self._hand.tilt_rad * aside),
+            lean_ne_rad=(self._pilot.hand.tilt_rad * ahead, self._pilot.hand.tilt_rad * aside),
         )
 
 

@@ -90,7 +90,7 @@ class Machine:
         self._speeds: dict[SpeedAxis, float] = {}
         self._yaw_rate_rad_s = inf
         self._paused: Setpoint | None = None
-        self.pilot = Pilot()
+        self.pilot = Pilot(self.settings.hand)
         self.intended_mode = self.mode
         self._task: Task = LevelTask(estimate)
         self.guidance = Guidance(None, self.settings.limits())
@@ -175,6 +175,7 @@ class Machine:
         if self._parameters.revision != self._revision:
             self._revision = self._parameters.revision
             self.settings = flight_settings(self._parameters)
+            self.pilot.hand = self.settings.hand
         self._watch_origin()
         if self.armed:
             self._guard()

@@ -6,6 +6,16 @@ from vehicle_sim.parameters.store import Parameter, ParameterKind
 
 _I8, _I16, _I32, _REAL = ParameterKind.INT8, ParameterKind.INT16, ParameterKind.INT32, ParameterKind.REAL32
 
+_STREAMS: Final = {
+    "RAW_SENS": "the inertial unit and pressure",
+    "EXT_STAT": "health, receiver and mission",
+    "RC_CHAN": "channels and outputs",
+    "POSITION": "position",
+    "EXTRA1": "attitude",
+    "EXTRA2": "what a head-up display shows",
+    "EXTRA3": "battery, estimator and time",
+}
+
 ARDUPILOT: Final = (
     Parameter("MAV_SYSID", _I16, 1, 1, 255, "system id of this vehicle, from the next boot on"),
     Parameter("MAV_GCS_SYSID", _I16, 255, 1, 255, "system id of the ground station whose heartbeats count"),
@@ -50,6 +60,14 @@ ARDUPILOT: Final = (
     Parameter("RCMAP_PITCH", _I8, 2, 1, 16, "channel of the pitch stick"),
     Parameter("RCMAP_THROTTLE", _I8, 3, 1, 16, "channel of the throttle stick"),
     Parameter("RCMAP_YAW", _I8, 4, 1, 16, "channel of the yaw stick"),
+    Parameter("FRAME_CLASS", _I8, 1, 1, 1, "kind of frame: 1 is a quadrotor", read_only=True),
+    *(
+        Parameter(
+            f"MAV{number}_{name}", _I16, 0, 0, 50, f"unasked rate of {what} on {links}, from the next boot on, Hz"
+        )
+        for number, links in ((1, "links that are waited on or called"), (2, "the link to the ground station"))
+        for name, what in _STREAMS.items()
+    ),
     Parameter("SIM_WIND_SPD", _REAL, 0, 0, 30, "speed of the steady wind, m/s"),
     Parameter("SIM_WIND_DIR", _REAL, 180, 0, 360, "direction that the wind comes from, degrees"),
     Parameter("SIM_WIND_TURB", _REAL, 0, 0, 10, "standard deviation of the gusts, m/s"),

@@ -32,8 +32,6 @@ def take_value(store: ParameterStore, name: str, text: str) -> None:
     definition = store.definition(name)
     if definition.is_integer and value != round(value, 0):
         raise ParameterError(f"{name} takes a whole number, not {text}")
-    if definition.read_only and definition.stored(value) != store[name]:
-        raise ParameterError(f"{name} is a fact about the vehicle: it is {_number(definition, store[name])}")
     store.set(name, value)
 
 

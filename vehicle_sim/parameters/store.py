@@ -142,10 +142,10 @@ class ParameterStore:
         if name not in self._definitions:
             raise ParameterError(f"there is no parameter {name!r}")
         definition = self._definitions[name]
+        if definition.read_only and value != self._values[name]:
+            raise ParameterError(f"{name} is a fact about the vehicle: it is {self._values[name]:g}")
         stored = definition.stored(value)
         if stored != self._values[name]:
-            if definition.read_only:
-                raise ParameterError(f"{name} is a fact about the vehicle")
             self._values[name] = stored
             self.revision += 1
             if self.on_change is not None:

@@ -59,6 +59,7 @@ class FlavourTable:
         custom_modes: The number that stands for each mode.
         base_modes: Flags of the heartbeat's base_mode in each mode, without the armed bit.
         default_rates_hz: What is streamed unasked, by the link's purpose: message id to messages per second.
+        stream_parameters: The parameter that holds the unasked rate of each group, by the link's purpose.
         stream_groups: Messages of each MAV_DATA_STREAM; empty where REQUEST_DATA_STREAM names a message id instead.
         absent_messages: Messages of the vehicle that this autopilot does not have.
         no_stream: Result of SET_MESSAGE_INTERVAL for a message that it does not have.
@@ -83,6 +84,7 @@ class FlavourTable:
     custom_modes: Mapping[Mode, int]
     base_modes: Mapping[Mode, int]
     default_rates_hz: Mapping[Rates, Mapping[int, float]]
+    stream_parameters: Mapping[Rates, Mapping[int, str]]
     stream_groups: Mapping[int, tuple[int, ...]]
     absent_messages: frozenset[int]
     no_stream: Outcome
@@ -157,6 +159,18 @@ _ARDUPILOT: Final = FlavourTable(
         for mode in Mode
     },
     default_rates_hz={rates: {} for rates in Rates},
+    stream_parameters={
+        rates: {
+            mavlink.MAV_DATA_STREAM_RAW_SENSORS: f"MAV{number}_RAW_SENS",
+            mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: f"MAV{number}_EXT_STAT",
+            mavlink.MAV_DATA_STREAM_RC_CHANNELS: f"MAV{number}_RC_CHAN",
+            mavlink.MAV_DATA_STREAM_POSITION: f"MAV{number}_POSITION",
+            mavlink.MAV_DATA_STREAM_EXTRA1: f"MAV{number}_EXTRA1",
+            mavlink.MAV_DATA_STREAM_EXTRA2: f"MAV{number}_EXTRA2",
+            mavlink.MAV_DATA_STREAM_EXTRA3: f"MAV{number}_EXTRA3",
+        }
+        for rates, number in ((Rates.ONBOARD, 1), (Rates.GROUND_STATION, 2))
+    },
     stream_groups={
         mavlink.MAV_DATA_STREAM_RAW_SENSORS: _messages("RAW_IMU", "SCALED_PRESSURE"),
         mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: _messages(
@@ -280,6 +294,7 @@ _PX4: Final = FlavourTable(
         )
         | {CURRENT_MODE_ID: 0.5},
     },
+    stream_parameters={},
     stream_groups={},
     absent_messages=frozenset(
         _messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS", "NAV_CONTROLLER_OUTPUT", "AHRS", "WIND", "SIMSTATE")

@@ -122,9 +122,8 @@ def rc_channels(host: Host) -> Message | None:
     """RC_CHANNELS: no receiver is fitted; ArduPilot has the channels that override it, while they count."""
     autopilot, parameters = host.vehicle.autopilot, host.vehicle.parameters
     pulses = [_UNKNOWN] * 18
-    count, hand = 0, autopilot.settings.hand
-    counts = hand.listens and autopilot.pilot.silent_s(host.now_us * 1e-6) <= hand.timeout_s
-    if host.table.flavour is Flavour.ARDUPILOT and counts:
+    count = 0
+    if host.table.flavour is Flavour.ARDUPILOT and autopilot.pilot.counts(host.now_us * 1e-6):
         forward, right, turn, climb = autopilot.pilot.sticks
         sticks = {"RCMAP_ROLL": right, "RCMAP_PITCH": -forward, "RCMAP_THROTTLE": climb, "RCMAP_YAW": turn}
         for name, value in sticks.items():
