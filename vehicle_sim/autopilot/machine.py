@@ -36,6 +36,7 @@ from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
 
 _MOST_TEXTS: Final = 64
 _DOUBT_S: Final = 1.0
+_LINGERS_S: Final = 0.5
 
 
 class SpeedAxis(Enum):
@@ -121,6 +122,10 @@ class Machine:
     def landed_state(self) -> LandedState:
         """Where the vehicle is between ground and air."""
         if not self.flying:
+            # ArduPilot says that it lands for a moment after it has landed and disarmed (observed).
+            lingers = self.flavour is Flavour.ARDUPILOT and self._task.landing and not self.armed
+            if lingers and self._now_s - self._disarmed_at_s < _LINGERS_S:
+                return LandedState.LANDING
             return LandedState.ON_GROUND
         if self._task.landing:
             return LandedState.LANDING

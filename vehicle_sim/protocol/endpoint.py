@@ -77,6 +77,7 @@ class Endpoint:
         self._presence = PresenceService(self)
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
+        commands.handlers.update(mode_list.commands)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {

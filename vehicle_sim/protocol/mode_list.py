@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from vehicle_sim.protocol.telemetry import Builder
 
+_DO_SET_STANDARD_MODE: Final = 262
 _ADVANCED: Final = 1
 _BY_HAND: Final = frozenset((Mode.ALT_HOLD, Mode.POSITION))
 _NON_STANDARD: Final = 0
@@ -69,6 +70,7 @@ class ModeListService:
         self._host = host
         self._order = sorted(host.table.custom_modes, key=lambda mode: host.table.custom_modes[mode])
         self.requests: Mapping[int, Callable[[Request], Outcome]] = {AVAILABLE_MODES_ID: self._give}
+        self.commands: Mapping[int, Callable[[Request], Outcome]] = {_DO_SET_STANDARD_MODE: self._set_standard}
         # The set of modes never changes, so there is nothing to stream of it.
         self.telemetry: Mapping[int, Builder] = {
             AVAILABLE_MODES_ID: lambda _host: None,
@@ -104,6 +106,13 @@ class ModeListService:
 
     def _standard(self, mode: Mode) -> int:
         return _STANDARD.get(mode, _NON_STANDARD) if self._is_px4 else _NON_STANDARD
+
+    def _set_standard(self, request: Request) -> Outcome:
+        """Enter the mode of PX4 that a standard one stands for; ArduPilot knows none."""
+        if not self._is_px4:
+            return Outcome.UNSUPPORTED
+        mode = next((mode for mode, standard in _STANDARD.items() if standard == request.params[0]), None)
+        return Outcome.UNSUPPORTED if mode is None else self._host.vehicle.autopilot.set_mode(mode)
 
     def _current(self) -> Message:
         autopilot, numbers = self._host.vehicle.autopilot, self._host.table.custom_modes
