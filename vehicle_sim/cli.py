@@ -10,10 +10,14 @@ import sys
 import threading
 from collections.abc import Callable, Sequence
 from math import atan2, degrees, hypot, isfinite
-from typing import Final, NoReturn
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, NoReturn
 
 from vehicle_sim.addresses import LISTENING, Address, parse_address
-from vehicle_sim.errors import ConfigurationError
+from vehicle_sim.errors import ConfigurationError, ParameterError
+
+if TYPE_CHECKING:
+    from vehicle_sim.parameters import ParameterStore
 
 _GROUND_STATION: Final = "udpout:127.0.0.1:14550"
 _DEFAULT_LISTEN: Final = {"ardupilot": "tcpin:127.0.0.1:5760", "px4": "udpin:127.0.0.1:14580"}
@@ -59,6 +63,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the program; return its exit code: 0 ended as asked, 2 an option or address that cannot be used."""
     parser = _parser()
     options = parser.parse_args(_with_negative_values(sys.argv[1:] if arguments is None else arguments))
+    if options.modes is not None:
+        _show_modes(options)
+        return 0
     try:
         _run(options)
     except ConfigurationError as error:
@@ -82,11 +89,12 @@ def _run(options: argparse.Namespace) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
     from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
+    from vehicle_sim.parameter_file import keep_parameters  # noqa: PLC0415
     from vehicle_sim.parameters import Flavour  # noqa: PLC0415
     from vehicle_sim.patience import Patience  # noqa: PLC0415
     from vehicle_sim.ports import Port, open_port  # noqa: PLC0415
     from vehicle_sim.protocol.endpoint import Endpoint  # noqa: PLC0415
-    from vehicle_sim.protocol.flavour import Rates  # noqa: PLC0415
+    from vehicle_sim.protocol.flavour import TABLES, Rates  # noqa: PLC0415
     from vehicle_sim.server import Server  # noqa: PLC0415
     from vehicle_sim.vehicle import Vehicle, VehicleConfig  # noqa: PLC0415
 
@@ -102,7 +110,11 @@ def _run(options: argparse.Namespace) -> None:
         gust_m_s=options.gusts,
         **place,
     )
-    endpoint = Endpoint(Vehicle(config), flavour, options.sysid)
+    parameters = _parameters(options)
+    system_id = int(parameters[TABLES[flavour].system_id_parameter]) if options.sysid is None else options.sysid
+    endpoint = Endpoint(Vehicle(config, parameters), flavour, system_id)
+    if options.parameters is not None:
+        keep_parameters(options.parameters, parameters, _notify)
     ports: list[Port] = []
     try:
         for address, rates_name, is_asked in _links(options):
@@ -114,12 +126,36 @@ def _run(options: argparse.Namespace) -> None:
                 _notify(f"{error}; going on without it")
         bound = [port.address for port in ports]
         stopping = _stop_flag(with_parent=options.exit_with_parent)
-        _tell(options, bound)
+        _tell(options, system_id, bound)
         patience = Patience(options.patience) if options.patience > 0.0 else None
         Server(endpoint, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
     finally:
         for port in ports:
             port.close()
+
+
+def _show_modes(options: argparse.Namespace) -> None:
+    from vehicle_sim.autopilot.diagram import Drawing, drawing  # noqa: PLC0415
+    from vehicle_sim.parameters import Flavour  # noqa: PLC0415
+
+    print(drawing(Flavour(options.flavour), Drawing(options.modes)), end="")  # noqa: T201 - what was asked for
+
+
+def _parameters(options: argparse.Namespace) -> "ParameterStore":
+    """Return the flavour's parameters with the values of the file, then those of the options."""
+    from vehicle_sim.parameter_file import load_parameters  # noqa: PLC0415
+    from vehicle_sim.parameters import Flavour, default_parameters  # noqa: PLC0415
+    from vehicle_sim.parameters.file import take_value  # noqa: PLC0415
+
+    store = default_parameters(Flavour(options.flavour))
+    if options.parameters is not None:
+        load_parameters(options.parameters, store)
+    for name, value in options.set:
+        try:
+            take_value(store, name, value)
+        except ParameterError as error:
+            raise ConfigurationError(f"--set {name}={value}: {error}") from error
+    return store
 
 
 _HOME_FIELDS: Final = ("home_lat_deg", "home_lon_deg", "home_alt_m")
@@ -141,13 +177,13 @@ def _links(options: argparse.Namespace) -> list[tuple[Address, str, bool]]:
     return list(reversed(unique.values()))
 
 
-def _tell(options: argparse.Namespace, bound: list[Address]) -> None:
+def _tell(options: argparse.Namespace, system_id: int, bound: list[Address]) -> None:
     if options.announce:
         listening = " ".join(str(address) for address in bound if address.scheme in LISTENING)
         print(f"READY {listening}", flush=True)  # noqa: T201 - what the parent process reads
     if not options.quiet:
         links = ", ".join(str(address) for address in bound)
-        _notify(f"{options.flavour}, system {options.sysid}, {options.speed:g} times real time, on {links}")
+        _notify(f"{options.flavour}, system {system_id}, {options.speed:g} times real time, on {links}")
 
 
 def _notify(sentence: str) -> None:
@@ -218,7 +254,13 @@ def _parser() -> argparse.ArgumentParser:
     vehicle.add_argument(
         "--home", type=_home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"
     )
-    vehicle.add_argument("--sysid", type=_system_id, default=1, metavar="N", help="MAVLink system id, 1 to 255 (1)")
+    vehicle.add_argument("--sysid", type=_system_id, metavar="N", help="MAVLink system id, 1 to 255 (1)")
+    vehicle.add_argument(
+        "--parameters", type=Path, metavar="FILE", help="keep the parameters in this file (they are forgotten)"
+    )
+    vehicle.add_argument(
+        "--set", type=_assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter, repeatable"
+    )
     vehicle.add_argument("--speed", type=_speed, default=1.0, metavar="N", help="multiples of real time (1)")
     vehicle.add_argument(
         "--patience",
@@ -255,6 +297,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     process.add_argument("--exit-with-parent", action="store_true", help="end when standard input is closed")
     process.add_argument("--quiet", action="store_true", help="say nothing but warnings")
+    process.add_argument(
+        "--modes",
+        nargs="?",
+        const="table",
+        choices=("table", "dot", "mermaid"),
+        help="print the flavour's modes and what leads where, and exit: as a table, for Graphviz, for Mermaid",
+    )
     process.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     return parser
 
@@ -302,6 +351,13 @@ def _seed(text: str) -> int:
 
 def _system_id(text: str) -> int:
     return _whole(text, 1, 255)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise argparse.ArgumentTypeError(f"write NAME=VALUE, not {text!r}")
+    return name, value
 
 
 def _wind(text: str) -> tuple[float, float]:

@@ -66,7 +66,13 @@ def wrap(angle_rad: float) -> float:
 
 
 class Controller:
-    """Turns guidance and estimate into commands for the airframe, once a step."""
+    """Turns guidance and estimate into commands for the airframe, once a step.
+
+    Attributes:
+        command: The newest command.
+        tilt_ne_rad: The lean to north and east that it is meant to bring about.
+        yaw_rad: The yaw.
+    """
 
     def __init__(self, gains: TrackingGains, *, step_s: float) -> None:
         """Start idle."""
@@ -78,8 +84,9 @@ class Controller:
         self._idle = True
         self._disturbance = (0.0, 0.0, 0.0)
         self._thrust_m_s2 = 0.0
-        self._yaw_rad = 0.0
+        self.yaw_rad = 0.0
         self.command = IDLE
+        self.tilt_ne_rad = (0.0, 0.0)
 
     @property
     def disturbance_ned_m_s2(self) -> tuple[float, float, float]:
@@ -92,17 +99,20 @@ class Controller:
         if setpoint is None:
             self._idle = True
             self.command = IDLE
+            self.tilt_ne_rad, self.yaw_rad = (0.0, 0.0), estimate.yaw_rad
             return IDLE
         if self._idle:
             self._idle = False
             self._disturbance = (0.0, 0.0, 0.0)
             self._thrust_m_s2 = 0.0
-            self._yaw_rad = estimate.yaw_rad
+            self.yaw_rad = estimate.yaw_rad
         cos_yaw, sin_yaw = cos(estimate.yaw_rad), sin(estimate.yaw_rad)
         roll, pitch = estimate.roll_rad, estimate.pitch_rad
         tilt_n, tilt_e = -(pitch * cos_yaw + roll * sin_yaw), roll * cos_yaw - pitch * sin_yaw
         self._watch_disturbance(estimate, tilt_n, tilt_e)
-        wanted_n, wanted_e = self._tilt(estimate, setpoint, guidance)
+        lean = setpoint.lean_ne_rad
+        wanted_n, wanted_e = self._tilt(estimate, setpoint, guidance) if lean is None else lean
+        self.tilt_ne_rad = (wanted_n, wanted_e)
         # Attitude loop, in the axes in which the tilt does not depend on yaw.
         rate_n, rate_e = _ATTITUDE_PER_S * (wanted_n - tilt_n), _ATTITUDE_PER_S * (wanted_e - tilt_e)
         size = hypot(rate_n, rate_e)
@@ -187,9 +197,9 @@ class Controller:
         """Return the angular acceleration about the down axis."""
         ahead = setpoint.yaw_rate_rad_s or 0.0
         if setpoint.yaw_rad is not None:
-            self._yaw_rad = setpoint.yaw_rad
+            self.yaw_rad = setpoint.yaw_rad
         else:
-            self._yaw_rad += ahead * self._step_s
-        wanted = ahead + _YAW_PER_S * wrap(self._yaw_rad - yaw_rad)
+            self.yaw_rad += ahead * self._step_s
+        wanted = ahead + _YAW_PER_S * wrap(self.yaw_rad - yaw_rad)
         wanted = max(-limit_rad_s, min(wanted, limit_rad_s))
         return _YAW_RATE_PER_S * (wanted - rate_rad_s)

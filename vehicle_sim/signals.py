@@ -163,6 +163,8 @@ IDLE = Command(0.0, (0.0, 0.0, 0.0))
 class Setpoint:
     """What to fly: each axis of each quantity asked for or left free (None); relative to the estimator's origin.
 
+    `lean_ne_rad`, where it is given, is flown instead of the horizontal axes: how far thrust leans to north and east.
+
     Raises:
         ValueError: A component that is asked for is not finite.
     """
@@ -172,11 +174,13 @@ class Setpoint:
     acceleration_ned_m_s2: PartialVector = FREE
     yaw_rad: float | None = None
     yaw_rate_rad_s: float | None = None
+    lean_ne_rad: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that no controller can follow."""
         asked = (*self.position_ned_m, *self.velocity_ned_m_s, *self.acceleration_ned_m_s2)
-        if not all(value is None or isfinite(value) for value in (*asked, self.yaw_rad, self.yaw_rate_rad_s)):
+        lean = self.lean_ne_rad or ()
+        if not all(value is None or isfinite(value) for value in (*asked, self.yaw_rad, self.yaw_rate_rad_s, *lean)):
             raise ValueError("a setpoint's components are finite numbers or absent")
 
     @property

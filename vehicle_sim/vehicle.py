@@ -1,7 +1,7 @@
 """One vehicle: airframe, wind, sensors, estimator, controller and autopilot, composed at a fixed step."""
 
 from dataclasses import dataclass, field
-from math import hypot, isfinite
+from math import cos, hypot, isfinite, sin
 from typing import Final, NamedTuple
 
 from vehicle_sim.autopilot import Autopilot
@@ -9,7 +9,7 @@ from vehicle_sim.battery import Battery
 from vehicle_sim.clock import StepClock
 from vehicle_sim.controller import Controller, TrackingGains
 from vehicle_sim.dynamics.airframe import Airframe, Dynamics
-from vehicle_sim.dynamics.hover import MOST_THRUST_M_S2, Hover
+from vehicle_sim.dynamics.hover import DRAG_PER_S, MOST_THRUST_M_S2, Hover
 from vehicle_sim.dynamics.quadrotor import Quadrotor
 from vehicle_sim.dynamics.rotors import vibration_m_s2
 from vehicle_sim.dynamics.wind import Wind, blowing_from
@@ -118,7 +118,6 @@ class Vehicle:
         if self.parameters.flavour is not config.flavour:
             raise ConfigurationError(f"parameters of {self.parameters.flavour} for a vehicle of {config.flavour}")
         step_s = config.step_s
-        self._clock = StepClock(step_s)
         kind = Quadrotor if config.dynamics is Dynamics.QUADROTOR else Hover
         self.airframe: Airframe = kind(step_s=step_s, yaw_rad=config.home_yaw_rad)
         if config.wind_m_s > 0.0 or config.gust_m_s > 0.0:
@@ -126,17 +125,30 @@ class Vehicle:
             self.parameters.set("SIM_WIND_DIR", config.wind_from_deg % 360.0)
             self.parameters.set("SIM_WIND_TURB", config.gust_m_s)
         self._wind = Wind(Normals(config.seed, _WIND), gust_m_s=self.parameters["SIM_WIND_TURB"], step_s=step_s)
+        self.battery = Battery()
+        self._boot()
+        self._autopilot_steps = max(1, round(1.0 / (_AUTOPILOT_HZ * step_s)))
+        self._revision = -1
+        self._take_wind_parameters()
+        self.wind_ned_m_s = self._wind.steady_ned_m_s
+
+    def _boot(self) -> None:
+        """Start what runs on the flight controller, at vehicle time 0."""
+        config, step_s = self.config, self.config.step_s
+        self._clock = StepClock(step_s)
         self._sensors = Sensors(config.sensor_errors, seed=config.seed, home=config.home, step_s=step_s)
         self._estimator = Estimator(config.estimator, step_s=step_s)
         self._controller = Controller(config.gains, step_s=step_s)
         self._rotors = RotorControl(step_s=step_s) if config.dynamics is Dynamics.QUADROTOR else None
         self._command = self._controller.command
-        self.battery = Battery()
         self.autopilot = Autopilot(self.parameters, self.battery, self._estimator.estimate)
-        self._autopilot_steps = max(1, round(1.0 / (_AUTOPILOT_HZ * step_s)))
-        self._revision = -1
-        self._take_wind_parameters()
-        self.wind_ned_m_s = self._wind.steady_ned_m_s
+
+    def reboot(self) -> None:
+        """Restart the flight controller: its clock, sensors, estimator and modes begin anew, where the vehicle is.
+
+        What is no software stays as it is (the airframe, the charge of the battery, the wind), and so do parameters.
+        """
+        self._boot()
 
     @property
     def steps(self) -> int:
@@ -185,6 +197,33 @@ class Vehicle:
         noise = self.config.sensor_errors.accelerometer_noise_m_s2
         across, along = vibration_m_s2(self.airframe.outputs)
         return (hypot(across, noise), hypot(across, noise), hypot(along, noise))
+
+    @property
+    def attitude_target_rad(self) -> Vector:
+        """Roll, pitch and yaw that the controller asks for."""
+        north, east = self._controller.tilt_ne_rad
+        yaw = self._estimator.estimate.yaw_rad
+        ahead, aside = north * cos(yaw) + east * sin(yaw), east * cos(yaw) - north * sin(yaw)
+        return (aside, -ahead, self._controller.yaw_rad)
+
+    @property
+    def thrust_target(self) -> float:
+        """Thrust that the controller asks for as a share of the greatest, from 0 up."""
+        return self._controller.command.thrust_m_s2 / MOST_THRUST_M_S2
+
+    @property
+    def attitude_corrections(self) -> tuple[Vector, float, float]:
+        """Drift of the gyros in rad/s that is taken out, and the last corrections of tilt and yaw in radians."""
+        return self._estimator.attitude_corrections
+
+    @property
+    def wind_estimate_ne_m_s(self) -> tuple[float, float] | None:
+        """The wind that the observed disturbance amounts to, if all of it is drag; None while nothing is flown."""
+        if self.autopilot.target is None:
+            return None
+        north, east, _ = self._estimator.estimate.velocity_ned_m_s
+        push = self._controller.disturbance_ned_m_s2
+        return (north + push[0] / DRAG_PER_S, east + push[1] / DRAG_PER_S)
 
     def step(self) -> None:
         """Advance by exactly one step."""

@@ -1,6 +1,6 @@
 """What drives the autopilot from inside: time, estimate, failures, take-off and landing.
 
-What may follow what is written in the tables of `modes`. Without a pilot, manual modes see centred sticks.
+What may follow what is written in the tables of `modes`. Without a pilot, modes by hand see centred sticks.
 """
 
 from collections import deque
@@ -11,10 +11,12 @@ from typing import Final
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS, ArmingFault, arming_faults
 from vehicle_sim.autopilot.failsafe import FailsafeMonitor
+from vehicle_sim.autopilot.hand import HandTask, Pilot
 from vehicle_sim.autopilot.landing import LandDetector
 from vehicle_sim.autopilot.modes import (
     FAILSAFE_MODES,
     FIRST_MODE,
+    KEEPING_PLACE,
     MODES,
     TRANSITIONS,
     Event,
@@ -34,6 +36,7 @@ from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
 
 _MOST_TEXTS: Final = 64
 _DOUBT_S: Final = 1.0
+_LINGERS_S: Final = 0.5
 
 
 class SpeedAxis(Enum):
@@ -47,8 +50,9 @@ class SpeedAxis(Enum):
 class Machine:
     """Modes, arming, tasks and failsafes of one vehicle.
 
-    Public attributes to read: `mode`, `armed`, `flying`, `home`, `home_revision` (grows with every change of home),
-    `guidance`, and `texts`, a queue whose reader pops what it has taken (old ones drop out of a full queue).
+    Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `home`,
+    `home_revision` (grows with every change of home), `guidance`, `pilot` (who may be at the sticks), and `texts`, a
+    queue whose reader pops what it has taken (old ones drop out of a full queue).
     """
 
     def __init__(self, parameters: ParameterStore, battery: Battery, estimate: Estimate) -> None:
@@ -87,6 +91,8 @@ class Machine:
         self._speeds: dict[SpeedAxis, float] = {}
         self._yaw_rate_rad_s = inf
         self._paused: Setpoint | None = None
+        self.pilot = Pilot(self.settings.hand)
+        self.intended_mode = self.mode
         self._task: Task = LevelTask(estimate)
         self.guidance = Guidance(None, self.settings.limits())
 
@@ -116,6 +122,10 @@ class Machine:
     def landed_state(self) -> LandedState:
         """Where the vehicle is between ground and air."""
         if not self.flying:
+            # ArduPilot says that it lands for a moment after it has landed and disarmed (observed).
+            lingers = self.flavour is Flavour.ARDUPILOT and self._task.landing and not self.armed
+            if lingers and self._now_s - self._disarmed_at_s < _LINGERS_S:
+                return LandedState.LANDING
             return LandedState.ON_GROUND
         if self._task.landing:
             return LandedState.LANDING
@@ -170,6 +180,7 @@ class Machine:
         if self._parameters.revision != self._revision:
             self._revision = self._parameters.revision
             self.settings = flight_settings(self._parameters)
+            self.pilot.hand = self.settings.hand
         self._watch_origin()
         if self.armed:
             self._guard()
@@ -231,8 +242,8 @@ class Machine:
         elif mode is Mode.TAKEOFF:
             height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
             self._task = TakeoffTask(estimate, settings, down_m=self._home_ned_m[2] - height)
-        elif self.modes[mode].manual:
-            self._task = LevelTask(estimate)
+        elif self.modes[mode].manual or mode in KEEPING_PLACE:
+            self._task = HandTask(estimate, settings, self.pilot, keeps_place=mode in KEEPING_PLACE)
         else:
             self._task = HoldTask(estimate, settings)
         self._refresh()
@@ -255,6 +266,7 @@ class Machine:
 
     def _happen(self, event: Event) -> None:
         if (mode := TRANSITIONS[self.flavour].get((self.mode, event))) is not None:
+            self.intended_mode = mode
             self._enter(mode)
 
     def _fly(self) -> None:

@@ -134,6 +134,9 @@ FIRST_MODE: Final[Mapping[Flavour, Mode]] = {Flavour.ARDUPILOT: Mode.STABILIZE, 
 HOLDING: Final[Mapping[Flavour, Mode]] = {Flavour.ARDUPILOT: Mode.POSITION, Flavour.PX4: Mode.HOLD}
 """The mode that keeps the vehicle where it is."""
 
+KEEPING_PLACE: Final = frozenset((Mode.POSITION, Mode.POSHOLD))
+"""The modes by hand in which a stick that is let go stops the vehicle where it is."""
+
 TRANSITIONS: Final[Mapping[Flavour, Mapping[tuple[Mode, Event], Mode]]] = {
     # ArduPilot takes off inside GUIDED and stays there.
     Flavour.ARDUPILOT: {(Mode.GUIDED, Event.TAKEN_OFF): Mode.GUIDED},

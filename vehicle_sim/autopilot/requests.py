@@ -55,6 +55,7 @@ class Autopilot(Machine):
         if mode is self.mode:
             self._failsafes.overridden()
             self._resumes = False
+            self.intended_mode = mode
             return Outcome.ACCEPTED
         if self.armed and (reason := self._obstacle(mode)):
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
@@ -62,6 +63,7 @@ class Autopilot(Machine):
             return Outcome.ACCEPTED if streamless else self._refusal
         self._failsafes.overridden()
         self._resumes = False
+        self.intended_mode = mode
         self._enter(mode)
         return Outcome.ACCEPTED
 
@@ -77,6 +79,7 @@ class Autopilot(Machine):
             self._takeoff_height_m = height
             self._failsafes.overridden()
             self._resumes = False
+            self.intended_mode = Mode.TAKEOFF
             self._enter(Mode.TAKEOFF)
             return Outcome.ACCEPTED
         target_down = self._home_ned_m[2] - height

@@ -27,7 +27,7 @@ class AttitudeReference:
         self._samples = 0
         self._force_sum = [0.0, 0.0, 0.0]
         self._rate_sum = [0.0, 0.0, 0.0]
-        self._bias: Vector = (0.0, 0.0, 0.0)
+        self.bias_rad_s: Vector = (0.0, 0.0, 0.0)
         self._has_heading = False
         self.aligned = False
         self.roll_rad = 0.0
@@ -36,13 +36,14 @@ class AttitudeReference:
         self.rates_rad_s: Vector = (0.0, 0.0, 0.0)
         self.acceleration_ned_m_s2: Vector = (0.0, 0.0, 0.0)
         self.compass_miss_rad = 0.0
+        self.tilt_miss_rad = 0.0
 
     def step(self, imu: ImuReading) -> None:
         """Take one measurement of the inertial unit."""
         if not self.aligned:
             self._align(imu)
             return
-        bias, measured, dt = self._bias, imu.rates_rad_s, self._step_s
+        bias, measured, dt = self.bias_rad_s, imu.rates_rad_s, self._step_s
         p, q, r = measured[0] - bias[0], measured[1] - bias[1], measured[2] - bias[2]
         self.rates_rad_s = (p, q, r)
         sin_roll, cos_roll = sin(self.roll_rad), cos(self.roll_rad)
@@ -76,7 +77,7 @@ class AttitudeReference:
         if self._samples * self._step_s < _ALIGNMENT_S or not self._has_heading:
             return
         x, y, z = self._force_sum
-        self._bias = (
+        self.bias_rad_s = (
             self._rate_sum[0] / self._samples,
             self._rate_sum[1] / self._samples,
             self._rate_sum[2] / self._samples,
@@ -95,6 +96,7 @@ class AttitudeReference:
 
     def tilt(self, north_rad: float, east_rad: float) -> None:
         """Tilt the estimated thrust vector by small angles towards north and east."""
+        self.tilt_miss_rad = hypot(north_rad, east_rad)
         cos_yaw, sin_yaw = cos(self.yaw_rad), sin(self.yaw_rad)
         self.roll_rad += east_rad * cos_yaw - north_rad * sin_yaw
         self.pitch_rad -= north_rad * cos_yaw + east_rad * sin_yaw

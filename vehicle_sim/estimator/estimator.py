@@ -75,6 +75,11 @@ class Estimator:
         self._status = _NOTHING
         self.estimate = Estimate(0.0, None, _ZERO, _ZERO, _ZERO, 0.0, 0.0, 0.0, _ZERO, _NOTHING)
 
+    @property
+    def attitude_corrections(self) -> tuple[Vector, float, float]:
+        """Drift of the gyros in rad/s that is taken out, and the last corrections of tilt and yaw in radians."""
+        return self._attitude.bias_rad_s, self._attitude.tilt_miss_rad, self._attitude.compass_miss_rad
+
     def step(
         self,
         time_s: float,

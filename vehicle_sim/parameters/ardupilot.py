@@ -6,8 +6,18 @@ from vehicle_sim.parameters.store import Parameter, ParameterKind
 
 _I8, _I16, _I32, _REAL = ParameterKind.INT8, ParameterKind.INT16, ParameterKind.INT32, ParameterKind.REAL32
 
+_STREAMS: Final = {
+    "RAW_SENS": "the inertial unit and pressure",
+    "EXT_STAT": "health, receiver and mission",
+    "RC_CHAN": "channels and outputs",
+    "POSITION": "position",
+    "EXTRA1": "attitude",
+    "EXTRA2": "what a head-up display shows",
+    "EXTRA3": "battery, estimator and time",
+}
+
 ARDUPILOT: Final = (
-    Parameter("MAV_SYSID", _I16, 1, 1, 255, "system id of this vehicle"),
+    Parameter("MAV_SYSID", _I16, 1, 1, 255, "system id of this vehicle, from the next boot on"),
     Parameter("MAV_GCS_SYSID", _I16, 255, 1, 255, "system id of the ground station whose heartbeats count"),
     Parameter("FS_GCS_ENABLE", _I8, 0, 0, 7, "on loss of the ground station: 0 nothing, 1 return, 5 land, 7 brake"),
     Parameter("FS_GCS_TIMEOUT", _REAL, 5, 2, 120, "silence of the ground station that counts as its loss, s"),
@@ -40,6 +50,24 @@ ARDUPILOT: Final = (
     Parameter("BATT_LOW_TIMER", _I8, 10, 0, 120, "how long the voltage must be low, s"),
     Parameter("BATT_FS_LOW_ACT", _I8, 0, 0, 5, "on a low battery: 0 warn, 1 land, 2 return, 5 terminate"),
     Parameter("BATT_FS_CRT_ACT", _I8, 0, 0, 5, "on a critical battery: 0 warn, 1 land, 2 return, 5 terminate"),
+    Parameter("LOIT_SPEED", _REAL, 1250, 20, 3500, "horizontal speed by full stick in LOITER, cm/s"),
+    Parameter("PILOT_SPEED_UP", _I16, 250, 50, 500, "climb speed by full stick, cm/s"),
+    Parameter("PILOT_SPEED_DN", _I16, 0, 0, 500, "descent speed by full stick, cm/s; 0 is PILOT_SPEED_UP"),
+    Parameter("PILOT_Y_RATE", _REAL, 202.5, 1, 360, "yaw rate by full stick, degrees/s"),
+    Parameter("THR_DZ", _I16, 100, 0, 300, "dead zone about the middle of the throttle stick, of 1000"),
+    Parameter("RC_OVERRIDE_TIME", _REAL, 3, -1, 120, "sticks by MAVLink count for so long, s; 0 never, -1 for ever"),
+    Parameter("RCMAP_ROLL", _I8, 1, 1, 16, "channel of the roll stick"),
+    Parameter("RCMAP_PITCH", _I8, 2, 1, 16, "channel of the pitch stick"),
+    Parameter("RCMAP_THROTTLE", _I8, 3, 1, 16, "channel of the throttle stick"),
+    Parameter("RCMAP_YAW", _I8, 4, 1, 16, "channel of the yaw stick"),
+    Parameter("FRAME_CLASS", _I8, 1, 1, 1, "kind of frame: 1 is a quadrotor", read_only=True),
+    *(
+        Parameter(
+            f"MAV{number}_{name}", _I16, 0, 0, 50, f"unasked rate of {what} on {links}, from the next boot on, Hz"
+        )
+        for number, links in ((1, "links that are waited on or called"), (2, "the link to the ground station"))
+        for name, what in _STREAMS.items()
+    ),
     Parameter("SIM_WIND_SPD", _REAL, 0, 0, 30, "speed of the steady wind, m/s"),
     Parameter("SIM_WIND_DIR", _REAL, 180, 0, 360, "direction that the wind comes from, degrees"),
     Parameter("SIM_WIND_TURB", _REAL, 0, 0, 10, "standard deviation of the gusts, m/s"),

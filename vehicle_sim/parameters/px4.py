@@ -7,7 +7,7 @@ from vehicle_sim.parameters.store import Parameter, ParameterKind
 _INT, _REAL = ParameterKind.INT32, ParameterKind.REAL32
 
 PX4: Final = (
-    Parameter("MAV_SYS_ID", _INT, 1, 1, 250, "system id of this vehicle"),
+    Parameter("MAV_SYS_ID", _INT, 1, 1, 255, "system id of this vehicle, from the next boot on"),
     Parameter("COM_OF_LOSS_T", _REAL, 1.0, 0, 60, "silence of offboard setpoints that counts as their loss, s"),
     Parameter(
         "COM_OBL_RC_ACT",
@@ -53,6 +53,20 @@ PX4: Final = (
     Parameter("RTL_DESCEND_ALT", _REAL, 30, 0, 150, "height above home where the descent pauses, m"),
     Parameter("RTL_LAND_DELAY", _REAL, 0, -1, 300, "wait over home before landing, s; below 0 stay there"),
     Parameter("RTL_MIN_DIST", _REAL, 10, 0.5, 100, "closer to home than this: no climb for the return, m"),
+    Parameter("COM_RC_IN_MODE", _INT, 3, 0, 4, "sticks by MAVLink count: 1, 2 and 3; they do not: 0 and 4"),
+    Parameter("COM_RC_LOSS_T", _REAL, 0.5, 0, 35, "sticks that are silent for so long count no more, s"),
+    Parameter("MPC_HOLD_DZ", _REAL, 0.1, 0, 0.99, "dead zone of the sticks, share"),
+    Parameter("MPC_VEL_MANUAL", _REAL, 10, 3, 20, "horizontal speed by full stick in Position mode, m/s"),
+    Parameter("MPC_Z_VEL_MAX_UP", _REAL, 3, 0.5, 8, "climb speed by full stick, m/s"),
+    Parameter("MPC_Z_VEL_MAX_DN", _REAL, 1.5, 0.5, 4, "descent speed by full stick, m/s"),
+    Parameter("MPC_MAN_TILT_MAX", _REAL, 35, 1, 70, "lean by full stick in Altitude mode, degrees"),
+    Parameter("MPC_MAN_Y_MAX", _REAL, 150, 0, 400, "yaw rate by full stick, degrees/s"),
+    Parameter("SYS_AUTOSTART", _INT, 4001, 4001, 4001, "airframe: 4001 is a quadrotor", read_only=True),
+    Parameter("MAV_TYPE", _INT, 2, 2, 2, "kind of vehicle: 2 is a quadrotor", read_only=True),
+    Parameter("BAT1_N_CELLS", _INT, 3, 3, 3, "cells of the battery in series", read_only=True),
+    Parameter("CAL_ACC0_ID", _INT, 1310988, 1310988, 1310988, "the accelerometer that is calibrated", read_only=True),
+    Parameter("CAL_GYRO0_ID", _INT, 1310988, 1310988, 1310988, "the gyro that is calibrated", read_only=True),
+    Parameter("CAL_MAG0_ID", _INT, 197388, 197388, 197388, "the compass that is calibrated", read_only=True),
     Parameter("SIM_WIND_SPD", _REAL, 0, 0, 30, "speed of the steady wind, m/s"),
     Parameter("SIM_WIND_DIR", _REAL, 180, 0, 360, "direction that the wind comes from, degrees"),
     Parameter("SIM_WIND_TURB", _REAL, 0, 0, 10, "standard deviation of the gusts, m/s"),

@@ -6,6 +6,7 @@ from enum import Enum, auto
 from math import inf, radians
 from typing import Final
 
+from vehicle_sim.parameters.hand import HandSettings, hand_settings
 from vehicle_sim.parameters.store import Flavour, ParameterStore
 from vehicle_sim.signals import Limits
 
@@ -80,6 +81,7 @@ class FlightSettings:
     return_cone_slope: float
     return_climb_min_m: float
     return_min_distance_m: float
+    hand: HandSettings
 
     def limits(self) -> Limits:
         """Return the limits of automatic flight before any mode or command narrows them."""
@@ -190,6 +192,7 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         return_cone_slope=_never_unless_positive(store["RTL_CONE_SLOPE"]),
         return_climb_min_m=store["RTL_CLIMB_MIN"] / 100.0,
         return_min_distance_m=0.0,
+        hand=hand_settings(store),
     )
 
 
@@ -243,6 +246,7 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         return_cone_slope=inf,
         return_climb_min_m=0.0,
         return_min_distance_m=store["RTL_MIN_DIST"],
+        hand=hand_settings(store),
     )
 
 

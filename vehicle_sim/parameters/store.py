@@ -1,6 +1,6 @@
 """A typed store of parameters: names, kinds, bounds and meanings, with the values that are set now."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum, StrEnum
 from math import isfinite
@@ -38,6 +38,8 @@ _LONGEST_NAME: Final = 16
 class Parameter:
     """One parameter: its name (at most 16 characters), kind, default, bounds and meaning with its unit.
 
+    One that is `read_only` is a fact about the vehicle, which clients look up and nobody can change.
+
     Raises:
         ValueError: The name is too long, or the default does not lie within the bounds.
     """
@@ -48,6 +50,7 @@ class Parameter:
     minimum: float
     maximum: float
     meaning: str
+    read_only: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a definition that contradicts itself."""
@@ -87,7 +90,12 @@ def single(value: float) -> float:
 
 
 class ParameterStore:
-    """The parameters of one vehicle; the order of names is alphabetical and an index is a place in it."""
+    """The parameters of one vehicle; the order of names is alphabetical and an index is a place in it.
+
+    Attributes:
+        revision: Grows with every change.
+        on_change: Called after every change.
+    """
 
     def __init__(self, flavour: Flavour, definitions: Iterable[Parameter]) -> None:
         """Hold `definitions` at their defaults.
@@ -103,6 +111,7 @@ class ParameterStore:
         self.names: Final = tuple(self._definitions)
         self._values: dict[str, float] = {parameter.name: parameter.stored(parameter.default) for parameter in ordered}
         self.revision = 0
+        self.on_change: Callable[[], None] | None = None
 
     def __len__(self) -> int:
         return len(self.names)
@@ -132,8 +141,13 @@ class ParameterStore:
         """
         if name not in self._definitions:
             raise ParameterError(f"there is no parameter {name!r}")
-        stored = self._definitions[name].stored(value)
+        definition = self._definitions[name]
+        if definition.read_only and value != self._values[name]:
+            raise ParameterError(f"{name} is a fact about the vehicle: it is {self._values[name]:g}")
+        stored = definition.stored(value)
         if stored != self._values[name]:
             self._values[name] = stored
             self.revision += 1
+            if self.on_change is not None:
+                self.on_change()
         return stored

@@ -66,6 +66,7 @@ class CommandService:
             mavlink.MAV_CMD_DO_PAUSE_CONTINUE: self._pause_continue,
             mavlink.MAV_CMD_DO_FLIGHTTERMINATION: self._terminate,
             mavlink.MAV_CMD_RUN_PREARM_CHECKS: self._run_prearm_checks,
+            mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._reboot,
         }
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_COMMAND_LONG: self.on_command_long,
@@ -203,6 +204,21 @@ class CommandService:
         if request.params[0] > 0.5:  # noqa: PLR2004 - the command's own threshold between a flag's 0 and 1
             return self._autopilot.terminate()
         return Outcome.UNSUPPORTED if self._host.table.flavour is Flavour.PX4 else Outcome.FAILED
+
+    def _reboot(self, request: Request) -> Outcome:
+        """Restart once the acknowledgement is on its way: ArduPilot waits for 0.2 s, PX4 for 0.4 s.
+
+        There is no power to switch off and no boot loader; parameter 1 asks for a restart by 1, for nothing by 0.
+        """
+        is_px4, action = self._host.table.flavour is Flavour.PX4, request.params[0]
+        if is_px4 and action == 0.0:
+            return Outcome.ACCEPTED
+        if action != 1.0:
+            return Outcome.DENIED if is_px4 else Outcome.UNSUPPORTED
+        if self._autopilot.armed:
+            return self._host.table.no_reboot
+        self._host.reboot_in(400_000 if is_px4 else 200_000)
+        return Outcome.ACCEPTED
 
     def _run_prearm_checks(self, _request: Request) -> Outcome:
         if self._host.table.flavour is Flavour.PX4 or self._autopilot.armed:

@@ -13,6 +13,7 @@ from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
 from vehicle_sim.protocol.link import Link
+from vehicle_sim.protocol.mode_list import ModeListService
 from vehicle_sim.protocol.parameters import ParameterService
 from vehicle_sim.protocol.plans import PlanService
 from vehicle_sim.protocol.presence import PresenceService
@@ -20,6 +21,8 @@ from vehicle_sim.protocol.rates import RateService
 from vehicle_sim.protocol.routing import Router
 from vehicle_sim.protocol.setpoints import SetpointService
 from vehicle_sim.protocol.statustext import TextChunker
+from vehicle_sim.protocol.sticks import StickService
+from vehicle_sim.protocol.streams import NEVER_US
 from vehicle_sim.protocol.telemetry import BUILDERS, Builder
 from vehicle_sim.protocol.timesync import TimeService
 
@@ -55,6 +58,7 @@ class Endpoint:
             raise ValueError(f"a system id lies in 1 to 255, {system_id} does not")
         self.vehicle = vehicle
         self.table: FlavourTable = TABLES[flavour]
+        vehicle.parameters.set(self.table.system_id_parameter, system_id)
         self.system_id = system_id
         self._step_us = round(vehicle.config.step_s * 1e6)
         self.now_us = vehicle.steps * self._step_us
@@ -64,12 +68,16 @@ class Endpoint:
         self._router = Router(system_id)
         self._chunker = TextChunker()
         self._built: dict[int, Message | None] = {}
+        self._reboot_due_us = NEVER_US
         commands = CommandService(self)
         time = TimeService(self)
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
         self._plans = PlanService(self)
         self._presence = PresenceService(self)
+        mode_list = ModeListService(self)
+        self._rates.requests.update(mode_list.requests)
+        commands.handlers.update(mode_list.commands)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
@@ -77,12 +85,13 @@ class Endpoint:
             **commands.messages,
             **self._rates.messages,
             **SetpointService(self).messages,
+            **StickService(self).messages,
             **self._parameters.messages,
             **self._plans.messages,
             **time.messages,
             **FileService(self).messages,
         }
-        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry}
+        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry, **mode_list.telemetry}
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
         }
@@ -153,6 +162,8 @@ class Endpoint:
 
     def advance(self) -> None:
         """Step the vehicle once and queue what is due then."""
+        if self.now_us >= self._reboot_due_us:
+            self._reboot()
         vehicle = self.vehicle
         vehicle.step()
         now_us = self.now_us = vehicle.steps * self._step_us
@@ -172,7 +183,25 @@ class Endpoint:
         if self._plans.next_due_us <= now_us:
             self._plans.advance()
 
+    def _reboot(self) -> None:
+        """Begin anew: streams as by default, no transfer under way, and the system id that the parameter names."""
+        self._reboot_due_us = NEVER_US
+        self.vehicle.reboot()
+        self.now_us = 0
+        self.system_id = int(self.vehicle.parameters[self.table.system_id_parameter])
+        self._router = Router(self.system_id)
+        self._presence.reboot()
+        for link in self._links.values():
+            link.speak_for(self.system_id)
+            self._parameters.forget(link)
+            self._plans.forget(link)
+            self._rates.start_defaults(link)
+
     # What the services use.
+
+    def reboot_in(self, delay_us: int) -> None:
+        """Restart the flight controller after so many microseconds; a restart that is due already is not put off."""
+        self._reboot_due_us = min(self._reboot_due_us, self.now_us + delay_us)
 
     def broadcast(self, message: "Message") -> None:
         """Send a message of the vehicle on every link."""

@@ -11,7 +11,7 @@ from typing import Final
 
 from vehicle_sim.autopilot import Mode, Outcome
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.protocol.dialect import mavlink
+from vehicle_sim.protocol.dialect import CURRENT_MODE_ID, mavlink
 
 _CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 _STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
@@ -59,6 +59,7 @@ class FlavourTable:
         custom_modes: The number that stands for each mode.
         base_modes: Flags of the heartbeat's base_mode in each mode, without the armed bit.
         default_rates_hz: What is streamed unasked, by the link's purpose: message id to messages per second.
+        stream_parameters: The parameter that holds the unasked rate of each group, by the link's purpose.
         stream_groups: Messages of each MAV_DATA_STREAM; empty where REQUEST_DATA_STREAM names a message id instead.
         absent_messages: Messages of the vehicle that this autopilot does not have.
         no_stream: Result of SET_MESSAGE_INTERVAL for a message that it does not have.
@@ -70,6 +71,8 @@ class FlavourTable:
         plan_timeout_us: After this long without an item it gives an upload up.
         plan_request_id: The message with which it asks for items.
         home_is_item_0: Whether item 0 of a mission is the home position.
+        system_id_parameter: The parameter that holds the system id.
+        no_reboot: Result of a request to restart while armed.
         answers_ping: Whether PING is answered.
         takeoff_is_amsl: Whether NAV_TAKEOFF's height is above mean sea level instead of above home.
     """
@@ -81,6 +84,7 @@ class FlavourTable:
     custom_modes: Mapping[Mode, int]
     base_modes: Mapping[Mode, int]
     default_rates_hz: Mapping[Rates, Mapping[int, float]]
+    stream_parameters: Mapping[Rates, Mapping[int, str]]
     stream_groups: Mapping[int, tuple[int, ...]]
     absent_messages: frozenset[int]
     no_stream: Outcome
@@ -92,6 +96,8 @@ class FlavourTable:
     plan_timeout_us: int
     plan_request_id: int
     home_is_item_0: bool
+    system_id_parameter: str
+    no_reboot: Outcome
     answers_ping: bool
     takeoff_is_amsl: bool
     modes: Mapping[int, Mode] = field(init=False)
@@ -105,7 +111,7 @@ def _px4_mode(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
 
-def _rates(**hertz: float) -> Mapping[int, float]:
+def _rates(**hertz: float) -> dict[int, float]:
     return {getattr(mavlink, f"MAVLINK_MSG_ID_{name}"): rate for name, rate in hertz.items()}
 
 
@@ -153,6 +159,18 @@ _ARDUPILOT: Final = FlavourTable(
         for mode in Mode
     },
     default_rates_hz={rates: {} for rates in Rates},
+    stream_parameters={
+        rates: {
+            mavlink.MAV_DATA_STREAM_RAW_SENSORS: f"MAV{number}_RAW_SENS",
+            mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: f"MAV{number}_EXT_STAT",
+            mavlink.MAV_DATA_STREAM_RC_CHANNELS: f"MAV{number}_RC_CHAN",
+            mavlink.MAV_DATA_STREAM_POSITION: f"MAV{number}_POSITION",
+            mavlink.MAV_DATA_STREAM_EXTRA1: f"MAV{number}_EXTRA1",
+            mavlink.MAV_DATA_STREAM_EXTRA2: f"MAV{number}_EXTRA2",
+            mavlink.MAV_DATA_STREAM_EXTRA3: f"MAV{number}_EXTRA3",
+        }
+        for rates, number in ((Rates.ONBOARD, 1), (Rates.GROUND_STATION, 2))
+    },
     stream_groups={
         mavlink.MAV_DATA_STREAM_RAW_SENSORS: _messages("RAW_IMU", "SCALED_PRESSURE"),
         mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: _messages(
@@ -160,15 +178,18 @@ _ARDUPILOT: Final = FlavourTable(
             "POWER_STATUS",
             "MISSION_CURRENT",
             "GPS_RAW_INT",
+            "NAV_CONTROLLER_OUTPUT",
             "POSITION_TARGET_GLOBAL_INT",
         ),
         mavlink.MAV_DATA_STREAM_RC_CHANNELS: _messages("SERVO_OUTPUT_RAW", "RC_CHANNELS"),
         mavlink.MAV_DATA_STREAM_POSITION: _messages("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
-        mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE"),
+        mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE", "SIMSTATE"),
         mavlink.MAV_DATA_STREAM_EXTRA2: _messages("VFR_HUD"),
-        mavlink.MAV_DATA_STREAM_EXTRA3: _messages("SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"),
+        mavlink.MAV_DATA_STREAM_EXTRA3: _messages(
+            "AHRS", "WIND", "SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"
+        ),
     },
-    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "HIGHRES_IMU")),
+    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "HIGHRES_IMU")) | {CURRENT_MODE_ID},
     no_stream=Outcome.DENIED,
     no_message=Outcome.FAILED,
     no_mode=Outcome.FAILED,
@@ -178,6 +199,8 @@ _ARDUPILOT: Final = FlavourTable(
     plan_timeout_us=8_000_000,
     plan_request_id=mavlink.MAVLINK_MSG_ID_MISSION_REQUEST,
     home_is_item_0=True,
+    system_id_parameter="MAV_SYSID",
+    no_reboot=Outcome.FAILED,
     answers_ping=False,
     takeoff_is_amsl=False,
 )
@@ -234,6 +257,7 @@ _PX4: Final = FlavourTable(
             HOME_POSITION=0.5,
             ESTIMATOR_STATUS=0.5,
             POSITION_TARGET_LOCAL_NED=1.5,
+            ATTITUDE_TARGET=2,
             RC_CHANNELS=5,
             SERVO_OUTPUT_RAW=1,
             ALTITUDE=1,
@@ -241,7 +265,8 @@ _PX4: Final = FlavourTable(
             SYSTEM_TIME=1,
             PING=0.1,
             VIBRATION=0.1,
-        ),
+        )
+        | {CURRENT_MODE_ID: 0.5},
         Rates.ONBOARD: _rates(
             TIMESYNC=10,
             ATTITUDE=100,
@@ -251,6 +276,7 @@ _PX4: Final = FlavourTable(
             LOCAL_POSITION_NED=30,
             ODOMETRY=30,
             POSITION_TARGET_LOCAL_NED=10,
+            ATTITUDE_TARGET=10,
             VFR_HUD=10,
             GPS_RAW_INT=10,
             ALTITUDE=10,
@@ -265,10 +291,14 @@ _PX4: Final = FlavourTable(
             PING=1,
             BATTERY_STATUS=0.5,
             VIBRATION=0.5,
-        ),
+        )
+        | {CURRENT_MODE_ID: 0.5},
     },
+    stream_parameters={},
     stream_groups={},
-    absent_messages=frozenset(_messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS")),
+    absent_messages=frozenset(
+        _messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS", "NAV_CONTROLLER_OUTPUT", "AHRS", "WIND", "SIMSTATE")
+    ),
     no_stream=Outcome.FAILED,
     no_message=Outcome.DENIED,
     no_mode=Outcome.TEMPORARILY_REJECTED,
@@ -278,6 +308,8 @@ _PX4: Final = FlavourTable(
     plan_timeout_us=5_000_000,
     plan_request_id=mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
     home_is_item_0=False,
+    system_id_parameter="MAV_SYS_ID",
+    no_reboot=Outcome.DENIED,
     answers_ping=True,
     takeoff_is_amsl=True,
 )

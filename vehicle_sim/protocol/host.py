@@ -45,6 +45,10 @@ class Host(Protocol):
         """Whether this autopilot has a telemetry message."""
         ...
 
+    def reboot_in(self, delay_us: int) -> None:
+        """Restart the flight controller after so many microseconds."""
+        ...
+
     def rates_of(self, link: Link) -> Rates:
         """Return what a link is for."""
         ...

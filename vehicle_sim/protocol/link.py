@@ -52,6 +52,10 @@ class Link:
         self._filling = bytearray()
         self._waiting: deque[bytes] = deque(maxlen=_MAX_WAITING)  # a peer that never reads loses the oldest
 
+    def speak_for(self, system_id: int) -> None:
+        """Send as another system from now on."""
+        self._mav.srcSystem = system_id
+
     @property
     def speaks_v1(self) -> bool:
         """Whether the peer is answered in MAVLink 1."""

@@ -102,7 +102,8 @@ class ParameterService:
         try:
             self._store.set(name, value)
         except ParameterError as error:
-            self._host.say(Severity.WARNING, str(error))
+            denied = f"Param write denied ({name})" if definition.read_only else str(error)
+            self._host.say(Severity.WARNING, denied)
         self._host.broadcast(self._value(name, self._index(name)))
 
     def _index(self, name: str) -> int:

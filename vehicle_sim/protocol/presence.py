@@ -26,6 +26,11 @@ class PresenceService:
             mavlink.MAVLINK_MSG_ID_SET_HOME_POSITION: self.on_set_home,
         }
 
+    def reboot(self) -> None:
+        """Forget what was announced: the vehicle has neither origin nor home again."""
+        self._told_home = self._host.vehicle.autopilot.home_revision
+        self._told_origin = False
+
     def advance(self) -> None:
         """Announce what has changed since the last step."""
         vehicle = self._host.vehicle

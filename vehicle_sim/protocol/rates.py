@@ -26,10 +26,15 @@ _LONGEST_US: Final = 1 << 31
 
 
 class RateService:
-    """Sets the streams of each link as its peer asks for them."""
+    """Sets the streams of each link as its peer asks for them.
+
+    Attributes:
+        requests: Who answers REQUEST_MESSAGE for messages whose request has parameters of its own.
+    """
 
     def __init__(self, host: Host) -> None:
         self._host = host
+        self.requests: dict[int, Callable[[Request], Outcome]] = {}
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: self.on_request_data_stream,
         }
@@ -49,7 +54,7 @@ class RateService:
         """Start what is streamed on a new link unasked."""
         link.streams.clear()
         link.streams.start(_HEARTBEAT, HEARTBEAT_US, self._host.now_us)
-        for message_id, hertz in self._host.table.default_rates_hz[self._host.rates_of(link)].items():
+        for message_id, hertz in self._defaults_hz(link).items():
             link.streams.start(message_id, round(_SECOND_US / hertz), self._host.now_us)
 
     def on_request_data_stream(self, sender: Sender, message: Message) -> None:
@@ -97,10 +102,19 @@ class RateService:
             streams.start(message_id, max(round(interval_us), 1), self._host.now_us)
         return Outcome.ACCEPTED
 
+    def _defaults_hz(self, link: Link) -> dict[int, float]:
+        """Return what is streamed on a link unasked: by the flavour's table, and by the parameters that are set."""
+        table, purpose = self._host.table, self._host.rates_of(link)
+        defaults = dict(table.default_rates_hz[purpose])
+        for group, name in table.stream_parameters.get(purpose, {}).items():
+            if hertz := self._host.vehicle.parameters[name]:
+                defaults.update(dict.fromkeys(table.stream_groups[group], hertz))
+        return defaults
+
     def _default_us(self, link: Link, message_id: int) -> int | None:
         if message_id == _HEARTBEAT:
             return HEARTBEAT_US
-        hertz = self._host.table.default_rates_hz[self._host.rates_of(link)].get(message_id)
+        hertz = self._defaults_hz(link).get(message_id)
         return None if hertz is None else round(_SECOND_US / hertz)
 
     def _get_interval(self, request: Request) -> Outcome:
@@ -118,7 +132,10 @@ class RateService:
 
     def _request_message(self, request: Request) -> Outcome:
         message_id = whole_number(request.params[0])
-        return self._host.table.no_message if message_id is None else self._give(request, message_id)
+        if message_id is None:
+            return self._host.table.no_message
+        answer = self.requests.get(message_id)
+        return self._give(request, message_id) if answer is None else answer(request)
 
     def _give(self, request: Request, message_id: int) -> Outcome:
         """Send one telemetry message to whoever asked for it."""

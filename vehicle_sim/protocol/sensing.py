@@ -6,6 +6,7 @@ Message definitions: https://mavlink.io/en/messages/common.html.
 from math import atan2, hypot
 from typing import TYPE_CHECKING, Final
 
+from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host
 from vehicle_sim.protocol.units import E7, clamp, clamp16, heading_deg
@@ -118,8 +119,17 @@ def vibration(host: Host) -> Message | None:
 
 
 def rc_channels(host: Host) -> Message | None:
-    """RC_CHANNELS: no receiver is fitted, so no channel is available and the signal is unknown."""
-    return mavlink.MAVLink_rc_channels_message(host.now_us // 1000, 0, *(_UNKNOWN,) * 18, 255)
+    """RC_CHANNELS: no receiver is fitted; ArduPilot has the channels that override it, while they count."""
+    autopilot, parameters = host.vehicle.autopilot, host.vehicle.parameters
+    pulses = [_UNKNOWN] * 18
+    count = 0
+    if host.table.flavour is Flavour.ARDUPILOT and autopilot.pilot.counts(host.now_us * 1e-6):
+        forward, right, turn, climb = autopilot.pilot.sticks
+        sticks = {"RCMAP_ROLL": right, "RCMAP_PITCH": -forward, "RCMAP_THROTTLE": climb, "RCMAP_YAW": turn}
+        for name, value in sticks.items():
+            pulses[int(parameters[name]) - 1] = round(1500 + 500 * value)
+        count = max(int(parameters[name]) for name in sticks)
+    return mavlink.MAVLink_rc_channels_message(host.now_us // 1000, count, *pulses, 255)
 
 
 def servo_output_raw(host: Host) -> Message | None:

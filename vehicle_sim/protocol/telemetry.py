@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from vehicle_sim.protocol import health, motion, sensing
+from vehicle_sim.protocol import guidance, health, motion, sensing
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host
 
@@ -38,5 +38,10 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     mavlink.MAVLINK_MSG_ID_HOME_POSITION: motion.home_position,
     mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: health.extended_sys_state,
     mavlink.MAVLINK_MSG_ID_ODOMETRY: motion.odometry,
+    mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET: guidance.attitude_target,
+    mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: guidance.nav_controller_output,
+    mavlink.MAVLINK_MSG_ID_AHRS: guidance.ahrs,
+    mavlink.MAVLINK_MSG_ID_WIND: guidance.wind,
+    mavlink.MAVLINK_MSG_ID_SIMSTATE: guidance.simstate,
 }
 """What each message is made with; services add those that carry their own state."""

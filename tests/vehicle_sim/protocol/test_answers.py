@@ -74,16 +74,6 @@ def test_an_origin_that_is_asked_for_is_told() -> None:
     assert station.last("GPS_GLOBAL_ORIGIN").latitude != 0
 
 
-@pytest.mark.parametrize("flavour", Flavour)
-def test_sticks_are_ignored_cleanly(flavour: Flavour) -> None:
-    station = Station(endpoint_of(flavour))
-    station.wait_for_position()
-    station.forget()
-    station.send(mavlink.MAVLink_manual_control_message(1, 1000, 1000, 1000, 1000, 0xFFFF))
-    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, *(2000,) * 8))
-    assert station.heard == []
-
-
 @settings(max_examples=60, deadline=None)
 @given(st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=400))
 def test_chunks_of_a_text_spell_it(text: str) -> None:

@@ -136,3 +136,62 @@ def test_the_hash_of_px4_follows_its_values_and_stops_a_list() -> None:
     station.forget()
     station.run(0.2)
     assert not station.of("PARAM_VALUE")
+
+
+@pytest.mark.parametrize(
+    ("flavour", "name", "kind", "fact"),
+    [(Flavour.ARDUPILOT, "FRAME_CLASS", mavlink.MAV_PARAM_TYPE_INT8, 1), (Flavour.PX4, "SYS_AUTOSTART", 6, 4001)],
+)
+def test_facts_are_told_and_cannot_be_changed(flavour: Flavour, name: str, kind: int, fact: int) -> None:
+    endpoint = endpoint_of(flavour)
+    station, other = Station(endpoint), Station(endpoint, "other", system_id=254)
+    send_set(station, name, integer_on_the_wire(flavour, fact + 1), kind)
+    other.collect()
+    assert store_of(station)[name] == fact
+    assert f"Param write denied ({name})" in station.texts()
+    for heard in (station, other):
+        assert pack("<f", heard.last("PARAM_VALUE").param_value) == pack("<f", integer_on_the_wire(flavour, fact))
+    station.forget()
+    send_set(station, name, integer_on_the_wire(flavour, fact), kind)
+    assert station.texts() == []
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_a_list_that_is_asked_for_again_starts_over_and_holes_are_filled_by_index(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    store = store_of(station)
+    for _ in range(2):
+        station.send(mavlink.MAVLink_param_request_list_message(1, 1))
+        station.run(0.03)
+    station.run(len(store) * 0.01)
+    told = [message.param_index for message in station.of("PARAM_VALUE") if message.param_index != 65535]
+    assert told == [*range(12), *range(len(store))]
+    station.forget()
+    for index in (3, 0, len(store) - 1):
+        station.send(mavlink.MAVLink_param_request_read_message(1, 1, b"", index))
+    assert [message.param_index for message in station.of("PARAM_VALUE")] == [3, 0, len(store) - 1]
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_lists_on_two_links_do_not_disturb_each_other(flavour: Flavour) -> None:
+    endpoint = endpoint_of(flavour)
+    stations = Station(endpoint), Station(endpoint, "other", system_id=254)
+    for station in stations:
+        station.send(mavlink.MAVLink_param_request_list_message(1, 1))
+        station.run(0.02)
+    stations[0].run(len(store_of(stations[0])) * 0.01)
+    for station in stations:
+        station.collect()
+        told = [message.param_index for message in station.of("PARAM_VALUE") if message.param_index != 65535]
+        assert told == list(range(len(store_of(station))))
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_names_fill_their_field_without_nul_only_when_they_are_as_long(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    names = store_of(station).names
+    assert any(len(name) == 16 for name in names) or flavour is Flavour.PX4
+    for index, name in enumerate(names):
+        station.send(mavlink.MAVLink_param_request_read_message(1, 1, b"", index))
+        payload = bytes(station.last("PARAM_VALUE").get_msgbuf())[10:-2].ljust(25, b"\0")
+        assert payload[8:24] == name.encode().ljust(16, b"\0")

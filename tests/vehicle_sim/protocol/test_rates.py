@@ -121,3 +121,21 @@ def test_links_have_their_own_rates() -> None:
     # Sequence numbers count on each link by themselves.
     numbers = [message.get_seq() for message in slow.heard if message.get_srcSystem() == 1]
     assert numbers == list(range(len(numbers)))
+
+
+@pytest.mark.parametrize(("rates", "number"), [(Rates.ONBOARD, 1), (Rates.GROUND_STATION, 2), (Rates.SILENT, None)])
+def test_stream_parameters_of_ardupilot_say_what_is_sent_unasked(rates: Rates, number: int | None) -> None:
+    endpoint = endpoint_of(Flavour.ARDUPILOT)
+    for name in TABLES[Flavour.ARDUPILOT].stream_parameters.get(rates, {}).values():
+        assert name.startswith(f"MAV{number}_")
+    endpoint.vehicle.parameters.set("MAV1_EXTRA1", 4)
+    endpoint.vehicle.parameters.set("MAV2_EXTRA1", 8)
+    station = Station(endpoint, rates=rates)
+    station.run(2.0)
+    hertz = {None: 0, 1: 4, 2: 8}[number]
+    assert len(station.of("ATTITUDE")) == 2 * hertz
+    assert not station.of("VFR_HUD")
+    assert station.command(SET, ATTITUDE, 20_000) == ACCEPTED
+    assert station.command(SET, ATTITUDE, 0) == ACCEPTED  # back to what the parameter says
+    assert station.command(GET, ATTITUDE) == ACCEPTED
+    assert station.last("MESSAGE_INTERVAL").interval_us == (1_000_000 // hertz if hertz else -1)

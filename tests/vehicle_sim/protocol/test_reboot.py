@@ -1,0 +1,138 @@
+"""A restart on request: the flight controller begins anew where the vehicle stands, with its parameters."""
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from tests.support.station import Station, endpoint_of
+from vehicle_sim.autopilot import Mode
+from vehicle_sim.autopilot.modes import FIRST_MODE
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.flavour import Rates
+
+ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
+REBOOT = mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
+ATTITUDE = mavlink.MAVLINK_MSG_ID_ATTITUDE
+BOTH = pytest.mark.parametrize("flavour", Flavour)
+
+
+def reboot(station: Station) -> None:
+    assert station.command(REBOOT, 1) == ACCEPTED
+    before_us = station.endpoint.now_us
+    station.wait_until(lambda: station.endpoint.now_us < before_us, within_s=1.0)
+
+
+@BOTH
+def test_a_restart_begins_at_time_zero_without_position_and_converges_again(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.wait_for_position()
+    station.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, ATTITUDE, 100_000)
+    station.run(1.0)
+    assert station.endpoint.vehicle.estimate.status.position_ok
+    reboot(station)
+    vehicle = station.endpoint.vehicle
+    assert vehicle.time_boot_ms <= 10
+    assert (vehicle.estimate.origin, vehicle.autopilot.home) == (None, None)
+    assert vehicle.autopilot.mode is FIRST_MODE[flavour]
+    station.forget()
+    station.run(1.0)
+    assert not station.of("ATTITUDE")  # intervals are forgotten with everything else
+    assert len(station.of("HEARTBEAT")) == 1
+    station.request(ATTITUDE)
+    assert station.last("ATTITUDE").time_boot_ms == vehicle.time_boot_ms < 1100
+    station.wait_for_position()
+    station.run(0.1)
+    assert len(station.of("GPS_GLOBAL_ORIGIN")) == len(station.of("HOME_POSITION")) == 1
+    assert station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == ACCEPTED
+
+
+@pytest.mark.parametrize(
+    ("flavour", "result"),
+    [(Flavour.ARDUPILOT, mavlink.MAV_RESULT_FAILED), (Flavour.PX4, mavlink.MAV_RESULT_DENIED)],
+)
+def test_an_armed_vehicle_never_restarts(flavour: Flavour, result: int) -> None:
+    station = Station(endpoint_of(flavour))
+    station.take_off()
+    before_us = station.endpoint.now_us
+    assert station.command(REBOOT, 1) == result
+    station.run(1.0)
+    assert station.endpoint.now_us == before_us + 1_000_000
+
+
+@BOTH
+def test_only_a_restart_can_be_asked_for(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    refused = mavlink.MAV_RESULT_DENIED if flavour is Flavour.PX4 else mavlink.MAV_RESULT_UNSUPPORTED
+    for action in (2, 4, float("nan"), -1):
+        assert station.command(REBOOT, action) == refused
+    assert station.command(REBOOT, 0) == (ACCEPTED if flavour is Flavour.PX4 else refused)
+    station.run(1.0)
+    assert station.endpoint.now_us == 1_000_000
+
+
+@BOTH
+def test_parameters_and_plans_outlast_it_and_so_does_where_the_vehicle_stands(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.take_off()
+    vehicle = station.endpoint.vehicle
+    name, value = ("MPC_XY_CRUISE", 4.0) if flavour is Flavour.PX4 else ("WPNAV_SPEED", 450.0)
+    vehicle.parameters.set(name, value)
+    station.set_mode(Mode.POSITION)
+    station.send(mavlink.MAVLink_manual_control_message(1, 1000, 0, 500, 0, 0))
+    station.run(0.5)
+    station.set_mode(Mode.LAND)
+    station.wait_until(lambda: not vehicle.autopilot.armed, within_s=60.0)
+    place, drawn = vehicle.truth.position_ned_m, vehicle.battery.consumed_mah
+    assert abs(place[0]) > 0.3
+    reboot(station)
+    assert vehicle.parameters[name] == pytest.approx(value)
+    assert vehicle.truth.position_ned_m == pytest.approx(place, abs=0.01)
+    assert vehicle.battery.consumed_mah >= drawn
+    station.wait_for_position()
+    # The new origin is where it stands now, not where it stood first.
+    assert vehicle.estimate.position_ned_m[0] == pytest.approx(0.0, abs=2.0)
+    assert vehicle.config.home != vehicle.estimate.origin
+
+
+@BOTH
+def test_default_streams_and_a_new_system_id_begin_with_it(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour), rates=Rates.GROUND_STATION)
+    name = station.endpoint.table.system_id_parameter
+    station.endpoint.vehicle.parameters.set(name, 9)
+    station.run(0.5)
+    assert {message.get_srcSystem() for message in station.heard} == {1}
+    reboot(station)
+    station.forget()
+    station.run(2.0)
+    assert {message.get_srcSystem() for message in station.heard} == {9}
+    assert station.command(mavlink.MAV_CMD_RUN_PREARM_CHECKS) == -1
+    assert station.command(mavlink.MAV_CMD_RUN_PREARM_CHECKS, target=9) != -1
+    assert len(station.of("ATTITUDE")) == pytest.approx(30 if flavour is Flavour.PX4 else 0, abs=1)
+
+
+@BOTH
+def test_a_second_request_does_not_put_it_off(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.run(1.0)
+    assert station.command(REBOOT, 1) == ACCEPTED
+    station.run(0.15)
+    assert station.command(REBOOT, 1) == ACCEPTED
+    station.run(0.3)
+    assert station.endpoint.now_us < 1_000_000
+
+
+@BOTH
+def test_restarts_are_the_same_from_the_same_seed(flavour: Flavour) -> None:
+    def bytes_of_a_run() -> bytes:
+        endpoint = endpoint_of(flavour)
+        station = Station(endpoint, rates=Rates.ONBOARD)
+        station.run(1.0)
+        endpoint.receive(
+            station.name, station.packed(mavlink.MAVLink_command_long_message(1, 1, REBOOT, 0, *[1.0] * 7))
+        )
+        data = b""
+        for _ in range(200):
+            endpoint.advance()
+            data += b"".join(endpoint.outgoing(station.name))
+        return data
+
+    assert bytes_of_a_run() == bytes_of_a_run()

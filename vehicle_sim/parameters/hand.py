@@ -1,0 +1,70 @@
+"""What the sticks mean: the settings of flight by hand, in SI units."""
+
+from dataclasses import dataclass
+from math import radians
+from typing import Final
+
+from vehicle_sim.parameters.store import Flavour, ParameterStore
+
+_JOYSTICK_COUNTS: Final = frozenset((1, 2, 3))
+_HALF_THROTTLE: Final = 500.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HandSettings:
+    """How far full stick goes, and which sticks count at all; metres, seconds, radians.
+
+    Attributes:
+        listens: Whether sticks that come by MAVLink count.
+        timeout_s: Sticks that are silent for so long count no more.
+        dead_zone: Share of the stick's way that counts as centred.
+        climb_dead_zone: The same of the stick that climbs.
+        speed_m_s: Horizontal speed in modes that keep the place.
+        climb_m_s: Climb speed.
+        descent_m_s: Descent speed.
+        tilt_rad: Lean in modes that do not keep the place.
+        turn_rad_s: Yaw rate.
+    """
+
+    listens: bool
+    timeout_s: float
+    dead_zone: float
+    climb_dead_zone: float
+    speed_m_s: float
+    climb_m_s: float
+    descent_m_s: float
+    tilt_rad: float
+    turn_rad_s: float
+
+
+def hand_settings(store: ParameterStore) -> HandSettings:
+    """Return the settings that the parameters of `store` amount to now."""
+    if store.flavour is Flavour.PX4:
+        return HandSettings(
+            listens=int(store["COM_RC_IN_MODE"]) in _JOYSTICK_COUNTS,
+            timeout_s=store["COM_RC_LOSS_T"],
+            dead_zone=store["MPC_HOLD_DZ"],
+            climb_dead_zone=store["MPC_HOLD_DZ"],
+            speed_m_s=store["MPC_VEL_MANUAL"],
+            climb_m_s=store["MPC_Z_VEL_MAX_UP"],
+            descent_m_s=store["MPC_Z_VEL_MAX_DN"],
+            tilt_rad=radians(store["MPC_MAN_TILT_MAX"]),
+            turn_rad_s=radians(store["MPC_MAN_Y_MAX"]),
+        )
+    climb_m_s = store["PILOT_SPEED_UP"] / 100.0
+    return HandSettings(
+        listens=store["RC_OVERRIDE_TIME"] != 0.0,
+        # Below 0 an override counts until it is taken back.
+        timeout_s=store["RC_OVERRIDE_TIME"] if store["RC_OVERRIDE_TIME"] >= 0.0 else float("inf"),
+        dead_zone=_ARDUPILOT_DEAD_ZONE,
+        climb_dead_zone=store["THR_DZ"] / _HALF_THROTTLE,
+        speed_m_s=store["LOIT_SPEED"] / 100.0,
+        climb_m_s=climb_m_s,
+        descent_m_s=store["PILOT_SPEED_DN"] / 100.0 or climb_m_s,
+        tilt_rad=radians(store["ANGLE_MAX"] / 100.0),
+        turn_rad_s=radians(store["PILOT_Y_RATE"]),
+    )
+
+
+_ARDUPILOT_DEAD_ZONE: Final = 0.04
+"""RCn_DZ is 20 of 500 microseconds for roll, pitch and yaw; its channels are not modelled."""

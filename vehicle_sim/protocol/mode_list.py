@@ -1,0 +1,123 @@
+"""Which modes there are: AVAILABLE_MODES and CURRENT_MODE, https://mavlink.io/en/services/standard_modes.html.
+
+The dialect that the vehicle speaks does not have these messages yet, so they are made here. PX4 gives modes that are
+standard no name, and marks those advanced that fly neither by hand with height nor with place kept; ArduPilot gives all
+of them names, and has no CURRENT_MODE. After PX4 `AVAILABLE_MODES.hpp` and ArduPilot `GCS_MAVLink_Copter.cpp`.
+"""
+
+from struct import pack
+from typing import TYPE_CHECKING, Final
+
+from vehicle_sim.autopilot import Mode, Outcome
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.commands import Request
+from vehicle_sim.protocol.dialect import AVAILABLE_MODES_ID, CURRENT_MODE_ID, Message, mavlink
+from vehicle_sim.protocol.host import Host
+from vehicle_sim.protocol.units import whole_number
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from vehicle_sim.protocol.telemetry import Builder
+
+_DO_SET_STANDARD_MODE: Final = 262
+_ADVANCED: Final = 1
+_BY_HAND: Final = frozenset((Mode.ALT_HOLD, Mode.POSITION))
+_NON_STANDARD: Final = 0
+_STANDARD: Final = {Mode.POSITION: 1, Mode.ALT_HOLD: 4, Mode.RETURN: 5, Mode.AUTO: 6, Mode.LAND: 7, Mode.TAKEOFF: 8}
+"""MAV_STANDARD_MODE of PX4's modes."""
+
+
+class AvailableModes(mavlink.MAVLink_message):  # type: ignore[misc]  # pymavlink ships no types
+    """AVAILABLE_MODES (435): one mode of the list."""
+
+    def __init__(
+        self, *, number_modes: int, mode_index: int, standard_mode: int, custom_mode: int, properties: int, name: str
+    ) -> None:
+        super().__init__(AVAILABLE_MODES_ID, "AVAILABLE_MODES")
+        self._fieldnames = ["number_modes", "mode_index", "standard_mode", "custom_mode", "properties", "mode_name"]
+        self.number_modes, self.mode_index, self.standard_mode = number_modes, mode_index, standard_mode
+        self.custom_mode, self.properties, self.mode_name = custom_mode, properties, name
+
+    def pack(self, mav: mavlink.MAVLink, force_mavlink1: bool = False) -> bytes:  # noqa: FBT001, FBT002 - pymavlink's signature
+        """Return the frame; 134 is the message's CRC_EXTRA."""
+        name = self.mode_name.encode("ascii", "replace")
+        integers = (self.custom_mode, self.properties, self.number_modes, self.mode_index, self.standard_mode)
+        frame: bytes = self._pack(mav, 134, pack("<IIBBB35s", *integers, name), force_mavlink1=force_mavlink1)
+        return frame
+
+
+class CurrentMode(mavlink.MAVLink_message):  # type: ignore[misc]  # pymavlink ships no types
+    """CURRENT_MODE (436): the mode, and the one that was asked for last."""
+
+    def __init__(self, *, standard_mode: int, custom_mode: int, intended_custom_mode: int) -> None:
+        super().__init__(CURRENT_MODE_ID, "CURRENT_MODE")
+        self._fieldnames = ["standard_mode", "custom_mode", "intended_custom_mode"]
+        self.standard_mode, self.custom_mode = standard_mode, custom_mode
+        self.intended_custom_mode = intended_custom_mode
+
+    def pack(self, mav: mavlink.MAVLink, force_mavlink1: bool = False) -> bytes:  # noqa: FBT001, FBT002 - pymavlink's signature
+        """Return the frame; 193 is the message's CRC_EXTRA."""
+        payload = pack("<IIB", self.custom_mode, self.intended_custom_mode, self.standard_mode)
+        frame: bytes = self._pack(mav, 193, payload, force_mavlink1=force_mavlink1)
+        return frame
+
+
+class ModeListService:
+    """Tells the modes, one by one or all, and the present one."""
+
+    def __init__(self, host: Host) -> None:
+        self._host = host
+        self._order = sorted(host.table.custom_modes, key=lambda mode: host.table.custom_modes[mode])
+        self.requests: Mapping[int, Callable[[Request], Outcome]] = {AVAILABLE_MODES_ID: self._give}
+        self.commands: Mapping[int, Callable[[Request], Outcome]] = {_DO_SET_STANDARD_MODE: self._set_standard}
+        # The set of modes never changes, so there is nothing to stream of it.
+        self.telemetry: Mapping[int, Builder] = {
+            AVAILABLE_MODES_ID: lambda _host: None,
+            CURRENT_MODE_ID: lambda _host: self._current(),
+        }
+
+    @property
+    def _is_px4(self) -> bool:
+        return self._host.table.flavour is Flavour.PX4
+
+    def _give(self, request: Request) -> Outcome:
+        """Answer REQUEST_MESSAGE: parameter 2 is the mode's place in the list from 1, or 0 for all."""
+        place = whole_number(request.params[1])
+        if place is None or place > len(self._order):
+            return self._host.table.no_message
+        for index in range(1, len(self._order) + 1) if place == 0 else (place,):
+            request.sender.link.send(self._entry(index))
+        return Outcome.ACCEPTED
+
+    def _entry(self, index: int) -> Message:
+        mode = self._order[index - 1]
+        standard, properties = self._standard(mode), 0
+        if self._is_px4 and mode not in _BY_HAND:
+            properties |= _ADVANCED
+        return AvailableModes(
+            number_modes=len(self._order),
+            mode_index=index,
+            standard_mode=standard,
+            custom_mode=self._host.table.custom_modes[mode],
+            properties=properties,
+            name="" if standard else self._host.vehicle.autopilot.modes[mode].name,
+        )
+
+    def _standard(self, mode: Mode) -> int:
+        return _STANDARD.get(mode, _NON_STANDARD) if self._is_px4 else _NON_STANDARD
+
+    def _set_standard(self, request: Request) -> Outcome:
+        """Enter the mode of PX4 that a standard one stands for; ArduPilot knows none."""
+        if not self._is_px4:
+            return Outcome.UNSUPPORTED
+        mode = next((mode for mode, standard in _STANDARD.items() if standard == request.params[0]), None)
+        return Outcome.UNSUPPORTED if mode is None else self._host.vehicle.autopilot.set_mode(mode)
+
+    def _current(self) -> Message:
+        autopilot, numbers = self._host.vehicle.autopilot, self._host.table.custom_modes
+        return CurrentMode(
+            standard_mode=self._standard(autopilot.mode),
+            custom_mode=numbers[autopilot.mode],
+            intended_custom_mode=numbers[autopilot.intended_mode],
+        )
