@@ -10,11 +10,21 @@ shortest runs there are. A new row is one more ``Bar`` in one of the functions b
 from collections.abc import Iterator
 from functools import partial
 
+import numpy as np
 import pytest
 
+from mission.logic.automaton import compile_to_alphabet
+from mission.logic.parser import parse_formula
 from mission.logic.translate import translate
+from mission.plan.best_runs import best_runs
+from mission.plan.specification import Specification
+from mission.planning.objective import Objective
+from mission.planning.product import Product
+from mission.planning.search import search
+from mission.spec.model import Semantics
 from tests.support.formulas import Measured, measured_formulas
 from tests.support.measuring import Bar, at_least, at_most, peak_mb, seconds, table, timed, within
+from tests.support.patrols import optimal_tour, patrol
 from tests.support.searches import CASES, problem, searched
 
 pytestmark = [pytest.mark.bench, pytest.mark.timeout(600)]
@@ -22,6 +32,7 @@ pytestmark = [pytest.mark.bench, pytest.mark.timeout(600)]
 ROUNDS = 9
 ROUNDS_OF_A_FORMULA = 3
 EIGHT_TARGETS = 256  # states
+TOUR, PATROLS = 8, 10
 
 
 def translation_s(measured: Measured) -> float:
@@ -51,15 +62,35 @@ def of_automata() -> Iterator[Bar]:
 def of_searches() -> Iterator[Bar]:
     as_short = 0
     for case in CASES:
-        search = partial(searched, *problem(case))
-        times, memory_mb, runs = timed(search, ROUNDS), peak_mb(search), search()
-        as_short += runs[runs.count - 1].cost == runs[0].cost == runs.cost
+        system, automaton, start = problem(case)
+        find = partial(searched, system, automaton, start)
+        times, memory_mb, runs = timed(find, ROUNDS), peak_mb(find), find()
+        as_short += all(
+            system.weights[list(run.states), list(run.controls)].sum() == runs.cost
+            for run in (runs[0], runs[runs.count - 1])
+        )
         remark = f"wall {seconds(times.wall_s)}, {memory_mb:.0f} MB, {float(runs.count):.1e} runs of cost {runs.cost}"
         yield within(f"search: {case.name}", times.processor_s, case.bar_s, remark)
     yield at_least("searches whose last counted run is as short as the first", as_short, len(CASES))
 
 
+def of_tours() -> Iterator[Bar]:
+    formula = parse_formula(" & ".join(f"G F r{i}" for i in range(TOUR)))
+    required, best, ratios = Specification(formula), 0, []
+    for seed in range(PATROLS):
+        system = patrol(seed, 100, TOUR, 1, 1)
+        start = int(np.argmax(system.letter_of == 0))
+        found = best_runs(system, required, start, Semantics.STANDARD, Objective())
+        best += found.exact and len(found.runs[0].suffix) == optimal_tour(system, start, TOUR)
+        in_turn = search(
+            Product(system, compile_to_alphabet(required.automaton, system.letters), start, Semantics.STANDARD)
+        )
+        ratios.append(len(in_turn[0].suffix) / len(found.runs[0].suffix))
+    remark = f"one fixed order is up to {max(ratios):.2f} times longer, {sum(ratios) / PATROLS:.2f} on average"
+    yield at_least(f"patrols of {TOUR} regions that match the tour found by brute force", best, PATROLS, remark)
+
+
 def test_every_bar_is_met() -> None:
-    bars = [*of_automata(), *of_searches()]
+    bars = [*of_automata(), *of_searches(), *of_tours()]
     print(f"\n{table(bars)}")
     assert not [bar.what for bar in bars if not bar.met]

@@ -53,8 +53,8 @@ def at_most(what: str, measured: int, bar: int) -> Bar:
     return Bar(what, f"at most {bar}", str(measured), measured <= bar)
 
 
-def at_least(what: str, measured: int, bar: int) -> Bar:
-    return Bar(what, f"at least {bar}", str(measured), measured >= bar)
+def at_least(what: str, measured: int, bar: int, remark: str = "") -> Bar:
+    return Bar(what, f"at least {bar}", str(measured), measured >= bar, remark)
 
 
 def within(what: str, measured_s: float, bar_s: float, remark: str = "") -> Bar:
