@@ -259,7 +259,7 @@ def test_addresses_that_cannot_be_had_are_named(bench: Bench) -> None:
 
 def test_the_server_flies_at_speed_and_answers(bench: Bench) -> None:
     port = bench.open("udpin:127.0.0.1:0")
-    server = Server(bench.endpoint, bench.ports, clock=WallClock(), notify=bench.said.append)
+    server = Server([bench.endpoint], bench.ports, clock=WallClock(), notify=bench.said.append)
     with closing(udp()) as peer:
         peer.sendto(frame(), ("127.0.0.1", port.address.port))
         server.run(50.0, lambda: bench.endpoint.vehicle.time_s >= 5.0)
@@ -283,7 +283,7 @@ class SlowClock:
 
 def test_the_server_says_once_that_it_cannot_keep_up(bench: Bench) -> None:
     clock = SlowClock()
-    Server(bench.endpoint, [], clock=clock, notify=bench.said.append).run(10.0, lambda: clock.time_s > 20.0)
+    Server([bench.endpoint], [], clock=clock, notify=bench.said.append).run(10.0, lambda: clock.time_s > 20.0)
     (said,) = bench.said
     assert "cannot keep up 10 times real time" in said
     # Two looks at the clock and two steps of 10 ms in each turn.
@@ -313,8 +313,8 @@ def test_vehicle_time_waits_once_for_a_client_that_has_died(
 ) -> None:
     monkeypatch.setattr(select, "select", lambda *_: ([], [], []))
     clock = StubbornClock(bench.endpoint, silent_from_s=6.5)
-    patience = Patience(most_s) if most_s else None
-    server = Server(bench.endpoint, [], clock=clock, notify=bench.said.append, patience=patience)
+    patience = [Patience(most_s)] if most_s else []
+    server = Server([bench.endpoint], [], clock=clock, notify=bench.said.append, patience=patience)
     server.run(speed, lambda: bench.endpoint.vehicle.time_s >= 20.0)
     waited_s = most_s if speed > 1.0 else 0.0
     assert clock.time_s == pytest.approx(20.0 / speed + waited_s, abs=0.02)

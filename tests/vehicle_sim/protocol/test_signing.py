@@ -1,8 +1,7 @@
 """MAVLink 2 signing: what is not rightly signed changes nothing, whatever message it is."""
 
-from collections.abc import Callable
 from hashlib import sha256
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import given, settings
@@ -19,6 +18,9 @@ from vehicle_sim.protocol.flavour import Rates
 from vehicle_sim.protocol.link import Link
 from vehicle_sim.protocol.policy import SigningPolicy
 from vehicle_sim.protocol.signing import Signer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 KEY, OTHER = bytes(range(32)), bytes(range(1, 33))
 NOW = 40_000_000 * 100_000
