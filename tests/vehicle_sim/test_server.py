@@ -1,12 +1,15 @@
 """Pacing against a clock of the test, and real sockets on loopback with free ports."""
 
+import os
 import select
 import socket
+import tty
 from collections.abc import Iterator
 from contextlib import closing
 from typing import TYPE_CHECKING
 
 import pytest
+import serial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -231,6 +234,52 @@ def test_a_tcp_peer_that_never_reads_costs_bounded_memory(bench: Bench) -> None:
                 break
             bench.turn()
         assert not bench.endpoint._links
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="this system has no pseudo terminals")
+def test_a_pseudo_terminal_is_a_serial_line_whose_clients_come_and_go(bench: Bench) -> None:
+    port = bench.open("pty:")
+    assert port.address.host.startswith("/dev/")
+    for _ in range(1000):
+        bench.turn()  # nobody reads: what is sent is lost, and little is kept
+    for _ in range(2):
+        with serial.Serial(port.address.host, 57600, timeout=0.0) as client:
+            client.write(frame())
+            parser, kinds = mavlink.MAVLink(None), set[str]()
+            parser.robust_parsing = True
+            for _ in range(5000):
+                bench.turn()
+                kinds |= {message.get_type() for message in parser.parse_buffer(client.read(4096)) or ()}
+                if {"TIMESYNC", "HEARTBEAT"} <= kinds:
+                    break
+            assert {"TIMESYNC", "HEARTBEAT"} <= kinds
+    port.close()
+    assert not bench.endpoint._links
+    assert not list(port.sockets())
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="this system has no pseudo terminals")
+def test_a_serial_device_is_spoken_to_and_its_loss_is_told(bench: Bench) -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(theirs)
+    bench.open(f"serial:{os.ttyname(theirs)}:57600")
+    os.close(theirs)
+    os.write(ours, frame())
+    heard = b""
+    parser = mavlink.MAVLink(None)
+    for _ in range(2000):
+        bench.turn()
+        if select.select([ours], [], [], 0.0)[0]:
+            heard = os.read(ours, 4096)
+            break
+    assert "TIMESYNC" in {message.get_type() for message in parser.parse_buffer(heard)}
+    os.close(ours)
+    for _ in range(2000):
+        if bench.said:
+            break
+        bench.turn()
+    assert "has failed" in bench.said[0]
+    assert not bench.endpoint._links
 
 
 def test_tcp_out_calls_and_says_when_the_other_end_hangs_up(bench: Bench) -> None:
