@@ -31,8 +31,6 @@ _V1_HEADER: Final = 6
 _V1_OVERHEAD: Final = 8
 _V2_OVERHEAD: Final = 12
 _LEAST_HEADER: Final = 3
-_NEVER_SIGNED: Final = frozenset((mavlink.MAVLINK_MSG_ID_RADIO_STATUS, mavlink.MAVLINK_MSG_ID_RADIO))
-"""What telemetry radios say of themselves: they hold no key, and are heard without on any link."""
 
 
 class Link:
@@ -133,9 +131,7 @@ class Link:
         is_v2 = frame[0] == MAGIC_V2
         is_signed = is_v2 and bool(frame[2] & SIGNED_FLAG)
         if self.checks_signatures and not is_signed and self.signing is SigningPolicy.REQUIRED:
-            number = int.from_bytes(frame[7:10], "little") if is_v2 else frame[5]
-            if number not in _NEVER_SIGNED:
-                return None
+            return None  # not even RADIO_STATUS, which may be excepted: nothing here makes use of it
         try:
             message = self._reader.decode(frame)
         except mavlink.MAVError:

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 KEY, OTHER = bytes(range(32)), bytes(range(1, 33))
 NOW = 40_000_000 * 100_000
 MINUTE = 60 * 100_000
-RADIO = mavlink.MAVLINK_MSG_ID_RADIO_STATUS
 HANDLED = sorted({number for flavour in Flavour for number in endpoint_of(flavour)._handlers})
 
 
@@ -162,8 +161,8 @@ def test_a_stranger_on_a_link_that_requires_signing_is_not_even_learned() -> Non
     assert endpoint.outgoing("a") == [sender_frame]  # passed on as it came
 
 
-def test_radios_are_heard_unsigned_and_passed_on_to_nobody() -> None:
-    endpoint = signed_endpoint()
+def test_what_a_radio_says_of_its_link_is_passed_on_to_nobody() -> None:
+    endpoint = signed_endpoint(policy=SigningPolicy.ALLOWED)
     frame = mavlink.MAVLink_radio_status_message(1, 1, 1, 1, 1, 0, 0).pack(sender(None, system=51, component=68))
     assert endpoint.receive("a", frame) == 1
     assert endpoint.outgoing("b") == []
