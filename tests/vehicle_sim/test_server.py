@@ -150,6 +150,28 @@ def test_udp_peers_are_learned_and_answered_each_for_itself(bench: Bench) -> Non
             assert "HEARTBEAT" in turn_until(bench, peer, "TIMESYNC") + turn_until(bench, peer, "HEARTBEAT")
 
 
+def test_peers_of_both_versions_on_one_port_are_each_answered_in_their_own(bench: Bench) -> None:
+    port = bench.open("udpin:127.0.0.1:0")
+    where = ("127.0.0.1", port.address.port)
+    with closing(udp()) as old, closing(udp()) as new:
+        mav = mavlink.MAVLink(None, srcSystem=254, srcComponent=190)
+        old.sendto(mavlink.MAVLink_timesync_message(0, 7).pack(mav, force_mavlink1=True), where)
+        new.sendto(frame(), where)
+        for peer, magic in ((old, 0xFE), (new, 0xFD)):
+            starts: set[int] = set()
+            for _ in range(2000):
+                bench.turn()
+                while select.select([peer], [], [], 0.0)[0]:
+                    data = peer.recv(65535)
+                    starts.add(data[0])
+                    assert mavlink.MAVLink(None).parse_buffer(data)
+                if starts and bench.endpoint.vehicle.time_s > 2.0:
+                    break
+            # What one says to all is passed on to the other, in the version that it came in; version 1 is read by all.
+            assert starts <= ({magic} if magic == 0xFE else {0xFE, 0xFD})
+            assert magic in starts
+
+
 def test_strangers_that_speak_no_mavlink_are_not_answered(bench: Bench) -> None:
     port = bench.open("udpin:127.0.0.1:0")
     with closing(udp()) as stranger, closing(udp()) as peer:
