@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final, NoReturn
 
 from vehicle_sim.addresses import LISTENING, Address, parse_address
 from vehicle_sim.errors import ConfigurationError, ParameterError
+from vehicle_sim.fleet_options import LINKS_HELP, add_fleet_options
 
 if TYPE_CHECKING:
     from vehicle_sim.parameters import ParameterStore
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _GROUND_STATION: Final = "udpout:127.0.0.1:14550"
 _DEFAULT_LISTEN: Final = {"ardupilot": "tcpin:127.0.0.1:5760", "px4": "udpin:127.0.0.1:14580"}
 _DEFAULT_CONNECT: Final = {"ardupilot": (), "px4": ("udpout:127.0.0.1:14540",)}
+_PORT_STEPS: Final = {"ardupilot": 10, "px4": 1}
 _USAGE_ERROR: Final = 2
 _FASTEST: Final = 1000.0
 _MOST_PATIENT_S: Final = 60.0
@@ -30,17 +32,20 @@ _DIGITS: Final = frozenset("0123456789.")
 _DESCRIPTION: Final = """\
 A multicopter in software behind a MAVLink autopilot. It answers like ArduCopter, or like PX4 with --flavour px4."""
 
-_EPILOG: Final = """\
+_EPILOG: Final = f"""\
 links:
   udpin:HOST:PORT   wait for datagrams; each peer that speaks MAVLink is answered
   tcpin:HOST:PORT   TCP server; each connection is a link
   udpout:HOST:PORT  speak to this address from the start
   tcp:HOST:PORT     connect to this TCP server
+  pty:              make a pseudo terminal and say its name, which clients open like a serial line
+  serial:DEVICE:BAUD   speak over a serial line
   Port 0 takes a free one (see --announce). Without --listen and --connect there are the links that users of the two
   autopilots' own simulators know: ardupilot listens on tcpin:127.0.0.1:5760; px4 listens on udpin:127.0.0.1:14580
   and speaks to udpout:127.0.0.1:14540. A ground station on this machine's UDP port 14550 finds the vehicle in any
   case, unless --no-ground-station is given.
 
+{LINKS_HELP}
 wind:
   --wind 3,1        blows 3 m/s to the north and 1 m/s to the east
   --wind 4@270      blows 4 m/s from 270 degrees (from the west)
@@ -56,6 +61,7 @@ examples:
   vehicle-sim
   vehicle-sim --flavour px4 --speed 5 --wind 4@270 --gusts 1
   vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station --speed 20 --patience 2
+  vehicle-sim --count 20 --spacing 8 --shared tcpin:127.0.0.1:5900
 """
 
 
@@ -89,14 +95,16 @@ def _run(options: argparse.Namespace) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
     from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
+    from vehicle_sim.fleet import fleet_of  # noqa: PLC0415
+    from vehicle_sim.key_file import KeyFile, signing_time  # noqa: PLC0415
     from vehicle_sim.parameter_file import keep_parameters  # noqa: PLC0415
     from vehicle_sim.parameters import Flavour  # noqa: PLC0415
+    from vehicle_sim.party import Fleet, Party  # noqa: PLC0415
     from vehicle_sim.patience import Patience  # noqa: PLC0415
     from vehicle_sim.ports import Port, open_port  # noqa: PLC0415
-    from vehicle_sim.protocol.endpoint import Endpoint  # noqa: PLC0415
     from vehicle_sim.protocol.flavour import TABLES, Rates  # noqa: PLC0415
     from vehicle_sim.server import Server  # noqa: PLC0415
-    from vehicle_sim.vehicle import Vehicle, VehicleConfig  # noqa: PLC0415
+    from vehicle_sim.vehicle import VehicleConfig  # noqa: PLC0415
 
     flavour = Flavour(options.flavour)
     speed_m_s, from_deg = options.wind
@@ -110,25 +118,43 @@ def _run(options: argparse.Namespace) -> None:
         gust_m_s=options.gusts,
         **place,
     )
-    parameters = _parameters(options)
-    system_id = int(parameters[TABLES[flavour].system_id_parameter]) if options.sysid is None else options.sysid
-    endpoint = Endpoint(Vehicle(config, parameters), flavour, system_id)
+    stores = [_parameters(options) for _ in range(options.count)]
+    named = int(stores[0][TABLES[flavour].system_id_parameter])
+    key_file = None if options.signing_key is None else KeyFile(options.signing_key, _notify)
+    endpoints = fleet_of(
+        config,
+        parameters=stores,
+        count=options.count,
+        spacing_m=options.spacing,
+        system_id=named if options.sysid is None else options.sysid,
+        component_id=options.component_id,
+        key_file=key_file,
+        now=signing_time,
+        notify=_notify,
+    )
     if options.parameters is not None:
-        keep_parameters(options.parameters, parameters, _notify)
+        keep_parameters(options.parameters, stores[0], _notify)
+    parties: list[tuple[Party, list[tuple[Address, str, bool]]]] = [
+        (endpoint, _links(options, index)) for index, endpoint in enumerate(endpoints)
+    ]
+    if options.shared:
+        parties.append((Fleet(endpoints), [(address, "GROUND_STATION", True) for address in options.shared]))
     ports: list[Port] = []
     try:
-        for address, rates_name, is_asked in _links(options):
-            try:
-                ports.append(open_port(address, endpoint, Rates[rates_name], _notify))
-            except ConfigurationError as error:
-                if is_asked:
-                    raise
-                _notify(f"{error}; going on without it")
+        for party, links in parties:
+            for address, rates_name, is_asked in links:
+                _check_signing(address, has_key=key_file is not None)
+                try:
+                    ports.append(open_port(address, party, Rates[rates_name], _notify))
+                except ConfigurationError as error:
+                    if is_asked:
+                        raise
+                    _notify(f"{error}; going on without it")
         bound = [port.address for port in ports]
         stopping = _stop_flag(with_parent=options.exit_with_parent)
-        _tell(options, system_id, bound)
-        patience = Patience(options.patience) if options.patience > 0.0 else None
-        Server(endpoint, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
+        _tell(options, [endpoint.system_id for endpoint in endpoints], bound)
+        patience = [Patience(options.patience) for _ in endpoints] if options.patience > 0.0 else []
+        Server(endpoints, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
     finally:
         for port in ports:
             port.close()
@@ -147,6 +173,8 @@ def _parameters(options: argparse.Namespace) -> "ParameterStore":
     from vehicle_sim.parameters import Flavour, default_parameters  # noqa: PLC0415
     from vehicle_sim.parameters.file import take_value  # noqa: PLC0415
 
+    if options.parameters is not None and options.count > 1:
+        raise ConfigurationError("--parameters FILE keeps the parameters of one vehicle: leave it out, or --count")
     store = default_parameters(Flavour(options.flavour))
     if options.parameters is not None:
         load_parameters(options.parameters, store)
@@ -161,14 +189,21 @@ def _parameters(options: argparse.Namespace) -> "ParameterStore":
 _HOME_FIELDS: Final = ("home_lat_deg", "home_lon_deg", "home_alt_m")
 
 
-def _links(options: argparse.Namespace) -> list[tuple[Address, str, bool]]:
-    """Return each address to open, what is streamed there, and whether the user asked for it."""
+def _check_signing(address: Address, *, has_key: bool) -> None:
+    if address.signing is not None and address.signing != "off" and not has_key:
+        raise ConfigurationError(f"{address}: without --signing-key FILE there is no key to sign with")
+
+
+def _links(options: argparse.Namespace, index: int = 0) -> list[tuple[Address, str, bool]]:
+    """Return each address to open for a vehicle, what is streamed there, and whether the user asked for it."""
     asked = [*options.listen, *options.connect]
     links = [(address, "ONBOARD", True) for address in asked]
     if not asked:
         flavour = options.flavour
         defaults = (_DEFAULT_LISTEN[flavour], *_DEFAULT_CONNECT[flavour])
         links = [(parse_address(text), "ONBOARD", False) for text in defaults]
+    ports = index * (options.port_step or _PORT_STEPS[options.flavour])
+    links = [(address.shifted(ports), rates, is_asked) for address, rates, is_asked in links]
     if options.ground_station is not None:
         links.append((options.ground_station, "GROUND_STATION", True))
     elif not options.no_ground_station:
@@ -177,13 +212,14 @@ def _links(options: argparse.Namespace) -> list[tuple[Address, str, bool]]:
     return list(reversed(unique.values()))
 
 
-def _tell(options: argparse.Namespace, system_id: int, bound: list[Address]) -> None:
+def _tell(options: argparse.Namespace, ids: Sequence[int], bound: list[Address]) -> None:
     if options.announce:
         listening = " ".join(str(address) for address in bound if address.scheme in LISTENING)
         print(f"READY {listening}", flush=True)  # noqa: T201 - what the parent process reads
     if not options.quiet:
         links = ", ".join(str(address) for address in bound)
-        _notify(f"{options.flavour}, system {system_id}, {options.speed:g} times real time, on {links}")
+        who = f"system {ids[0]}" if len(ids) == 1 else f"systems {ids[0]} to {ids[-1]}"
+        _notify(f"{options.flavour}, {who}, {options.speed:g} times real time, on {links}")
 
 
 def _notify(sentence: str) -> None:
@@ -254,12 +290,14 @@ def _parser() -> argparse.ArgumentParser:
     vehicle.add_argument(
         "--home", type=_home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"
     )
-    vehicle.add_argument("--sysid", type=_system_id, metavar="N", help="MAVLink system id, 1 to 255 (1)")
     vehicle.add_argument(
         "--parameters", type=Path, metavar="FILE", help="keep the parameters in this file (they are forgotten)"
     )
     vehicle.add_argument(
         "--set", type=_assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter, repeatable"
+    )
+    vehicle.add_argument(
+        "--system-id", "--sysid", dest="sysid", type=_system_id, metavar="N", help="MAVLink system id, 1 to 255 (1)"
     )
     vehicle.add_argument("--speed", type=_speed, default=1.0, metavar="N", help="multiples of real time (1)")
     vehicle.add_argument(
@@ -269,6 +307,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="SECONDS",
         help="above real time: how long a late client is waited for (0)",
     )
+    add_fleet_options(parser, whole=_whole, number=_not_negative, address=_address)
     links = parser.add_argument_group("links")
     links.add_argument(
         "--listen",
@@ -276,7 +315,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="ADDRESS",
-        help="udpin: or tcpin:, repeatable",
+        help="udpin:, tcpin: or pty:, repeatable",
     )
     links.add_argument(
         "--connect",
@@ -284,7 +323,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="ADDRESS",
-        help="udpout: or tcp:, repeatable",
+        help="udpout:, tcp: or serial:, repeatable",
     )
     station = links.add_mutually_exclusive_group()
     station.add_argument(
@@ -390,12 +429,14 @@ def _address(text: str) -> Address:
 def _listen_address(text: str) -> Address:
     address = _address(text)
     if address.scheme not in LISTENING:
-        raise argparse.ArgumentTypeError(f"{address} does not listen; write it with --connect, or udpin: or tcpin:")
+        raise argparse.ArgumentTypeError(
+            f"{address} does not listen; write it with --connect, or udpin:, tcpin: or pty:"
+        )
     return address
 
 
 def _connect_address(text: str) -> Address:
     address = _address(text)
     if address.scheme in LISTENING:
-        raise argparse.ArgumentTypeError(f"{address} listens; write it with --listen, or udpout: or tcp:")
+        raise argparse.ArgumentTypeError(f"{address} listens; write it with --listen, or udpout:, tcp: or serial:")
     return address

@@ -12,8 +12,11 @@ from typing import Final, Protocol
 
 from vehicle_sim.addresses import Address, Scheme
 from vehicle_sim.errors import ConfigurationError
-from vehicle_sim.protocol.endpoint import Endpoint
+from vehicle_sim.party import Party
 from vehicle_sim.protocol.flavour import Rates
+from vehicle_sim.protocol.policy import SigningPolicy
+from vehicle_sim.serial_port import SerialPort
+from vehicle_sim.stream_link import StreamLink
 
 Notify = Callable[[str], None]
 
@@ -22,23 +25,30 @@ _BURST: Final = 64
 """Datagrams taken from one socket before the vehicle's time goes on."""
 
 _MOST_PEERS: Final = 32
-_MOST_UNSENT: Final = 1 << 20
 _BUFFER: Final = 1 << 20
 _NOBODY_THERE: Final = frozenset(
     (errno.ECONNREFUSED, errno.ECONNRESET, errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ENETDOWN, errno.EPIPE)
 )
 
 
+class Readable(Protocol):
+    """What can be waited for: a socket or a line."""
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        ...
+
+
 class Port(Protocol):
-    """One socket and the links over it."""
+    """One socket or line, and the links over it."""
 
     address: Address
 
-    def sockets(self) -> Iterator[socket.socket]:
-        """Return the sockets that may become readable."""
+    def sockets(self) -> Iterator[Readable]:
+        """Return what may become readable."""
         ...
 
-    def read(self, ready: socket.socket) -> None:
+    def read(self, ready: Readable, /) -> None:
         """Hand what has come by `ready` to the endpoint."""
         ...
 
@@ -51,20 +61,22 @@ class Port(Protocol):
         ...
 
 
-def open_port(address: Address, endpoint: Endpoint, rates: Rates, notify: Notify) -> Port:
+def open_port(address: Address, party: Party, rates: Rates, notify: Notify) -> Port:
     """Open a port of any scheme.
 
     Raises:
         ConfigurationError: The address is not this machine's, is taken, or cannot be resolved.
     """
-    kinds: dict[Scheme, Callable[[Address, Endpoint, Rates, Notify], Port]] = {
+    kinds: dict[Scheme, Callable[[Address, Party, Rates, Notify], Port]] = {
         Scheme.UDP_IN: UdpListener,
         Scheme.UDP_OUT: UdpSpeaker,
         Scheme.TCP_IN: TcpListener,
         Scheme.TCP_OUT: TcpCaller,
+        Scheme.SERIAL: SerialPort,
+        Scheme.PTY: SerialPort,
     }
     try:
-        return kinds[address.scheme](address, endpoint, rates, notify)
+        return kinds[address.scheme](address, party, rates, notify)
     except OSError as error:
         raise ConfigurationError(f"{address}: {error.strerror or error}") from error
 
@@ -112,7 +124,7 @@ def _send(through: socket.socket, datagrams: list[bytes], peer: tuple[str, int])
 class UdpListener:
     """Waits for peers; each one that speaks MAVLink is answered on a link of its own."""
 
-    def __init__(self, address: Address, endpoint: Endpoint, rates: Rates, notify: Notify) -> None:
+    def __init__(self, address: Address, party: Party, rates: Rates, notify: Notify) -> None:
         """Bind; port 0 takes a free one, `address` tells which."""
         family, where = _resolved(address, socket.SOCK_DGRAM)
         self._socket = _quiet_datagram_socket(family)
@@ -122,26 +134,26 @@ class UdpListener:
             self._socket.close()
             raise
         self.address = address._replace(port=self._socket.getsockname()[1])
-        self._endpoint, self._rates, self._notify = endpoint, rates, notify
+        self._party, self._rates, self._notify = party, rates, notify
         self._peers: dict[tuple[str, int], str] = {}
 
-    def sockets(self) -> Iterator[socket.socket]:
+    def sockets(self) -> Iterator[Readable]:
         """Return the one socket."""
         yield self._socket
 
-    def read(self, ready: socket.socket) -> None:
+    def read(self, _ready: Readable) -> None:
         """Handle the datagrams that wait; the first valid one of a stranger makes it a peer."""
-        for data, peer in _datagrams(ready):
+        for data, peer in _datagrams(self._socket):
             name = self._peers.get(peer)
             if name is not None:
-                self._endpoint.receive(name, data)
+                self._party.receive(name, data)
                 # The last one heard stands last, so that the first one is the longest silent.
                 self._peers[peer] = self._peers.pop(peer)
                 continue
             name = f"{self.address} from {peer[0]}:{peer[1]}"
-            self._endpoint.add_link(name, self._rates)
-            if self._endpoint.receive(name, data) == 0:
-                self._endpoint.remove_link(name)
+            _open_link(self._party, name, self.address, self._rates)
+            if self._party.receive(name, data) == 0:
+                self._party.remove_link(name)
                 continue
             self._peers[peer] = name
             if len(self._peers) > _MOST_PEERS:
@@ -149,114 +161,88 @@ class UdpListener:
 
     def _drop_longest_silent(self) -> None:
         name = self._peers.pop(next(iter(self._peers)))
-        self._endpoint.remove_link(name)
+        self._party.remove_link(name)
         self._notify(f"more than {_MOST_PEERS} peers: the longest silent one is dropped, {name}")
 
     def flush(self) -> None:
         """Send each peer what waits for it."""
         for peer, name in self._peers.items():
-            _send(self._socket, self._endpoint.outgoing(name), peer)
+            _send(self._socket, self._party.outgoing(name), peer)
 
     def close(self) -> None:
         """Close the socket and the links of all peers."""
         self._socket.close()
         for name in self._peers.values():
-            self._endpoint.remove_link(name)
+            self._party.remove_link(name)
         self._peers.clear()
 
 
 class UdpSpeaker:
     """Speaks to one address from the start, whether anybody listens there or not."""
 
-    def __init__(self, address: Address, endpoint: Endpoint, rates: Rates, _notify: Notify) -> None:
+    def __init__(self, address: Address, party: Party, rates: Rates, _notify: Notify) -> None:
         """Open a link to `address`."""
         family, self._peer = _resolved(address, socket.SOCK_DGRAM)
         self._socket = _quiet_datagram_socket(family)
         if self._peer[0].startswith("127."):
             self._socket.bind(("127.0.0.1", 0))  # what stays on this machine is not reachable from outside
         self.address = address
-        self._endpoint, self._name = endpoint, str(address)
-        endpoint.add_link(self._name, rates)
+        self._party, self._name = party, str(address)
+        _open_link(party, self._name, address, rates)
 
-    def sockets(self) -> Iterator[socket.socket]:
+    def sockets(self) -> Iterator[Readable]:
         """Return the one socket."""
         yield self._socket
 
-    def read(self, ready: socket.socket) -> None:
+    def read(self, _ready: Readable) -> None:
         """Handle the datagrams that wait, if they come from the host that is spoken to."""
-        for data, peer in _datagrams(ready):
+        for data, peer in _datagrams(self._socket):
             if peer[0] == self._peer[0]:
-                self._endpoint.receive(self._name, data)
+                self._party.receive(self._name, data)
 
     def flush(self) -> None:
         """Send what waits."""
-        _send(self._socket, self._endpoint.outgoing(self._name), self._peer)
+        _send(self._socket, self._party.outgoing(self._name), self._peer)
 
     def close(self) -> None:
         """Close the socket and its link."""
         self._socket.close()
-        self._endpoint.remove_link(self._name)
+        self._party.remove_link(self._name)
 
 
-class _TcpLink:
-    """One connection: what was not taken by the network yet waits in order."""
+def _open_link(party: Party, name: str, address: Address, rates: Rates) -> None:
+    """Open a link of datagrams that belongs to an address."""
+    signing = address.signing or SigningPolicy.REQUIRED
+    party.add_link(name, rates, signing=signing, is_secure=address.is_local)
 
-    def __init__(self, connection: socket.socket, name: str, endpoint: Endpoint, rates: Rates) -> None:
-        self.connection, self.name = connection, name
-        self._endpoint = endpoint
-        self._unsent = bytearray()
-        connection.setblocking(False)
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        endpoint.add_link(name, rates, byte_stream=True)
 
-    def read(self) -> bool:
-        """Handle what has come; return whether the connection still stands."""
-        try:
-            data = self.connection.recv(_DATAGRAM)
-        except (BlockingIOError, InterruptedError):
-            return True
-        except OSError:
-            return False
-        self._endpoint.receive(self.name, data)
-        return bool(data)
-
-    def flush(self) -> bool:
-        """Send what can be sent; return whether the connection still stands."""
-        for datagram in self._endpoint.outgoing(self.name):
-            if len(self._unsent) < _MOST_UNSENT:  # whole frames are left out for a peer that does not read
-                self._unsent += datagram
-        try:
-            while self._unsent:
-                del self._unsent[: self.connection.send(self._unsent)]
-        except (BlockingIOError, InterruptedError):
-            return True
-        except OSError:
-            return False
-        return True
-
-    def close(self) -> None:
-        self.connection.close()
-        self._endpoint.remove_link(self.name)
+def _stream(connection: socket.socket, name: str, address: Address, party: Party, rates: Rates) -> StreamLink:
+    """Open the link over a connection."""
+    connection.setblocking(False)
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return StreamLink(
+        party, name, address, rates, receive=connection.recv, send=connection.send, close=connection.close
+    )
 
 
 class TcpListener:
     """A TCP server: each connection is a link."""
 
-    def __init__(self, address: Address, endpoint: Endpoint, rates: Rates, notify: Notify) -> None:
+    def __init__(self, address: Address, party: Party, rates: Rates, notify: Notify) -> None:
         """Listen; port 0 takes a free one, `address` tells which."""
         family, where = _resolved(address, socket.SOCK_STREAM)
         self._socket = socket.create_server(where, family=family)
         self._socket.setblocking(False)
         self.address = address._replace(port=self._socket.getsockname()[1])
-        self._endpoint, self._rates, self._notify = endpoint, rates, notify
-        self._links: dict[socket.socket, _TcpLink] = {}
+        self._party, self._rates, self._notify = party, rates, notify
+        self._links: dict[Readable, StreamLink] = {}
 
-    def sockets(self) -> Iterator[socket.socket]:
+    def sockets(self) -> Iterator[Readable]:
         """Return the listening socket and the connections."""
         yield self._socket
         yield from self._links
 
-    def read(self, ready: socket.socket) -> None:
+    def read(self, ready: Readable) -> None:
         """Accept a connection, or handle what came by one."""
         if ready is self._socket:
             self._accept()
@@ -273,7 +259,7 @@ class TcpListener:
             self._notify(f"more than {_MOST_PEERS} connections to {self.address}: another one is refused")
             return
         name = f"{self.address} from {peer[0]}:{peer[1]}"
-        self._links[connection] = _TcpLink(connection, name, self._endpoint, self._rates)
+        self._links[connection] = _stream(connection, name, self.address, self._party, self._rates)
 
     def flush(self) -> None:
         """Send each connection what waits for it."""
@@ -292,21 +278,21 @@ class TcpListener:
 class TcpCaller:
     """Connects to a TCP server once, at the start."""
 
-    def __init__(self, address: Address, endpoint: Endpoint, rates: Rates, notify: Notify) -> None:
+    def __init__(self, address: Address, party: Party, rates: Rates, notify: Notify) -> None:
         """Connect to `address`, waiting a few seconds at most."""
-        connection = socket.create_connection((address.host, address.port), timeout=3.0)
+        self._connection = socket.create_connection((address.host, address.port), timeout=3.0)
         self.address = address
         self._notify = notify
-        self._link: _TcpLink | None = _TcpLink(connection, str(address), endpoint, rates)
+        self._link: StreamLink | None = _stream(self._connection, str(address), address, party, rates)
 
-    def sockets(self) -> Iterator[socket.socket]:
+    def sockets(self) -> Iterator[Readable]:
         """Return the connection while it stands."""
         if self._link is not None:
-            yield self._link.connection
+            yield self._connection
 
-    def read(self, ready: socket.socket) -> None:
+    def read(self, _ready: Readable) -> None:
         """Handle what has come."""
-        if self._link is not None and ready is self._link.connection and not self._link.read():
+        if self._link is not None and not self._link.read():
             self._hung_up()
 
     def flush(self) -> None:

@@ -1,4 +1,4 @@
-"""The vehicle in real time: sockets polled between small batches of steps, paced on absolute deadlines.
+"""Vehicles in real time: sockets polled between small batches of steps, paced on absolute deadlines.
 
 Step k is due at start + k * step / speed. Where the machine cannot keep that up, the start is moved: vehicle time
 slows instead of jumping, and whoever runs the program is told so once. With patience, it also slows for a client that
@@ -7,6 +7,7 @@ the machine has kept from its turn.
 
 import select
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Final
 
 from vehicle_sim.autopilot import Mode
@@ -86,54 +87,59 @@ class Pacer:
 
 
 class Server:
-    """Runs an endpoint over its ports until told to stop."""
+    """Runs endpoints over their ports until told to stop; all of them step together."""
 
     def __init__(
         self,
-        endpoint: Endpoint,
+        endpoints: Sequence[Endpoint],
         ports: Sequence[Port],
         *,
         clock: Clock,
         notify: Notify,
-        patience: Patience | None = None,
+        patience: Sequence[Patience] = (),
     ) -> None:
-        """Serve `endpoint`.
+        """Serve.
 
         Args:
-            endpoint: The vehicle.
+            endpoints: The vehicles, all of one step length.
             ports: Who opened them closes them.
             clock: Real time.
             notify: Takes sentences for whoever runs the program.
-            patience: Decides when vehicle time waits, above real time only; it never does by default.
+            patience: One for each vehicle: decides when vehicle time waits, above real time only. It never does
+                without.
+
+        Raises:
+            ValueError: There is no vehicle, or not one patience for each.
         """
-        self._endpoint, self._ports = endpoint, tuple(ports)
+        if not endpoints or (patience and len(patience) != len(endpoints)):
+            raise ValueError("serve at least one vehicle, with one patience for each or none at all")
+        self._endpoints, self._ports = tuple(endpoints), tuple(ports)
         self._clock, self._notify = clock, notify
-        self._patience = Patience(0.0) if patience is None else patience
-        if patience is not None:
-            endpoint.on_message = self._hear
+        self._patient = list(zip(endpoints, patience, strict=True)) if patience else []
+        for endpoint, patient in self._patient:
+            endpoint.on_message = partial(_hear, endpoint, patient)
 
     def run(self, speed: float, stopping: Callable[[], bool]) -> None:
         """Let vehicle time pass at `speed` times real time until `stopping` returns true."""
-        vehicle, step_s = self._endpoint.vehicle, self._endpoint.vehicle.config.step_s
+        step_s = self._endpoints[0].vehicle.config.step_s
         batch = max(round(_BATCH_S / step_s), 1)
         began_s = self._clock.now_s()
         pacer = Pacer(step_s=step_s, speed=speed, now_s=began_s)
         told = False
         while not stopping():
             now_s = self._clock.now_s()
-            waits = speed > 1.0 and self._patience.waits(
-                vehicle.time_s, now_s, by_setpoints=vehicle.autopilot.mode is Mode.GUIDED
-            )
+            waits = speed > 1.0 and self._wait_for_clients(now_s)
             if waits:
                 pacer.stand_still(now_s)
             steps = 0 if waits else min(pacer.due(now_s), batch)
             for _ in range(steps):
-                self._endpoint.advance()
+                for endpoint in self._endpoints:
+                    endpoint.advance()
             pacer.made(steps)
             self._flush()
             if pacer.slowed_to is not None and not told:
                 told = True
-                waited = self._patience.waited_s / (now_s - began_s)
+                waited = max((patient.waited_s for _, patient in self._patient), default=0.0) / (now_s - began_s)
                 self._notify(
                     f"this machine cannot keep up {speed:g} times real time: "
                     f"vehicle time runs at about {pacer.slowed_to:.3g} times"
@@ -141,11 +147,13 @@ class Server:
                 )
             self._poll(_LONGEST_WAIT_S if waits else pacer.wait_s(self._clock.now_s()))
 
-    def _hear(self, link: str, message: Message) -> None:
-        kind = _AWAITED.get(message.get_msgId())
-        if kind is not None:
-            source = Source(link, message.get_srcSystem(), message.get_srcComponent(), kind)
-            self._patience.hear(source, self._endpoint.vehicle.time_s)
+    def _wait_for_clients(self, now_s: float) -> bool:
+        """Whether any vehicle waits; each is asked, for each counts how long."""
+        waiting = [
+            patient.waits(endpoint.vehicle.time_s, now_s, by_setpoints=endpoint.vehicle.autopilot.mode is Mode.GUIDED)
+            for endpoint, patient in self._patient
+        ]
+        return any(waiting)
 
     def _flush(self) -> None:
         for port in self._ports:
@@ -159,3 +167,10 @@ class Server:
             owners[source].read(source)
         if ready:
             self._flush()
+
+
+def _hear(endpoint: Endpoint, patience: Patience, link: str, message: Message) -> None:
+    kind = _AWAITED.get(message.get_msgId())
+    if kind is not None:
+        source = Source(link, message.get_srcSystem(), message.get_srcComponent(), kind)
+        patience.hear(source, endpoint.vehicle.time_s)

@@ -12,6 +12,7 @@ from mission.spec.model import MOST_LAPS, UNTIL_STOPPED
 
 PROGRAM = "mission"
 _DIGITS = 18
+_MOST_ID = 255
 _EXIT_CODES = """\
 exit codes:
   0  done; for a flight: the specification was achieved
@@ -147,6 +148,17 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     )
     fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
+    fly.add_argument(
+        "--system-id",
+        type=_system_id,
+        metavar="N",
+        help="the vehicle to fly, where several share the link (default: the first heard)",
+    )
+    fly.add_argument(
+        "--signing-key",
+        metavar="FILE",
+        help="sign what is sent and hear only what is signed: 32 bytes, 64 hexadecimal digits or a passphrase",
+    )
     bundled = fly.add_argument_group("the bundled vehicle (not with --connect)")
     bundled.add_argument("--speed", type=_positive, metavar="X", help="multiples of real time (default: 20)")
     bundled.add_argument("--seed", type=_seed, metavar="N", help="seed of its noise (default: 1)")
@@ -172,6 +184,13 @@ def _positive_whole(text: str) -> int:
     if not _whole(text):
         raise argparse.ArgumentTypeError("write a whole number from 1")
     return int(text)
+
+
+def _system_id(text: str) -> int:
+    number = _positive_whole(text)
+    if number > _MOST_ID:
+        raise argparse.ArgumentTypeError(f"system ids are 1 to {_MOST_ID}, {text} is not")
+    return number
 
 
 def _laps(text: str) -> int | str:

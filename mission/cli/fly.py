@@ -4,6 +4,7 @@ import errno
 import socket
 from argparse import Namespace
 from contextlib import ExitStack
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -16,6 +17,8 @@ from mission.clock import WallClock
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
 from mission.link.address import parse_address
+from mission.link.contact import LinkOptions
+from mission.link.key_file import open_signatures
 from mission.link.transport import Transport, open_transport
 from mission.plan import FlightPlan, plan_to_json
 from mission.report.files import write_whole
@@ -42,6 +45,7 @@ _HINTS = {
 def run(arguments: Namespace) -> int:
     """Fly, and return the verdict as an exit code."""
     _check_options(arguments)
+    link = _link_options(arguments)
     plan = planned(arguments.file, arguments.run, arguments.laps)
     out.print(
         f"{plan.spec.name}: {extent(plan)}, proved {reach(plan.certificate.tube_m)}",
@@ -59,7 +63,7 @@ def run(arguments: Namespace) -> int:
                     transport,
                     WallClock(),
                     record,
-                    options=FlightOptions(land_when_stopped=vehicle is not None),
+                    options=FlightOptions(link=link, land_when_stopped=vehicle is not None),
                     run=arguments.run,
                     on_progress=display.show,
                     vehicle_failure=None if vehicle is None else vehicle.failure,
@@ -84,6 +88,9 @@ def run(arguments: Namespace) -> int:
 
 def _check_options(arguments: Namespace) -> None:
     if arguments.connect is None:
+        if arguments.system_id is not None:
+            hint = "leave it out to fly the bundled vehicle, or say with --connect where the vehicle is"
+            raise SpecError((Fault(0, 0, "--system-id", "chooses among the vehicles at an address", hint),))
         return
     parse_address(arguments.connect)
     # A seed of 0 is given, too.
@@ -94,6 +101,16 @@ def _check_options(arguments: Namespace) -> None:
         names = ", ".join("--" + name.replace("_", "-") for name in given)
         hint = f"leave out --connect to fly the bundled vehicle, or leave out {names}"
         raise SpecError((Fault(0, 0, names, "is for the bundled vehicle, not for one at an address", hint),))
+
+
+def _link_options(arguments: Namespace) -> LinkOptions:
+    """Whom to fly, and with which key."""
+    link = LinkOptions(vehicle_id=arguments.system_id or 0)
+    if arguments.signing_key is None:
+        return link
+    who = (link.system_id, link.component_id)
+    signatures = open_signatures(Path(arguments.signing_key), who, lambda text: err.print(text, markup=False))
+    return replace(link, signatures=signatures)
 
 
 def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[BundledVehicle | None, Transport]:
@@ -151,6 +168,7 @@ def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:
         dynamics=arguments.dynamics,
         home=home_for(plan.spec),
         ground_station=not arguments.no_ground_station,
+        signing_key=arguments.signing_key,
     )
 
 

@@ -42,6 +42,7 @@ class VehicleOptions:
         dynamics: Its equations of motion, ``hover`` or ``quadrotor``.
         home: Latitude and longitude in degrees, altitude above sea level in metres.
         ground_station: Whether it offers itself to a ground station on this machine's UDP port 14550.
+        signing_key: File of the key that it signs with, and asks for.
     """
 
     speed: float = 20.0
@@ -51,6 +52,7 @@ class VehicleOptions:
     dynamics: str | None = None
     home: tuple[float, float, float] | None = None
     ground_station: bool = True
+    signing_key: str | None = None
 
     def arguments(self) -> list[str]:
         """The vehicle's command line, without the program."""
@@ -63,6 +65,8 @@ class VehicleOptions:
         if self.home is not None:
             latitude, longitude, altitude = self.home
             arguments.append(f"--home={latitude:.9f},{longitude:.9f},{altitude:.3f}")
+        if self.signing_key is not None:
+            arguments.append(f"--signing-key={self.signing_key}")
         if not self.ground_station:
             arguments.append("--no-ground-station")
         return arguments

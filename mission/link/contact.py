@@ -16,6 +16,7 @@ from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, vehicle_type_name
 from mission.link.requests import Answer, RequestChannel
+from mission.link.signing import Signatures
 from mission.link.texts import Text
 from mission.link.values import Acknowledgement, Body, Heartbeat, LocalSetpoint, Received, Version
 from mission.link.vehicle_state import VehicleState
@@ -39,6 +40,8 @@ class LinkOptions:
         lost_s: After this long without a message from the vehicle, on the clock here, the link is lost.
         ready_s: How long to wait for position and health, on the clock here.
         setpoint_s: Vehicle time between two setpoints.
+        vehicle_id: System id of the vehicle to fly, where several share the link; 0 takes the first one heard.
+        signatures: Signs what is sent, and lets only what is signed be heard; None does neither.
     """
 
     system_id: int = 255
@@ -47,6 +50,8 @@ class LinkOptions:
     lost_s: float = 5.0
     ready_s: float = 180.0
     setpoint_s: float = 1.0 / 30.0
+    vehicle_id: int = 0
+    signatures: Signatures | None = None
 
 
 class Contact:
@@ -70,10 +75,11 @@ class Contact:
         self.events: deque[Event] = deque()
         self.out: deque[bytes] = deque()
         self._needs_origin = needs_origin
-        self._codec = Codec(options.system_id, options.component_id)
+        self._codec = Codec(options.system_id, options.component_id, options.signatures)
         self.channel = RequestChannel(options.system_id, options.component_id)
         self._streams: StreamRequests | None = None
         self._system_id = 0
+        self._others: set[int] = set()
         self._heard_s = -math.inf
         self._began_s: float | None = None
         self._beat_s = self._beat_vehicle_s = -math.inf
@@ -89,7 +95,9 @@ class Contact:
         said: list[Body] = []
         for received in self._codec.decode(data):
             if self.autopilot is None and is_vehicle(received):
-                self._meet(received)
+                self._others.add(received.system_id)
+                if self.options.vehicle_id in (0, received.system_id):
+                    self._meet(received)
             known = self.autopilot is not None and received.system_id == self._system_id
             if known and received.component_id == AUTOPILOT_COMPONENT:
                 self._heard_s = now_s
@@ -121,7 +129,7 @@ class Contact:
         self._beat(now_s)
         if self.autopilot is None:
             if now_s - self._began_s > self.options.connect_s:
-                raise LinkError(f"no vehicle was heard within {self.options.connect_s:.0f} s")
+                raise LinkError(f"{self._unheard()} within {self.options.connect_s:.0f} s")
             return None
         if now_s - self._heard_s > self.options.lost_s:
             raise LinkError(f"nothing was heard from the vehicle for {now_s - self._heard_s:.1f} s")
@@ -131,6 +139,15 @@ class Contact:
         if answer is not None:
             self._note_answer(answer, now_s)
         return answer
+
+    def _unheard(self) -> str:
+        """Which vehicle was not heard, and what was heard instead."""
+        if self._others:
+            heard = ", ".join(map(str, sorted(self._others)))
+            return f"no vehicle of system id {self.options.vehicle_id} was heard, only of {heard},"
+        if self._codec.refused:
+            return f"no vehicle was heard that signs with this key, but {self._codec.refused} other packets,"
+        return "no vehicle was heard"
 
     def ask_for_streams(self, now_s: float) -> bool:
         """Go on asking for telemetry, once for each message and again for what does not come; True after once."""

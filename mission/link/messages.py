@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from mission.link.signing import TRAILER, Signatures
 from mission.link.values import (
     Acknowledgement,
     Attitude,
@@ -92,11 +93,10 @@ _V1, _V2 = mavlink.PROTOCOL_MARKER_V1, mavlink.PROTOCOL_MARKER_V2
 _V1_HEADER: Final = 6
 _V2_HEADER: Final = 10
 _CHECKSUM: Final = 2
-_SIGNATURE: Final = 13
 _SIGNED: Final = 1
 
 
-def _known_frames(data: bytes) -> tuple[bytes, bytes]:
+def _known_frames(data: bytes) -> tuple[list[bytes], bytes]:
     """The frames of known messages in a stream, and the beginning of one that is not whole yet.
 
     A vehicle may stream several hundred messages a second that nobody here asked for; to look at their headers alone
@@ -115,7 +115,7 @@ def _known_frames(data: bytes) -> tuple[bytes, bytes]:
             break
         size = header + data[at + 1] + _CHECKSUM
         if magic == _V2:
-            size += _SIGNATURE if data[at + 2] & _SIGNED else 0
+            size += TRAILER if data[at + 2] & _SIGNED else 0
             number = data[at + 7] | data[at + 8] << 8 | data[at + 9] << 16
         else:
             number = data[at + 5]
@@ -124,24 +124,35 @@ def _known_frames(data: bytes) -> tuple[bytes, bytes]:
         if number in _KNOWN:
             kept.append(data[at : at + size])
         at += size
-    return b"".join(kept), data[at:]
+    return kept, data[at:]
 
 
 class Codec:
     """Turns bytes of one link into values, and values into frames that carry our own ids."""
 
-    def __init__(self, system_id: int, component_id: int) -> None:
-        """Speak as component ``component_id`` of system ``system_id``."""
+    def __init__(self, system_id: int, component_id: int, signatures: Signatures | None = None) -> None:
+        """Speak as component ``component_id`` of system ``system_id``; with a key, hear only what is signed with it."""
         self.system_id, self.component_id = system_id, component_id
+        self._signatures = signatures
         self._mav = mavlink.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
-        self._mav.robust_parsing = True  # noise is skipped instead of raised
+        if signatures is not None:
+            self._mav.signing.secret_key, self._mav.signing.sign_outgoing = signatures.key, True
+        self._reader = mavlink.MAVLink(None)  # without the key: what it is given has been judged
+        self._reader.robust_parsing = True  # noise is skipped instead of raised
         self._rest = b""
+
+    @property
+    def refused(self) -> int:
+        """Frames that came without the right signature, where one is asked for."""
+        return 0 if self._signatures is None else self._signatures.refused
 
     def decode(self, data: bytes) -> list[Received]:
         """The messages in what has arrived, as far as the planner knows them; noise and all else is left out."""
         frames, self._rest = _known_frames(self._rest + data)
+        if self._signatures is not None:
+            frames = [frame for frame in frames if self._signatures.take(frame)]
         received = []
-        for message in (self._mav.parse_buffer(frames) if frames else None) or ():
+        for message in (self._reader.parse_buffer(b"".join(frames)) if frames else None) or ():
             reader = _READERS.get(message.get_type())  # of a damaged frame, that is BAD_DATA
             if reader is not None:
                 received.append(Received(message.get_srcSystem(), message.get_srcComponent(), reader(message)))
@@ -182,6 +193,8 @@ class Codec:
         )
 
     def _packed(self, message: Any) -> bytes:  # noqa: ANN401 - pymavlink ships no types
+        if self._signatures is not None:
+            self._mav.signing.timestamp = self._signatures.stamp()
         frame = bytes(message.pack(self._mav))
         self._mav.seq = (self._mav.seq + 1) & 0xFF
         return frame

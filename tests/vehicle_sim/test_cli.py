@@ -1,42 +1,18 @@
 """The program as its users meet it: options, faults in one line, announcements, signals."""
 
 import os
-import select
 import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from math import cos, radians, sin
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.vehicle_program import running
 from vehicle_sim import cli
-
-PROGRAM = [sys.executable, "-m", "vehicle_sim"]
-
-
-@contextmanager
-def running(*options: str) -> Iterator[tuple["subprocess.Popen[str]", list[str]]]:
-    """Start the program on free ports; give the process and the addresses that it announces."""
-    process = subprocess.Popen(  # noqa: S603 - this project's own program
-        [*PROGRAM, "--announce", "--quiet", *options],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        assert process.stdout is not None
-        assert select.select([process.stdout], [], [], 60.0)[0], "no announcement"
-        word, *addresses = process.stdout.readline().split()
-        assert word == "READY"
-        yield process, addresses
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def port_of(address: str) -> int:
@@ -68,6 +44,15 @@ def port_of(address: str) -> int:
         ["--listen", "14550"],
         ["--listen", "udpin:no-such-host.invalid:0"],
         ["--no-such-option"],
+        ["--count", "0"],
+        ["--count", "3", "--sysid", "254"],
+        ["--spacing", "-1"],
+        ["--component-id", "256"],
+        ["--signing-key", "/there/is/none"],
+        ["--listen", "udpin:127.0.0.1:0,signing=required"],
+        ["--listen", "udpin:127.0.0.1:0,signing=often"],
+        ["--connect", "serial:/dev/there-is-none:57600"],
+        ["--count", "2", "--connect", "serial:/dev/ttyS0:57600"],
     ],
 )
 def test_faults_are_one_line_and_exit_code_2(options: list[str], capsys: pytest.CaptureFixture[str]) -> None:

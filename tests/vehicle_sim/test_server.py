@@ -1,12 +1,15 @@
 """Pacing against a clock of the test, and real sockets on loopback with free ports."""
 
+import os
 import select
 import socket
+import tty
 from collections.abc import Iterator
 from contextlib import closing
 from typing import TYPE_CHECKING
 
 import pytest
+import serial
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -147,6 +150,28 @@ def test_udp_peers_are_learned_and_answered_each_for_itself(bench: Bench) -> Non
             assert "HEARTBEAT" in turn_until(bench, peer, "TIMESYNC") + turn_until(bench, peer, "HEARTBEAT")
 
 
+def test_peers_of_both_versions_on_one_port_are_each_answered_in_their_own(bench: Bench) -> None:
+    port = bench.open("udpin:127.0.0.1:0")
+    where = ("127.0.0.1", port.address.port)
+    with closing(udp()) as old, closing(udp()) as new:
+        mav = mavlink.MAVLink(None, srcSystem=254, srcComponent=190)
+        old.sendto(mavlink.MAVLink_timesync_message(0, 7).pack(mav, force_mavlink1=True), where)
+        new.sendto(frame(), where)
+        for peer, magic in ((old, 0xFE), (new, 0xFD)):
+            starts: set[int] = set()
+            for _ in range(2000):
+                bench.turn()
+                while select.select([peer], [], [], 0.0)[0]:
+                    data = peer.recv(65535)
+                    starts.add(data[0])
+                    assert mavlink.MAVLink(None).parse_buffer(data)
+                if starts and bench.endpoint.vehicle.time_s > 2.0:
+                    break
+            # What one says to all is passed on to the other, in the version that it came in; version 1 is read by all.
+            assert starts <= ({magic} if magic == 0xFE else {0xFE, 0xFD})
+            assert magic in starts
+
+
 def test_strangers_that_speak_no_mavlink_are_not_answered(bench: Bench) -> None:
     port = bench.open("udpin:127.0.0.1:0")
     with closing(udp()) as stranger, closing(udp()) as peer:
@@ -233,6 +258,52 @@ def test_a_tcp_peer_that_never_reads_costs_bounded_memory(bench: Bench) -> None:
         assert not bench.endpoint._links
 
 
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="this system has no pseudo terminals")
+def test_a_pseudo_terminal_is_a_serial_line_whose_clients_come_and_go(bench: Bench) -> None:
+    port = bench.open("pty:")
+    assert port.address.host.startswith("/dev/")
+    for _ in range(1000):
+        bench.turn()  # nobody reads: what is sent is lost, and little is kept
+    for _ in range(2):
+        with serial.Serial(port.address.host, 57600, timeout=0.0) as client:
+            client.write(frame())
+            parser, kinds = mavlink.MAVLink(None), set[str]()
+            parser.robust_parsing = True
+            for _ in range(5000):
+                bench.turn()
+                kinds |= {message.get_type() for message in parser.parse_buffer(client.read(4096)) or ()}
+                if {"TIMESYNC", "HEARTBEAT"} <= kinds:
+                    break
+            assert {"TIMESYNC", "HEARTBEAT"} <= kinds
+    port.close()
+    assert not bench.endpoint._links
+    assert not list(port.sockets())
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="this system has no pseudo terminals")
+def test_a_serial_device_is_spoken_to_and_its_loss_is_told(bench: Bench) -> None:
+    ours, theirs = os.openpty()
+    tty.setraw(theirs)
+    bench.open(f"serial:{os.ttyname(theirs)}:57600")
+    os.close(theirs)
+    os.write(ours, frame())
+    heard = b""
+    parser = mavlink.MAVLink(None)
+    for _ in range(2000):
+        bench.turn()
+        if select.select([ours], [], [], 0.0)[0]:
+            heard = os.read(ours, 4096)
+            break
+    assert "TIMESYNC" in {message.get_type() for message in parser.parse_buffer(heard)}
+    os.close(ours)
+    for _ in range(2000):
+        if bench.said:
+            break
+        bench.turn()
+    assert "has failed" in bench.said[0]
+    assert not bench.endpoint._links
+
+
 def test_tcp_out_calls_and_says_when_the_other_end_hangs_up(bench: Bench) -> None:
     with closing(socket.create_server(("127.0.0.1", 0))) as server:
         bench.open(f"tcp:127.0.0.1:{server.getsockname()[1]}")
@@ -259,7 +330,7 @@ def test_addresses_that_cannot_be_had_are_named(bench: Bench) -> None:
 
 def test_the_server_flies_at_speed_and_answers(bench: Bench) -> None:
     port = bench.open("udpin:127.0.0.1:0")
-    server = Server(bench.endpoint, bench.ports, clock=WallClock(), notify=bench.said.append)
+    server = Server([bench.endpoint], bench.ports, clock=WallClock(), notify=bench.said.append)
     with closing(udp()) as peer:
         peer.sendto(frame(), ("127.0.0.1", port.address.port))
         server.run(50.0, lambda: bench.endpoint.vehicle.time_s >= 5.0)
@@ -283,7 +354,7 @@ class SlowClock:
 
 def test_the_server_says_once_that_it_cannot_keep_up(bench: Bench) -> None:
     clock = SlowClock()
-    Server(bench.endpoint, [], clock=clock, notify=bench.said.append).run(10.0, lambda: clock.time_s > 20.0)
+    Server([bench.endpoint], [], clock=clock, notify=bench.said.append).run(10.0, lambda: clock.time_s > 20.0)
     (said,) = bench.said
     assert "cannot keep up 10 times real time" in said
     # Two looks at the clock and two steps of 10 ms in each turn.
@@ -313,8 +384,8 @@ def test_vehicle_time_waits_once_for_a_client_that_has_died(
 ) -> None:
     monkeypatch.setattr(select, "select", lambda *_: ([], [], []))
     clock = StubbornClock(bench.endpoint, silent_from_s=6.5)
-    patience = Patience(most_s) if most_s else None
-    server = Server(bench.endpoint, [], clock=clock, notify=bench.said.append, patience=patience)
+    patience = [Patience(most_s)] if most_s else []
+    server = Server([bench.endpoint], [], clock=clock, notify=bench.said.append, patience=patience)
     server.run(speed, lambda: bench.endpoint.vehicle.time_s >= 20.0)
     waited_s = most_s if speed > 1.0 else 0.0
     assert clock.time_s == pytest.approx(20.0 / speed + waited_s, abs=0.02)

@@ -9,17 +9,21 @@ for datagram in endpoint.outgoing("gcs"): ...
 from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.commands import CommandService
+from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
 from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
+from vehicle_sim.protocol.key_setup import KeySetupService
 from vehicle_sim.protocol.link import Link
 from vehicle_sim.protocol.mode_list import ModeListService
 from vehicle_sim.protocol.parameters import ParameterService
 from vehicle_sim.protocol.plans import PlanService
+from vehicle_sim.protocol.policy import SigningPolicy
 from vehicle_sim.protocol.presence import PresenceService
 from vehicle_sim.protocol.rates import RateService
 from vehicle_sim.protocol.routing import Router
 from vehicle_sim.protocol.setpoints import SetpointService
+from vehicle_sim.protocol.signing import Signer
 from vehicle_sim.protocol.statustext import TextChunker
 from vehicle_sim.protocol.sticks import StickService
 from vehicle_sim.protocol.streams import NEVER_US
@@ -41,31 +45,46 @@ class Endpoint:
     Attributes:
         vehicle: What flies; `advance` steps it, nothing else does.
         table: What tells its flavour from others.
-        system_id: Its MAVLink system id; the autopilot is component 1 of it.
+        system_id: Its MAVLink system id.
+        component_id: The component id of the autopilot in it.
+        signer: Holds its key, if it has one.
+        key_setup: Takes another key from a ground station.
         now_us: Vehicle time since boot, in microseconds.
         on_message: Called with each message for the vehicle, and the name of its link, before it is handled.
     """
 
-    def __init__(self, vehicle: "Vehicle", flavour: "Flavour", system_id: int = 1) -> None:
+    def __init__(
+        self,
+        vehicle: "Vehicle",
+        flavour: "Flavour",
+        system_id: int = 1,
+        *,
+        component_id: int = AUTOPILOT_COMPONENT,
+        signer: Signer | None = None,
+    ) -> None:
         """Speak for `vehicle`; the flavour is the one that the vehicle was made with.
 
         Raises:
-            ValueError: The flavour is another one than the vehicle's, or the system id is not in 1 to 255.
+            ValueError: The flavour is another one than the vehicle's, or an id is not in 1 to 255.
         """
         if flavour is not vehicle.autopilot.flavour:
             raise ValueError(f"the vehicle answers like {vehicle.autopilot.flavour}, not like {flavour}")
         if not 0 < system_id <= 255:  # noqa: PLR2004 - a byte; 0 means all systems
             raise ValueError(f"a system id lies in 1 to 255, {system_id} does not")
+        if not 0 < component_id <= 255:  # noqa: PLR2004 - the same
+            raise ValueError(f"a component id lies in 1 to 255, {component_id} does not")
         self.vehicle = vehicle
         self.table: FlavourTable = TABLES[flavour]
         vehicle.parameters.set(self.table.system_id_parameter, system_id)
-        self.system_id = system_id
+        self.system_id, self.component_id = system_id, component_id
+        self.signer = Signer() if signer is None else signer
         self._step_us = round(vehicle.config.step_s * 1e6)
         self.now_us = vehicle.steps * self._step_us
         self.on_message: Callable[[str, Message], None] | None = None
         self._links: dict[str, Link] = {}
         self._purposes: dict[Link, Rates] = {}
-        self._router = Router(system_id)
+        self._router = Router(system_id, component_id)
+        self._links_opened = 0
         self._chunker = TextChunker()
         self._built: dict[int, Message | None] = {}
         self._reboot_due_us = NEVER_US
@@ -78,6 +97,7 @@ class Endpoint:
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
         commands.handlers.update(mode_list.commands)
+        self.key_setup = KeySetupService(self, self.signer)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
@@ -90,6 +110,7 @@ class Endpoint:
             **self._plans.messages,
             **time.messages,
             **FileService(self).messages,
+            **self.key_setup.messages,
         }
         builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry, **mode_list.telemetry}
         self._builders = {
@@ -98,20 +119,40 @@ class Endpoint:
 
     # Links.
 
-    def add_link(self, name: str, rates: Rates = Rates.ONBOARD, *, byte_stream: bool = False) -> None:
+    def add_link(
+        self,
+        name: str,
+        rates: Rates = Rates.ONBOARD,
+        *,
+        byte_stream: bool = False,
+        signing: SigningPolicy = SigningPolicy.REQUIRED,
+        is_secure: bool = False,
+    ) -> None:
         """Open a link.
 
         Args:
             name: Unique among the open links.
             rates: What is streamed on it unasked.
             byte_stream: Whether a frame may be split between two receptions (TCP, serial).
+            signing: What it asks of signatures, while there is a key.
+            is_secure: Whether it does not leave the machine, so that a key may be given over it.
 
         Raises:
             ValueError: There is a link of this name.
         """
         if name in self._links:
             raise ValueError(f"there is a link {name!r} already")
-        link = Link(name, system_id=self.system_id, byte_stream=byte_stream)
+        link = Link(
+            name,
+            system_id=self.system_id,
+            component_id=self.component_id,
+            byte_stream=byte_stream,
+            signer=self.signer,
+            signing=signing,
+            link_id=self._links_opened & 0xFF,
+            is_secure=is_secure,
+        )
+        self._links_opened += 1
         self._links[name] = link
         self._purposes[link] = rates
         self._rates.start_defaults(link)
@@ -150,7 +191,15 @@ class Endpoint:
             if handler is not None:
                 self._built.clear()
                 handler(Sender(came_by, message.get_srcSystem(), message.get_srcComponent()), message)
+        if came_by.unknown:
+            self._pass_on_unknown(came_by)
         return len(messages)
+
+    def _pass_on_unknown(self, came_by: Link) -> None:
+        for frame in came_by.unknown:
+            for other in self._router.ways_of_unknown(frame, came_by, tuple(self._links.values())):
+                other.forward(frame)
+        came_by.unknown.clear()
 
     def outgoing(self, link: str) -> list[bytes]:
         """Return the datagrams that wait to be sent by a link, oldest first, and forget them.

@@ -23,6 +23,7 @@ class Host(Protocol):
     vehicle: Vehicle
     table: FlavourTable
     system_id: int
+    component_id: int
     now_us: int
 
     def broadcast(self, message: Message) -> None:

@@ -4,6 +4,7 @@ MAVLink 2 serialisation: https://mavlink.io/en/guide/serialization.html. A link 
 MAVLink 1 for a peer that was heard to speak only that, and returns for good with the first MAVLink 2 frame.
 """
 
+import re
 from collections import deque
 from struct import pack
 from typing import Final
@@ -17,13 +18,19 @@ from vehicle_sim.protocol.dialect import (
     Message,
     mavlink,
 )
+from vehicle_sim.protocol.policy import SigningPolicy
+from vehicle_sim.protocol.signing import SIGNATURE_LENGTH, SIGNED_FLAG, Signer
 from vehicle_sim.protocol.streams import StreamSchedule
 
 MAX_DATAGRAM: Final = 1400
 """Bytes of MAVLink put into one datagram: under any usual MTU."""
 
 _MAX_WAITING: Final = 1024
+_MAGIC: Final = re.compile(b"[%c%c]" % (MAGIC_V1, MAGIC_V2))
 _V1_HEADER: Final = 6
+_V1_OVERHEAD: Final = 8
+_V2_OVERHEAD: Final = 12
+_LEAST_HEADER: Final = 3
 
 
 class Link:
@@ -32,23 +39,49 @@ class Link:
     Attributes:
         name: What the user and the routing call it.
         streams: When which message is due on it.
+        signing: What it asks of signatures while there is a key.
+        is_secure: Whether nobody can listen or speak in between: a line that does not leave the machine.
+        unknown: Frames of messages that the dialect does not know, oldest first; whoever reads it empties it. Their
+            checksums cannot be checked. While signing is required they are rightly signed.
     """
 
-    def __init__(self, name: str, *, system_id: int, byte_stream: bool = False) -> None:
+    def __init__(
+        self,
+        name: str,
+        *,
+        system_id: int,
+        component_id: int = AUTOPILOT_COMPONENT,
+        byte_stream: bool = False,
+        signer: Signer | None = None,
+        signing: SigningPolicy = SigningPolicy.REQUIRED,
+        link_id: int = 0,
+        is_secure: bool = False,
+    ) -> None:
         """Open the link.
 
         Args:
             name: Unique among the links of an endpoint.
             system_id: System id of the vehicle, the source of what is sent.
+            component_id: Its component id.
             byte_stream: Whether a frame may be split between two receptions (TCP, serial); a datagram is whole.
+            signer: Holds the vehicle's key, if it has one.
+            signing: See the attribute.
+            link_id: Goes into signatures.
+            is_secure: See the attribute.
         """
         self.name = name
         self.streams = StreamSchedule()
+        self.signing = signing
+        self.is_secure = is_secure
+        self.unknown: list[bytes] = []
         self._byte_stream = byte_stream
-        self._mav = mavlink.MAVLink(None, srcSystem=system_id, srcComponent=AUTOPILOT_COMPONENT)
-        self._mav.robust_parsing = True
+        self._signer = Signer() if signer is None else signer
+        self._mav = mavlink.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
+        self._mav.signing.link_id = link_id
+        self._reader = mavlink.MAVLink(None)  # holds no key: signatures are judged here
         self._speaks_v1 = False
         self._heard_v2 = False
+        self._rest = b""
         self._filling = bytearray()
         self._waiting: deque[bytes] = deque(maxlen=_MAX_WAITING)  # a peer that never reads loses the oldest
 
@@ -58,55 +91,71 @@ class Link:
 
     @property
     def speaks_v1(self) -> bool:
-        """Whether the peer is answered in MAVLink 1."""
-        return self._speaks_v1
+        """Whether the peer is answered in MAVLink 1, which cannot be signed."""
+        return self._speaks_v1 and (self._signer.key is None or self.signing is not SigningPolicy.REQUIRED)
+
+    @property
+    def checks_signatures(self) -> bool:
+        """Whether signatures are made and judged here: there is a key, and the link does not do without."""
+        return self._signer.key is not None and self.signing is not SigningPolicy.OFF
 
     def decode(self, data: bytes) -> list[Message]:
         """Return the valid messages of the dialect in what was received; all else is dropped.
 
-        pymavlink's parser takes the length byte of a false start on trust and skips what it covers. Here parsing
-        resumes one byte after each false start, so that noise never swallows a frame that follows it.
+        Where a frame turns out to be none, parsing resumes one byte after its start, so that noise never swallows a
+        frame that follows it.
         """
-        mav = self._mav
+        data = self._rest + data
         messages: list[Message] = []
-        message = mav.parse_char(data)
-        while True:
-            if message is None:
-                left = b"" if self._byte_stream else bytes(mav.buf[mav.buf_index + 1 :])
-                if not self._byte_stream:
-                    mav.buf, mav.buf_index = bytearray(), 0
-                if not left:
-                    return messages
-                message = mav.parse_char(left)
-                continue
-            if isinstance(message, mavlink.MAVLink_bad_data):
-                self._resume_after(message.data)
-            elif isinstance(message, mavlink.MAVLink_unknown):
-                self._resume_after(message.get_msgbuf() or message.data)
-            else:
-                self._note_version(message)
+        at, end, unknown_until = 0, len(data), 0
+        while (start := _MAGIC.search(data, at)) is not None:
+            at = start.start()
+            if end - at < _LEAST_HEADER:
+                break
+            stop = at + _frame_length(data, at)
+            if stop > end and self._byte_stream:
+                break
+            frame = bytearray(data[at:stop])
+            message = self._read(frame) if at < stop <= end else None
+            if message is not None and not isinstance(message, mavlink.MAVLink_unknown):
                 messages.append(message)
-            message = mav.parse_char(b"")
-
-    def _resume_after(self, false_start: bytes) -> None:
-        if not false_start or false_start[0] not in (MAGIC_V1, MAGIC_V2):
-            return
-        mav = self._mav
-        if mav.buf_index:
-            mav.buf_index -= len(false_start) - 1
+                at = stop
+                continue
+            if message is not None and at >= unknown_until:
+                self.unknown.append(bytes(frame))
+                unknown_until = stop
+            at += 1  # nothing vouches for what its message is unknown: what it covers may be frames
         else:
-            mav.buf = bytearray(false_start[1:])
+            at = end
+        self._rest = data[at:] if self._byte_stream else b""
+        return messages
 
-    def _note_version(self, message: Message) -> None:
-        if message.get_msgbuf()[0] == MAGIC_V2:
-            self._heard_v2, self._speaks_v1 = True, False
-        elif not self._heard_v2:
-            self._speaks_v1 = True
+    def _read(self, frame: bytearray) -> Message | None:
+        """Return the message of a frame, None where it is none, or none that this link may hear."""
+        is_v2 = frame[0] == MAGIC_V2
+        is_signed = is_v2 and bool(frame[2] & SIGNED_FLAG)
+        if self.checks_signatures and not is_signed and self.signing is SigningPolicy.REQUIRED:
+            return None  # not even RADIO_STATUS, which may be excepted: nothing here makes use of it
+        try:
+            message = self._reader.decode(frame)
+        except mavlink.MAVError:
+            return None
+        if is_signed and self.checks_signatures and not self._signer.accepts(frame):
+            return None
+        if not isinstance(message, mavlink.MAVLink_unknown):
+            self._heard_v2 |= is_v2
+            self._speaks_v1 = not self._heard_v2
+        return message
 
     def send(self, message: Message) -> None:
         """Queue a message of the vehicle; what MAVLink 1 cannot carry is left out on a link that speaks it."""
         mav = self._mav
-        if not self._speaks_v1:
+        mav.signing.sign_outgoing = False
+        if not self.speaks_v1:
+            if self.checks_signatures:
+                mav.signing.sign_outgoing = True
+                mav.signing.secret_key = self._signer.key
+                mav.signing.timestamp = self._signer.next_timestamp()
             frame = message.pack(mav)
         elif message.get_msgId() <= LAST_V1_ID:
             frame = _without_extensions(message, message.pack(mav, force_mavlink1=True))
@@ -117,7 +166,7 @@ class Link:
 
     def forward(self, frame: bytes) -> None:
         """Queue a frame of another system as it came; never MAVLink 2 to a peer that only speaks MAVLink 1."""
-        if frame[0] == MAGIC_V1 or not self._speaks_v1:
+        if frame[0] == MAGIC_V1 or not self.speaks_v1:
             self._queue(frame)
 
     def _queue(self, frame: bytes) -> None:
@@ -136,6 +185,16 @@ class Link:
         datagrams = list(self._waiting)
         self._waiting.clear()
         return datagrams
+
+
+def _frame_length(data: bytes, at: int) -> int:
+    """Return the length of the frame that begins at `at`; 0 where it asks for what nobody here can do."""
+    if data[at] == MAGIC_V1:
+        return data[at + 1] + _V1_OVERHEAD
+    flags = data[at + 2]
+    if flags & ~SIGNED_FLAG:
+        return 0
+    return data[at + 1] + _V2_OVERHEAD + (SIGNATURE_LENGTH if flags else 0)
 
 
 def _without_extensions(message: Message, frame: bytes) -> bytes:

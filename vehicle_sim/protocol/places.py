@@ -13,6 +13,8 @@ GLOBAL_FRAMES: Final = AMSL_FRAMES | HOME_FRAMES | TERRAIN_FRAMES
 
 _POLE_DEG: Final = 90.0
 _ANTIMERIDIAN_DEG: Final = 180.0
+_HIGHEST_M: Final = 1e6
+"""Above or below sea level; the difference of two such altitudes still fits a field of 32 bits in millimetres."""
 
 
 def is_place(lat_deg: float, lon_deg: float) -> bool:
@@ -23,10 +25,14 @@ def is_place(lat_deg: float, lon_deg: float) -> bool:
 def global_place(lat_deg: float, lon_deg: float, height_m: float, frame: int, home: Geodetic | None) -> Geodetic | None:
     """Return a place given in a global frame; None where it is none, or its height counts from an unknown home.
 
+    An altitude of more than a million metres is none.
+
     The ground is flat and at home's altitude, so heights above terrain are heights above home.
     """
     if frame not in GLOBAL_FRAMES or not is_place(lat_deg, lon_deg) or not isfinite(height_m):
         return None
-    if frame in AMSL_FRAMES:
-        return Geodetic(lat_deg, lon_deg, height_m)
-    return None if home is None else Geodetic(lat_deg, lon_deg, home.alt_m + height_m)
+    if frame not in AMSL_FRAMES:
+        if home is None:
+            return None
+        height_m += home.alt_m
+    return Geodetic(lat_deg, lon_deg, height_m) if abs(height_m) <= _HIGHEST_M else None

@@ -6,10 +6,18 @@ addressed to one goes there only, what is addressed to all goes everywhere but w
 
 from typing import Final, NamedTuple
 
-from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT, Message
+from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT, MAGIC_V2, Message, mavlink
 from vehicle_sim.protocol.link import Link
 
 _MOST_ROUTES: Final = 256
+_OF_ONE_LINK: Final = frozenset(
+    (
+        mavlink.MAVLINK_MSG_ID_RADIO,
+        mavlink.MAVLINK_MSG_ID_RADIO_STATUS,
+        mavlink.MAVLINK_MSG_ID_SETUP_SIGNING,
+    )
+)
+"""What is never passed on: what a radio says of its own link, and keys, which others could read elsewhere."""
 
 
 class Decision(NamedTuple):
@@ -22,9 +30,9 @@ class Decision(NamedTuple):
 class Router:
     """Learns who is where and decides about each message."""
 
-    def __init__(self, system_id: int) -> None:
-        """Route for the autopilot component of `system_id`."""
-        self._system_id = system_id
+    def __init__(self, system_id: int, component_id: int = AUTOPILOT_COMPONENT) -> None:
+        """Route for component `component_id` of `system_id`."""
+        self._system_id, self._component_id = system_id, component_id
         self._routes: dict[tuple[int, int], Link] = {}
 
     def forget(self, link: Link) -> None:
@@ -37,16 +45,18 @@ class Router:
         A message that claims to be the vehicle's own is an echo and goes nowhere.
         """
         source = (message.get_srcSystem(), message.get_srcComponent())
-        if source == (self._system_id, AUTOPILOT_COMPONENT):
+        if source == (self._system_id, self._component_id):
             return Decision(is_ours=False, forward_to=())
-        if self._routes.get(source) is not came_by:
+        if source[0] and self._routes.get(source) is not came_by:
             self._learn(source, came_by)
         system = getattr(message, "target_system", 0)
         component = getattr(message, "target_component", 0)
+        if message.get_msgId() in _OF_ONE_LINK:
+            return Decision(is_ours=system in (0, self._system_id), forward_to=())
         if system == 0:
             return Decision(is_ours=True, forward_to=tuple(link for link in links if link is not came_by))
         to_us = system == self._system_id
-        if to_us and component == AUTOPILOT_COMPONENT:
+        if to_us and component == self._component_id:
             return Decision(is_ours=True, forward_to=())
         known = {
             link: None
@@ -55,6 +65,17 @@ class Router:
         }
         # A component of ours that nobody ever heard of is the autopilot's business, as ArduPilot has it.
         return Decision(is_ours=to_us and (component == 0 or not known), forward_to=tuple(known))
+
+    def ways_of_unknown(self, frame: bytes, came_by: Link, links: tuple[Link, ...]) -> tuple[Link, ...]:
+        """Return where a frame goes whose message is not of the dialect.
+
+        Where it is addressed to cannot be read, and its checksum cannot be checked. It is passed on like a broadcast,
+        if valid messages have shown that its source is on the link that it came by; nothing is learned from it.
+        """
+        start = 5 if frame[0] == MAGIC_V2 else 3
+        if self._routes.get((frame[start], frame[start + 1])) is not came_by:
+            return ()
+        return tuple(link for link in links if link is not came_by)
 
     def _learn(self, source: tuple[int, int], link: Link) -> None:
         self._routes.pop(source, None)

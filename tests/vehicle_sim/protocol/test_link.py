@@ -103,18 +103,21 @@ def test_lengths_without_extensions_are_those_of_the_definitions() -> None:
     sizes |= {"int32_t": 4, "uint32_t": 4, "float": 4, "int64_t": 8, "uint64_t": 8, "double": 8}
     sizes["uint8_t_mavlink_version"] = 1
     folder = Path(pymavlink.__file__).parent / "dialects" / "v20"
-    lengths = {}
+    lengths: dict[int, int] = {}
+    extended: set[int] = set()
     for name in ("minimal", "standard", "common", "ardupilotmega"):
         for message in ET.parse(folder / f"{name}.xml").getroot().iter("message"):  # noqa: S314 - pymavlink's own
             length = 0
             for child in message:
                 if child.tag == "extensions":
+                    extended.add(int(message.attrib["id"]))
                     break
                 if child.tag == "field":
                     kind, _, count = child.attrib["type"].partition("[")
                     length += sizes[kind] * (int(count[:-1]) if count else 1)
             lengths[int(message.attrib["id"])] = length
     assert {number: lengths[number] for number in V1_PAYLOAD_LENGTHS} == V1_PAYLOAD_LENGTHS
+    assert {number for number in extended if number <= 255} <= set(V1_PAYLOAD_LENGTHS)
 
 
 def test_several_messages_share_a_datagram_up_to_its_limit() -> None:
