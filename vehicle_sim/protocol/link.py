@@ -17,6 +17,7 @@ from vehicle_sim.protocol.dialect import (
     Message,
     mavlink,
 )
+from vehicle_sim.protocol.framing import frame_of
 from vehicle_sim.protocol.streams import StreamSchedule
 
 MAX_DATAGRAM: Final = 1400
@@ -103,7 +104,7 @@ class Link:
         """Queue a message of the vehicle; what MAVLink 1 cannot carry is left out on a link that speaks it."""
         mav = self._mav
         if not self._speaks_v1:
-            frame = message.pack(mav)
+            frame = frame_of(message, mav)
         elif message.get_msgId() <= LAST_V1_ID:
             frame = _without_extensions(message, message.pack(mav, force_mavlink1=True))
         else:
