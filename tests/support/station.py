@@ -6,6 +6,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.support.late_messages import decoded
 from vehicle_sim.autopilot import Mode
+from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message
 from vehicle_sim.protocol.endpoint import Endpoint
@@ -13,8 +14,8 @@ from vehicle_sim.protocol.flavour import Rates
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
 
-def endpoint_of(flavour: Flavour, *, system_id: int = 1) -> Endpoint:
-    return Endpoint(Vehicle(VehicleConfig(flavour=flavour)), flavour, system_id)
+def endpoint_of(flavour: Flavour, *, system_id: int = 1, dynamics: Dynamics = Dynamics.HOVER) -> Endpoint:
+    return Endpoint(Vehicle(VehicleConfig(flavour=flavour, dynamics=dynamics)), flavour, system_id)
 
 
 class Station:

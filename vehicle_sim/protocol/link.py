@@ -18,6 +18,7 @@ from vehicle_sim.protocol.dialect import (
     Message,
     mavlink,
 )
+from vehicle_sim.protocol.framing import frame_of
 from vehicle_sim.protocol.policy import SigningPolicy
 from vehicle_sim.protocol.signing import SIGNATURE_LENGTH, SIGNED_FLAG, Signer
 from vehicle_sim.protocol.streams import StreamSchedule
@@ -151,12 +152,13 @@ class Link:
         """Queue a message of the vehicle; what MAVLink 1 cannot carry is left out on a link that speaks it."""
         mav = self._mav
         mav.signing.sign_outgoing = False
-        if not self.speaks_v1:
-            if self.checks_signatures:
-                mav.signing.sign_outgoing = True
-                mav.signing.secret_key = self._signer.key
-                mav.signing.timestamp = self._signer.next_timestamp()
+        if self.checks_signatures and not self.speaks_v1:
+            mav.signing.sign_outgoing = True
+            mav.signing.secret_key = self._signer.key
+            mav.signing.timestamp = self._signer.next_timestamp()
             frame = message.pack(mav)
+        elif not self.speaks_v1:
+            frame = frame_of(message, mav)
         elif message.get_msgId() <= LAST_V1_ID:
             frame = _without_extensions(message, message.pack(mav, force_mavlink1=True))
         else:

@@ -13,12 +13,12 @@ _LARGEST_EXACT: Final = 2.0**24
 
 def clamp(value: float, low: int, high: int) -> int:
     """Round to a whole number between both bounds."""
-    return round(min(max(value, low), high))
+    return low if value <= low else high if value >= high else round(value)
 
 
 def clamp16(value: float) -> int:
     """Round to what a signed field of 16 bits holds; its least value is left alone, it often means unknown."""
-    return clamp(value, -_INT16, _INT16)
+    return -_INT16 if value <= -_INT16 else _INT16 if value >= _INT16 else round(value)
 
 
 def wrapped(angle_rad: float) -> float:
