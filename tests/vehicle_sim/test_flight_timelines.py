@@ -99,6 +99,7 @@ def test_take_off_hover_and_land(flavour: Flavour) -> None:
     disarmed_s = wait_until(vehicle, lambda v: not v.autopilot.armed, within_s=10.0)
     # Detection takes a second; then ArduPilot disarms at once and PX4 after COM_DISARM_LAND.
     assert disarmed_s - touched_s == pytest.approx({AP: 1.5, PX4: 3.5}[flavour], abs=0.7)
+    run(vehicle, 0.6)
     assert landed_state(vehicle) is LandedState.ON_GROUND
 
 

@@ -74,6 +74,7 @@ class Machine:
         self._now_s = 0.0
         self._home_locked = False
         self._home_ned_m: Vector = (0.0, 0.0, 0.0)
+        self._aligned = False
         self._origin_known = False
         self._position_good_s = 0.0
         self._detector = LandDetector()
@@ -208,6 +209,9 @@ class Machine:
             self._home_ned_m = ned_offset_m(self._estimate.origin, place)
 
     def _watch_origin(self) -> None:
+        if not self._aligned and self._estimate.status.attitude_ok:
+            self._aligned = True
+            self.texts.extend(texts.ALIGNED[self.flavour])
         if not self._origin_known and self._estimate.origin is not None:
             self._origin_known = True
             self.texts.extend(texts.ORIGIN_SET[self.flavour])

@@ -24,6 +24,14 @@ DISARM_REFUSED: Final[Mapping[Flavour, StatusText]] = {
     _AP: StatusText(Severity.WARNING, "Disarm: vehicle is flying"),
     _PX4: StatusText(Severity.CRITICAL, "Disarming denied: not landed"),
 }
+ALIGNED: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
+    _AP: (
+        StatusText(Severity.INFO, "EKF3 IMU0 initialised"),
+        StatusText(Severity.INFO, "EKF3 IMU0 tilt alignment complete"),
+        StatusText(Severity.INFO, "EKF3 IMU0 MAG0 initial yaw alignment complete"),
+    ),
+    _PX4: (),
+}
 ORIGIN_SET: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
     _AP: (StatusText(Severity.INFO, "EKF3 IMU0 origin set"), StatusText(Severity.INFO, "EKF3 IMU0 is using GPS")),
     _PX4: (),

@@ -67,6 +67,7 @@ class CommandService:
             mavlink.MAV_CMD_DO_FLIGHTTERMINATION: self._terminate,
             mavlink.MAV_CMD_RUN_PREARM_CHECKS: self._run_prearm_checks,
             mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: self._reboot,
+            mavlink.MAV_CMD_DO_SEND_BANNER: self._send_banner,
         }
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_COMMAND_LONG: self.on_command_long,
@@ -218,6 +219,15 @@ class CommandService:
         if self._autopilot.armed:
             return self._host.table.no_reboot
         self._host.reboot_in(400_000 if is_px4 else 200_000)
+        return Outcome.ACCEPTED
+
+    def _send_banner(self, _request: Request) -> Outcome:
+        """Say what the vehicle answers like, in the words that ArduPilot's ground stations look for."""
+        if self._host.table.flavour is Flavour.PX4:
+            return Outcome.UNSUPPORTED
+        version = self._host.table.software_version
+        self._host.say(Severity.INFO, f"ArduCopter V{version >> 24}.{version >> 16 & 0xFF}.{version >> 8 & 0xFF}-dev")
+        self._host.say(Severity.INFO, "Frame: QUAD")
         return Outcome.ACCEPTED
 
     def _run_prearm_checks(self, _request: Request) -> Outcome:

@@ -222,3 +222,10 @@ def test_prearm_checks_of_ardupilot_on_request() -> None:
     assert station.command(mavlink.MAV_CMD_RUN_PREARM_CHECKS) == ACCEPTED
     assert station.texts()
     assert all(text.startswith("PreArm: ") for text in station.texts())
+
+
+def test_the_banner_of_ardupilot_names_its_version() -> None:
+    station = Station(endpoint_of(Flavour.ARDUPILOT))
+    assert station.command(mavlink.MAV_CMD_DO_SEND_BANNER) == ACCEPTED
+    assert station.texts() == ["ArduCopter V4.7.0-dev", "Frame: QUAD"]
+    assert Station(endpoint_of(Flavour.PX4)).command(mavlink.MAV_CMD_DO_SEND_BANNER) == mavlink.MAV_RESULT_UNSUPPORTED

@@ -60,8 +60,13 @@ def test_the_estimator_of_ardupilot_says_when_it_is_ready() -> None:
     assert not flags[-1] & mavlink.EKF_CONST_POS_MODE
     fixes = [fix.fix_type for fix in station.of("GPS_RAW_INT")]
     assert (fixes[0], fixes[-1]) == (1, 3)
-    texts = station.texts()
-    assert texts.index("EKF3 IMU0 origin set") < texts.index("EKF3 IMU0 is using GPS")
+    assert [text for text in station.texts() if text.startswith("EKF3")] == [
+        "EKF3 IMU0 initialised",
+        "EKF3 IMU0 tilt alignment complete",
+        "EKF3 IMU0 MAG0 initial yaw alignment complete",
+        "EKF3 IMU0 origin set",
+        "EKF3 IMU0 is using GPS",
+    ]
 
 
 def test_armed_before_the_position_is_usable_ardupilot_refuses_guided_and_take_off() -> None:

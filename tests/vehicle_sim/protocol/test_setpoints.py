@@ -213,3 +213,23 @@ def test_a_stream_of_setpoints_is_flown_and_echoed(flavour: Flavour) -> None:
     echo = station.last("POSITION_TARGET_LOCAL_NED")
     assert (echo.x, echo.y, echo.z) == pytest.approx(goal, abs=0.01)
     assert echo.coordinate_frame == LOCAL
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+@pytest.mark.parametrize(("system", "component", "taken"), [(1, 1, True), (0, 0, True), (2, 1, False), (2, 0, False)])
+def test_setpoints_for_another_vehicle_are_not_taken(
+    flavour: Flavour, system: int, component: int, *, taken: bool
+) -> None:
+    station = Station(endpoint_of(flavour))
+    station.take_off()
+    autopilot = station.endpoint.vehicle.autopilot
+    if flavour is Flavour.PX4:
+        station.setpoint((1.0, 2.0, -5.0), mask=0xDF8)
+    assert station.set_mode(Mode.GUIDED) == mavlink.MAV_RESULT_ACCEPTED
+    station.send(
+        mavlink.MAVLink_set_position_target_local_ned_message(
+            0, system, component, 1, 0xDF8, 7, 8, -9, 0, 0, 0, 0, 0, 0, 0, 0
+        )
+    )
+    assert autopilot.target is not None
+    assert (autopilot.target.position_ned_m == (7.0, 8.0, -9.0)) is taken
