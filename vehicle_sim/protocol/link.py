@@ -151,13 +151,11 @@ class Link:
     def send(self, message: Message) -> None:
         """Queue a message of the vehicle; what MAVLink 1 cannot carry is left out on a link that speaks it."""
         mav = self._mav
-        mav.signing.sign_outgoing = False
-        if self.checks_signatures and not self.speaks_v1:
-            mav.signing.sign_outgoing = True
+        mav.signing.sign_outgoing = self.checks_signatures and not self.speaks_v1
+        if mav.signing.sign_outgoing:
             mav.signing.secret_key = self._signer.key
             mav.signing.timestamp = self._signer.next_timestamp()
-            frame = message.pack(mav)
-        elif not self.speaks_v1:
+        if not self.speaks_v1:
             frame = frame_of(message, mav)
         elif message.get_msgId() <= LAST_V1_ID:
             frame = _without_extensions(message, message.pack(mav, force_mavlink1=True))
