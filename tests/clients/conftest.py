@@ -12,7 +12,10 @@ import pytest
 from tests.clients.environments import NoWheelError, environment
 from tests.support.commands import ROOT
 
-SPEED = "10"
+VEHICLE = (
+    *("--speed", "10", "--patience", "10", "--listen", "udpin:127.0.0.1:0", "--no-ground-station"),
+    *("--announce", "--exit-with-parent", "--quiet"),
+)
 SCENARIO_WITHIN_S = 100.0
 
 Facts: TypeAlias = dict[str, Any]
@@ -22,13 +25,14 @@ Play: TypeAlias = Callable[[int, str, str], Facts]
 @pytest.fixture(scope="session")
 def play(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Play:
     """Return a function that plays a scenario of a version of MAVSDK on a flavour, and returns what it told."""
-    kept = request.config.cache.mkdir("clients")  # type: ignore[union-attr]
+    assert request.config.cache is not None
+    kept = request.config.cache.mkdir("clients")
     is_alone = not hasattr(request.config, "workerinput")
     run = tmp_path_factory.getbasetemp() if is_alone else tmp_path_factory.getbasetemp().parent
 
     def played(version: int, flavour: str, scenario: str) -> Facts:
         try:
-            python = environment(version, Path(kept), run)
+            python = environment(version, kept, run)
         except NoWheelError as error:
             pytest.skip(str(error))
         return _played(python, version, flavour, scenario)
@@ -38,8 +42,7 @@ def play(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 def _played(python: Path, version: int, flavour: str, scenario: str) -> Facts:
     vehicle = subprocess.Popen(
-        [sys.executable, "-m", "vehicle_sim", "--flavour", flavour, "--speed", SPEED, "--patience", "10"]
-        + ["--listen", "udpin:127.0.0.1:0", "--no-ground-station", "--announce", "--exit-with-parent", "--quiet"],
+        [sys.executable, "-m", "vehicle_sim", "--flavour", flavour, *VEHICLE],
         cwd=ROOT,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,

@@ -58,9 +58,9 @@ def environment(version: int, kept: Path, run: Path) -> Path:
 def _make(place: Path, requirement: str) -> None:
     rmtree(place, ignore_errors=True)
     subprocess.run([sys.executable, "-m", "venv", place], check=True, stdin=subprocess.DEVNULL)
+    options = ("--quiet", "--disable-pip-version-check", "--only-binary", ":all:")
     installed = subprocess.run(
-        [_python(place), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        + ["--only-binary", ":all:", requirement],
+        [_python(place), "-m", "pip", "install", *options, requirement],
         capture_output=True,
         check=False,
         stdin=subprocess.DEVNULL,

@@ -62,8 +62,9 @@ async def look(drone: Drone) -> None:
     await ready(drone)
     await asyncio.gather(*(told(name, seen(drone.stream(name))) for name in STREAMS))
     await told("origin", drone.telemetry.get_gps_global_origin())
-    await told("speed factor", drone.info.get_speed_factor())
-    await asyncio.gather(*(told(name, seen(drone.stream(name), within_s=1.0)) for name in ("odometry", "altitude", "imu")))
+    await asyncio.gather(
+        *(told(name, seen(drone.stream(name), within_s=1.0)) for name in ("odometry", "altitude", "imu"))
+    )
 
 
 async def configure(drone: Drone) -> None:
@@ -194,7 +195,9 @@ async def fly(drone: Drone) -> None:
     await take_off(drone)
     await told("set speed", drone.action.set_current_speed(4.0))
     north_deg = home.latitude_deg + 1e-4
-    await told("go", drone.action.goto_location(north_deg, home.longitude_deg, home.absolute_altitude_m + HEIGHT_M, 90.0))
+    await told(
+        "go", drone.action.goto_location(north_deg, home.longitude_deg, home.absolute_altitude_m + HEIGHT_M, 90.0)
+    )
     await told("there", seen(drone.stream("position"), lambda place: place.latitude_deg > north_deg - 1e-5))
     await told("looks east", seen(drone.stream("heading"), lambda heading: abs(heading.heading_deg - 90.0) < 5.0))
     tell("disarm in the air", await refused(drone.action.disarm()))
@@ -218,14 +221,14 @@ async def steer(drone: Drone) -> None:
     async def reached(topic: str, north_m: float, east_m: float) -> None:
         def near(motion: Any) -> bool:  # noqa: ANN401 - MAVSDK's own type
             place = motion.position
-            return abs(place.north_m - north_m) < 1.0 and abs(place.east_m - east_m) < 1.0
+            return bool(abs(place.north_m - north_m) < 1.0 and abs(place.east_m - east_m) < 1.0)
 
         await told(topic, seen(drone.stream("position_velocity_ned"), near))
 
     async def moves(topic: str, north_m_s: float, east_m_s: float) -> None:
         def so(motion: Any) -> bool:  # noqa: ANN401 - MAVSDK's own type
             speed = motion.velocity
-            return abs(speed.north_m_s - north_m_s) < 0.4 and abs(speed.east_m_s - east_m_s) < 0.4
+            return bool(abs(speed.north_m_s - north_m_s) < 0.4 and abs(speed.east_m_s - east_m_s) < 0.4)
 
         await told(topic, seen(drone.stream("position_velocity_ned"), so))
 
