@@ -31,6 +31,9 @@ STREAMS: Final = (
 )
 """Telemetry that every autopilot has."""
 
+WHOLE, REAL = ("LAND_SPEED", "COM_DL_LOSS_T"), ("WPNAV_SPEED", "MPC_XY_CRUISE")
+"""A parameter of each kind, of each flavour."""
+
 RATES: Final = (
     "position",
     "home",
@@ -72,7 +75,8 @@ async def configure(drone: Drone) -> None:
     await ready(drone)
     parameters = await drone.param.get_all_params()
     tell("all parameters", parameters)
-    whole, real = parameters.int_params[0], parameters.float_params[0]
+    (whole,) = (one for one in parameters.int_params if one.name in WHOLE)
+    (real,) = (one for one in parameters.float_params if one.name in REAL)
     await told("set whole", drone.param.set_param_int(whole.name, whole.value + 1))
     await told("whole", drone.param.get_param_int(whole.name))
     await told("set real", drone.param.set_param_float(real.name, real.value + 0.5))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.clients.environments import VERSIONS
-from tests.clients.scenarios import HEIGHT_M, LAT_DEG, RATES, STREAMS
+from tests.clients.scenarios import HEIGHT_M, LAT_DEG, RATES, REAL, STREAMS, WHOLE
 
 if TYPE_CHECKING:
     from tests.clients.conftest import Facts, Play
@@ -80,10 +80,9 @@ def test_parameters_plans_and_arming(play: "Play", version: int, flavour: str) -
 
     whole = {one["name"]: one["value"] for one in facts["all parameters"]["int_params"]}
     real = {one["name"]: one["value"] for one in facts["all parameters"]["float_params"]}
-    assert ("MAV_SYS_ID" if is_px4 else "MAV_SYSID") in whole
-    assert ("MPC_XY_CRUISE" if is_px4 else "WPNAV_SPEED") in real
-    assert facts["whole"] == next(iter(whole.values())) + 1
-    assert facts["real"] == pytest.approx(next(iter(real.values())) + 0.5)
+    assert whole["MAV_SYS_ID" if is_px4 else "MAV_SYSID"] == 1
+    assert facts["whole"] == whole[WHOLE[is_px4]] + 1
+    assert facts["real"] == pytest.approx(real[REAL[is_px4]] + 0.5)
 
     (polygon,), (circle,) = facts["fence down"]["polygons"], facts["fence down"]["circles"]
     assert polygon["fence_type"] == "INCLUSION"
