@@ -16,6 +16,7 @@ VERSIONS = {3: "mavsdk>=3.17,<4", 4: "mavsdk>=4,<5"}
 """The requirement of each major version."""
 
 _PATIENCE_S = 300.0
+_WHOLE = "whole"
 
 
 class NoWheelError(Exception):
@@ -46,7 +47,7 @@ def environment(version: int, kept: Path, run: Path) -> Path:
     with only_one(kept):
         if refusal.exists():
             raise NoWheelError(refusal.read_text(encoding="utf-8"))
-        if not (place / "complete").exists():
+        if not _is_whole(place):
             try:
                 _make(place, VERSIONS[version])
             except NoWheelError as error:
@@ -69,7 +70,17 @@ def _make(place: Path, requirement: str) -> None:
     if installed.returncode:
         last = installed.stderr.strip().splitlines()[-1:]
         raise NoWheelError(f"{requirement}: {' '.join(last)}")
-    (place / "complete").touch()
+    (place / _WHOLE).write_text(_base(), encoding="utf-8")
+
+
+def _is_whole(place: Path) -> bool:
+    """Whether an environment was made to its end, by the Python that is there now."""
+    mark = place / _WHOLE
+    return mark.exists() and mark.read_text(encoding="utf-8") == _base()
+
+
+def _base() -> str:
+    return f"{sys.base_prefix} {sys.version}"
 
 
 def _python(place: Path) -> Path:
