@@ -95,7 +95,7 @@ def fault(kind: PlanKind, item: PlanItem) -> int:
         return int(mavlink.MAV_MISSION_INVALID_PARAM5_X)
     if is_placed and not is_place(0.0, item.y / E7):
         return int(mavlink.MAV_MISSION_INVALID_PARAM6_Y)
-    if not isfinite(item.z):
+    if is_placed and not isfinite(item.z):  # clients leave what a command does not use without a value
         return int(mavlink.MAV_MISSION_INVALID_PARAM7)
     return int(mavlink.MAV_MISSION_ACCEPTED)
 

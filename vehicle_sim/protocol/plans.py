@@ -199,6 +199,8 @@ class PlanService:
         """Send one item, in the form in which it was asked for."""
         kind = _kind(message.mission_type)
         items = () if kind is None else self._items(kind)
+        if not items and kind is PlanKind.MISSION and self._host.table.home_is_item_0:
+            items = (_UNKNOWN_HOME,)
         if message.seq >= len(items):
             self._acknowledge(sender, mavlink.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
             return
@@ -278,6 +280,10 @@ class PlanService:
         )
 
 
+# The home position can be read at any time: clients ask for it even where the count is 0, and wait for it.
+_UNKNOWN_HOME: Final = PlanItem(
+    mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_CMD_NAV_WAYPOINT, 1, (0.0, 0.0, 0.0, 0.0), 0, 0, 0.0
+)
 _KINDS: Final = {kind.value: kind for kind in PlanKind}
 
 
