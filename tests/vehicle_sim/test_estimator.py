@@ -104,14 +104,13 @@ class Bench:
             self.steps += 1
             time_s = self.steps * 0.01
             self.sensors.sample(self.steps, time_s, self.vehicle.truth)
-            due = self.steps % 10 == 0
-            gps = self.sensors.gps if due and gps_north_m is not None else None
+            gps = self.sensors.new_gps if gps_north_m is not None else None
             self.estimator.step(
                 time_s,
                 self.sensors.imu,
                 gps if gps is None or not gps_north_m else shifted(gps, gps_north_m),
-                self.sensors.baro if due else None,
-                self.sensors.compass if due else None,
+                self.sensors.new_baro,
+                self.sensors.new_compass,
             )
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from scipy.linalg import expm
 
 from vehicle_sim.dynamics.kinematics import body_rates, specific_force
+from vehicle_sim.dynamics.rotor_weakness import SOUND_ROTORS, Efficiencies, weakened
 from vehicle_sim.signals import GRAVITY_M_S2, Command, Motion, Vector
 
 DRAG_PER_S: Final = 0.1
@@ -65,11 +66,15 @@ def _clip(value: float, bound: float) -> float:
 
 
 class Hover:
-    """One vehicle, standing at the origin on level ground; `motion` is its true state after the last step."""
+    """One vehicle, standing at the origin on level ground; `motion` is its true state after the last step.
+
+    `efficiencies` are the thrusts of the four rotors as shares of a sound one's; they may be set at any time.
+    """
 
     def __init__(self, *, step_s: float, yaw_rad: float = 0.0) -> None:
         """Stand still, looking to `yaw_rad`."""
         self._step_s = step_s
+        self.efficiencies: Efficiencies = SOUND_ROTORS
         phi, gamma = discretise(*horizontal_model(), step_s)
         # Upper triangular: only what is not zero by structure is multiplied.
         self._across = (
@@ -98,6 +103,8 @@ class Hover:
 
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step under `command`, held and limited to what the rotors can do."""
+        if self.efficiencies != SOUND_ROTORS:
+            command = weakened(command, self.efficiencies)
         roll_up, pitch_up, yaw_up = command.angular_acceleration_rad_s2
         roll_up, pitch_up = _clip(roll_up, MOST_ANGULAR_RAD_S2), _clip(pitch_up, MOST_ANGULAR_RAD_S2)
         thrust = min(max(command.thrust_m_s2, 0.0), MOST_THRUST_M_S2)

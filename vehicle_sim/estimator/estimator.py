@@ -5,7 +5,7 @@ from math import sqrt
 from typing import Final
 
 from vehicle_sim.estimator.attitude import AttitudeReference
-from vehicle_sim.estimator.navigation import LONGEST_EPOCH_STEPS, NavigationFilter, NavigationTuning
+from vehicle_sim.estimator.navigation import NavigationFilter, NavigationTuning
 from vehicle_sim.signals import (
     GRAVITY_M_S2,
     BaroReading,
@@ -92,10 +92,9 @@ class Estimator:
             self._wait(time_s, gps, baro)
             place, going, error = _ZERO, _ZERO, _ZERO
         else:
-            navigation.push(attitude.acceleration_ned_m_s2)
-            if gps is not None or baro is not None or navigation.epoch_steps >= LONGEST_EPOCH_STEPS:
-                north, east = navigation.update(time_s, gps, baro)
-                attitude.tilt(-north / GRAVITY_M_S2, -east / GRAVITY_M_S2)
+            bled = navigation.advance(attitude.acceleration_ned_m_s2, gps, baro)
+            if bled is not None:
+                attitude.tilt(-bled[0] / GRAVITY_M_S2, -bled[1] / GRAVITY_M_S2)
                 self._judge(time_s, navigation)
             place, going, error = navigation.mean()
         a = attitude.acceleration_ned_m_s2
@@ -132,7 +131,7 @@ class Estimator:
                 self._tuning.navigation,
                 step_s=self._step_s,
                 time_s=time_s,
-                origin=gps.position,
+                origin=gps,
                 baro_zero_m=self._baro_sum_m / self._baro_count,
             )
 

@@ -1,14 +1,20 @@
 """Position and velocity by a Kalman filter (filterpy), with the measured acceleration as its input.
 
 State (13): position (3), velocity (3), error of the acceleration (3), slow GPS error (3), barometer error (1); all NED,
-relative to the origin, which is where the GPS said the vehicle was when the filter started. Between two updates the
-mean is propagated at every step, in closed form and just as the filter will do it at the next update: only the
-covariance waits.
+relative to the origin, which is where the GPS said the vehicle was when the filter started.
+
+A fix arrives late but says when it was taken, so the filter runs behind: its horizon is the time of the last
+measurement taken, the accelerations since are kept, and those until the next measurement carry the filter there. What
+the vehicle is told is the state at the horizon carried on to now by all that are kept, in closed form and just as the
+filter will do it later: only the covariance waits. Measurements are taken in the order of their own times; the
+barometer's wait for a fix that may be older, for a quarter of a second at most (the longest lag that ArduPilot's and
+PX4's filters bear), and a fix older than the horizon comes too late.
 
 The slow GPS error is a state because it cannot be averaged away: without it the filter would claim centimetres that it
 does not have. The barometer's error is a random walk, relative to what it showed at the start.
 """
 
+from collections import deque
 from dataclasses import dataclass
 from math import exp, sqrt
 from typing import Final
@@ -18,7 +24,7 @@ from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
 
 from vehicle_sim.geodesy import ned_offset_m
-from vehicle_sim.signals import BaroReading, Geodetic, GpsReading, Vector
+from vehicle_sim.signals import BaroReading, GpsReading, Vector
 
 _STATES: Final = 13
 _P, _V, _B, _G, _M = slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 12), 12
@@ -29,8 +35,11 @@ _GPS_GROUPS: Final = ((0, _POSITION), (1, _HEIGHT), (2, _VELOCITY))
 _BARO_GROUP: Final = ((3, _BARO),)
 # 99.9999 % points of chi-square with 2, 1, 3 and 1 degrees of freedom: a real error practically never meets them.
 _GATES: Final = (27.6, 23.9, 30.7, 23.9)
-LONGEST_EPOCH_STEPS: Final = 10
+_LONGEST_EPOCH_STEPS: Final = 10
 _RESET_VARIANCE_M2: Final = 1e4
+_RESET_VARIANCE_M2_S2: Final = 1e2
+_SHARP: Final = 0.7
+"""Horizontal dilution of precision of the sky that the noise of the tuning belongs to."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,26 +58,30 @@ class NavigationTuning:
     gps_velocity_noise_m_s: float = 0.08
     baro_noise_m: float = 0.15
     baro_walk: float = 0.03
-    reset_gps_s: float = 8.0
+    longest_lag_s: float = 0.25
+    reset_gps_s: float = 7.0
     levelling_s: float = 5.0
 
 
 class NavigationFilter:
     """The running filter of one vehicle.
 
-    `position_taken_s` is when a GPS position last passed its gate, `ratios` are the latest innovation test ratios
-    (horizontal position, height, velocity, barometer), 1 at the gate.
+    `position_taken_s` is when a GPS position was taken that last passed its gate, `ratios` are the latest innovation
+    test ratios (horizontal position, height, velocity, barometer), 1 at the gate.
     """
 
     def __init__(
-        self, tuning: NavigationTuning, *, step_s: float, time_s: float, origin: Geodetic, baro_zero_m: float
+        self, tuning: NavigationTuning, *, step_s: float, time_s: float, origin: GpsReading, baro_zero_m: float
     ) -> None:
-        """Start at `origin`, a GPS fix, where the barometer shows `baro_zero_m`."""
-        self.origin: Final = origin
+        """Start at `time_s` where the vehicle stands, which `origin`, a fix, tells, and the barometer `baro_zero_m`."""
+        self.origin: Final = origin.position
         self.started_s: Final = time_s
         self.position_taken_s = time_s
         self.ratios = [0.0] * len(_GATES)
-        self.epoch_steps = 0
+        self._horizon = round(time_s / step_s)
+        self._kept: list[Vector] = []
+        self._baros: deque[BaroReading] = deque()
+        self._longest_lag = round(tuning.longest_lag_s / step_s)
         self._tuning = tuning
         self._step_s = step_s
         self._baro_zero_m = baro_zero_m
@@ -104,27 +117,71 @@ class NavigationFilter:
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """Covariance (13, 13) of the state after the last update."""
-        return np.array(self._filter.P)
+        """Covariance (13, 13) of the state as it is now."""
+        f, _, q = self._model(len(self._kept))
+        covariance: NDArray[np.float64] = f @ self._filter.P @ f.T + q
+        return covariance
 
     @property
     def variances(self) -> list[float]:
-        """Variances of the 13 states after the last update."""
+        """Variances of the 13 states at the last measurement taken."""
         variances: list[float] = self._filter.P.diagonal().tolist()
         return variances
 
-    def push(self, acceleration_ned_m_s2: Vector) -> None:
-        """Propagate the mean over one step of constant measured acceleration."""
+    def advance(
+        self, acceleration_ned_m_s2: Vector, gps: GpsReading | None, baro: BaroReading | None
+    ) -> tuple[float, float] | None:
+        """Go on by one step of constant measured acceleration, with what has arrived at its end.
+
+        Returns:
+            None where no measurement was due. Else the error of the acceleration (north, east, m/s^2) that has been
+            taken out of the state, to be bled into the tilt by the caller: the prediction is the same whether the one
+            or the other holds it.
+        """
+        self._push(acceleration_ned_m_s2)
+        kept, step_s = self._kept, self._step_s
+        kept.append(acceleration_ned_m_s2)
+        if baro is not None:
+            self._baros.append(baro)
+        limit = self._horizon + len(kept) - self._longest_lag
+        if gps is not None:
+            taken = round(gps.time_s / step_s)
+            if taken > self._horizon:
+                return self._take(taken, gps)
+        if self._baros and round(self._baros[0].time_s / step_s) <= limit:
+            return self._take(limit, None)
+        if limit - self._horizon >= _LONGEST_EPOCH_STEPS:
+            return self._close(limit, None, None)
+        return None
+
+    def _push(self, acceleration_ned_m_s2: Vector) -> None:
+        """Carry the sums of the accelerations kept on by one more."""
         dt, pushed = self._step_s, self._pushed
         half = 0.5 * dt * dt
         for axis, a in enumerate(acceleration_ned_m_s2):
             pushed[axis] += pushed[axis + 3] * dt + a * half
             pushed[axis + 3] += a * dt
-        self.epoch_steps += 1
+
+    def _take(self, until: int, gps: GpsReading | None) -> tuple[float, float]:
+        """Take the measurements up to step `until`, in order; the fix is the last of them."""
+        north = east = 0.0
+        baros, step_s = self._baros, self._step_s
+        while baros and (taken := round(baros[0].time_s / step_s)) <= until:
+            baro = baros.popleft()
+            if taken <= self._horizon:
+                continue
+            is_last = gps is not None and taken == until
+            bled = self._close(taken, gps if is_last else None, baro)
+            north, east = north + bled[0], east + bled[1]
+            gps = None if is_last else gps
+        if gps is not None:
+            bled = self._close(until, gps, None)
+            north, east = north + bled[0], east + bled[1]
+        return north, east
 
     def mean(self) -> tuple[Vector, Vector, Vector]:
         """Return position, velocity and error of the acceleration as they are now."""
-        mean, t = self._mean, self.epoch_steps * self._step_s
+        mean, t = self._mean, len(self._kept) * self._step_s
         half = 0.5 * t * t
         dp_n, dp_e, dp_d, dv_n, dv_e, dv_d = self._pushed
         b_n, b_e, b_d = mean[6], mean[7], mean[8]
@@ -164,26 +221,29 @@ class NavigationFilter:
         self._models[steps] = (f, b, q)
         return self._models[steps]
 
-    def update(self, time_s: float, gps: GpsReading | None, baro: BaroReading | None) -> tuple[float, float]:
-        """Close the epoch: bring the covariance up to date and take the measurements that there are.
-
-        Returns:
-            The error of the acceleration (north, east, m/s^2) that has been taken out of the state, to be bled into
-            the tilt by the caller: the prediction is the same whether the one or the other holds it.
-        """
-        kalman = self._filter
-        f, b, q = self._model(self.epoch_steps)
+    def _close(self, until: int, gps: GpsReading | None, baro: BaroReading | None) -> tuple[float, float]:
+        """Move the horizon to step `until` and take the measurements of that time."""
+        kalman, steps, kept = self._filter, until - self._horizon, self._kept
+        self._horizon = until
+        self._sum(kept[:steps])
+        f, b, q = self._model(steps)
         kalman.predict(u=np.array(self._pushed).reshape(6, 1), B=b, F=f, Q=q)
         if gps is not None or baro is not None:
-            self._correct(time_s, gps, baro)
-        share = min(self.epoch_steps * self._step_s / self._tuning.levelling_s, 1.0)
+            self._correct(gps, baro)
+        share = min(steps * self._step_s / self._tuning.levelling_s, 1.0)
         north, east = share * float(kalman.x[6, 0]), share * float(kalman.x[7, 0])
         kalman.x[6, 0] -= north
         kalman.x[7, 0] -= east
         self._mean = kalman.x[:, 0].tolist()
-        self._pushed = [0.0] * 6
-        self.epoch_steps = 0
+        # What was measured since with the old tilt has the error that the new tilt will not have.
+        self._kept = [(a - north, b - east, c) for a, b, c in kept[steps:]]
+        self._sum(self._kept)
         return north, east
+
+    def _sum(self, accelerations: list[Vector]) -> None:
+        self._pushed = [0.0] * 6
+        for acceleration in accelerations:
+            self._push(acceleration)
 
     def _measurement_model(self, *, gps: bool, baro: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return H (7, 13) and R (7, 7); the rows of a sensor that has nothing new are zero and tell nothing."""
@@ -200,7 +260,7 @@ class NavigationFilter:
             r[_BARO, _BARO] *= tuning.baro_noise_m**2
         return h, r
 
-    def _correct(self, time_s: float, gps: GpsReading | None, baro: BaroReading | None) -> None:
+    def _correct(self, gps: GpsReading | None, baro: BaroReading | None) -> None:
         """Take the measurements, each group only if it passes its gate."""
         kalman, z = self._filter, np.zeros((_ROWS, 1))
         groups: tuple[tuple[int, slice], ...] = ()
@@ -212,6 +272,9 @@ class NavigationFilter:
             z[6, 0] = self._baro_zero_m - baro.altitude_m
             groups += _BARO_GROUP
         h, r = self._measurements[len(groups) >= len(_GPS_GROUPS), baro is not None]
+        if gps is not None and gps.hdop != _SHARP:
+            r = r.copy()
+            r[:3, :3] *= (gps.hdop / _SHARP) ** 2  # few satellites, and the receiver says so
         innovation = z - h @ kalman.x
         spread = h @ kalman.P @ h.T + r
         refused = []
@@ -221,13 +284,14 @@ class NavigationFilter:
             self.ratios[index] = sqrt(nis / _GATES[index])
             if nis > _GATES[index]:
                 refused.append(rows)
-            elif rows is _POSITION:
-                self.position_taken_s = time_s
+            elif rows is _POSITION and gps is not None:
+                self.position_taken_s = gps.time_s
         if refused:
             h, r = h.copy(), r.copy()
             for rows in refused:
                 z[rows], h[rows], r[rows, rows] = 0.0, 0.0, np.eye(rows.stop - rows.start)
-            if _POSITION in refused and time_s - self.position_taken_s > self._tuning.reset_gps_s:
-                # A position that insists for so long is believed: the next fix will pass.
+            if _POSITION in refused and self._horizon * self._step_s - self.position_taken_s > self._tuning.reset_gps_s:
+                # A position that insists for so long is believed, with its velocity: the next fix will pass.
                 kalman.P[_POSITION, _POSITION] += _RESET_VARIANCE_M2 * np.eye(2)
+                kalman.P[_V, _V] += _RESET_VARIANCE_M2_S2 * np.eye(3)
         kalman.update(z, R=r, H=h)
