@@ -5,7 +5,8 @@ from math import sqrt
 from typing import Final
 
 from vehicle_sim.estimator.attitude import AttitudeReference
-from vehicle_sim.estimator.navigation import NavigationFilter, NavigationTuning
+from vehicle_sim.estimator.navigation import NavigationFilter
+from vehicle_sim.estimator.process import NavigationTuning
 from vehicle_sim.signals import (
     GRAVITY_M_S2,
     BaroReading,
@@ -92,9 +93,11 @@ class Estimator:
             self._wait(time_s, gps, baro)
             place, going, error = _ZERO, _ZERO, _ZERO
         else:
-            bled = navigation.advance(attitude.acceleration_ned_m_s2, gps, baro)
-            if bled is not None:
-                attitude.tilt(-bled[0] / GRAVITY_M_S2, -bled[1] / GRAVITY_M_S2)
+            levelling = navigation.advance(attitude.acceleration_ned_m_s2, attitude.angles_rad, gps, baro)
+            if levelling is not None:
+                attitude.tilt(-levelling.north_m_s2 / GRAVITY_M_S2, -levelling.east_m_s2 / GRAVITY_M_S2)
+                p_bias, q_bias = levelling.right_m_s3 / GRAVITY_M_S2, -levelling.forward_m_s3 / GRAVITY_M_S2
+                attitude.trim(p_bias, q_bias, levelling.bias_m_s2)
                 self._judge(time_s, navigation)
             place, going, error = navigation.mean()
         a = attitude.acceleration_ned_m_s2
@@ -133,6 +136,7 @@ class Estimator:
                 time_s=time_s,
                 origin=gps,
                 baro_zero_m=self._baro_sum_m / self._baro_count,
+                attitude_rad=self._attitude.angles_rad,
             )
 
     def _judge(self, time_s: float, navigation: NavigationFilter) -> None:
