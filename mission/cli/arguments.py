@@ -147,6 +147,9 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     )
     bundled.add_argument("--flavour", choices=("ardupilot", "px4"), help="what it behaves like (default: ardupilot)")
     bundled.add_argument(
+        "--faults", metavar="FAULTS", help="what goes wrong and when: a YAML file, see vehicle-sim --help"
+    )
+    bundled.add_argument(
         "--no-ground-station", action="store_true", help="do not offer the flight to a ground station on UDP port 14550"
     )
 

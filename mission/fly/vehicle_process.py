@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import IO, Final, Self
 
-from mission.errors import LinkError
+from mission.errors import Fault, LinkError, SpecError
 from mission.geometry.geodesy import LatLon, place_at_offset
 from mission.spec.model import MissionSpec
 
@@ -25,6 +25,9 @@ _PATIENCE_S: Final = 2.0
 _START_WITHIN_S: Final = 30.0
 _END_WITHIN_S: Final = 3.0
 _WORDS: Final = 2000
+_BAD_INPUT: Final = 2
+"""Its exit code when it cannot use an option, or a file that an option names."""
+
 _HOME_ALTITUDE_M: Final = 100.0
 _LISTENING: Final = "udpin:"
 _NEW_GROUP: Final = int(getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0))
@@ -39,6 +42,7 @@ class VehicleOptions:
         seed: Seed of its noise.
         wind: NORTH,EAST in m/s, where the wind blows to, or SPEED@FROM_DEGREES.
         flavour: The autopilot that it answers like, ``ardupilot`` or ``px4``.
+        faults: File that says what goes wrong with it and when; None for nothing.
         home: Latitude and longitude in degrees, altitude above sea level in metres.
         ground_station: Whether it offers itself to a ground station on this machine's UDP port 14550.
     """
@@ -47,6 +51,7 @@ class VehicleOptions:
     seed: int | None = None
     wind: str | None = None
     flavour: str | None = None
+    faults: str | None = None
     home: tuple[float, float, float] | None = None
     ground_station: bool = True
 
@@ -54,7 +59,8 @@ class VehicleOptions:
         """The vehicle's command line, without the program."""
         arguments = ["--listen", "udpin:127.0.0.1:0", "--announce", "--exit-with-parent", "--quiet"]
         arguments += [f"--speed={self.speed:g}", f"--patience={_PATIENCE_S:g}"]
-        for name, value in (("seed", self.seed), ("wind", self.wind), ("flavour", self.flavour)):
+        options = {"seed": self.seed, "wind": self.wind, "flavour": self.flavour, "faults": self.faults}
+        for name, value in options.items():
             if value is not None:
                 arguments.append(f"--{name}={value}")
         if self.home is not None:
@@ -155,6 +161,10 @@ class BundledVehicle:
                     return "udpout:" + listening[0].removeprefix(_LISTENING)
         except queue.Empty:
             raise LinkError(f"the bundled vehicle was not ready within {_START_WITHIN_S:.0f} s{self._said()}") from None
+        code = None if self._process is None else self._process.wait(_END_WITHIN_S)
+        if code == _BAD_INPUT:
+            what = self._said() or " what it was asked"
+            raise SpecError((Fault(0, 0, "", f"the bundled vehicle refuses{what}", "mend that, and fly again"),))
         raise LinkError(f"the bundled vehicle did not start{self._said()}")
 
     def _said(self) -> str:

@@ -21,6 +21,7 @@ MAX_DEPTH: Final = 4
 
 LATEST_S: Final = 1e6
 _MOST_TOLD: Final = 50
+_NEAR: Final = 0.7
 _TIMES: Final = ("at_s", "for_s", "ramp_s")
 
 
@@ -172,18 +173,16 @@ class _Reader:
             )
             for quantity, bounds in kind.quantities.items()
         }
-        if len(self.found) == before:
-            self._weigh(ScheduledFault(kind=name, values=values, for_s=for_s, ramp_s=ramp_s), pairs, node)
-        if len(self.found) > before:
-            return None
-        return ScheduledFault(kind=name, values=values, since=Since(since), at_s=at_s, for_s=for_s, ramp_s=ramp_s)
+        fault = ScheduledFault(kind=name, values=values, since=Since(since), at_s=at_s, for_s=for_s, ramp_s=ramp_s)
+        self._weigh(fault, pairs, node)
+        return fault if len(self.found) == before else None
 
     def _refuse_unknown(self, name: str, kind: FaultKind, pairs: dict[str, tuple[yaml.Node, yaml.Node]]) -> None:
         times = _TIMES[: 1 if not kind.lasting else 2 if kind.swells else 3]
         known = ("fault", "since", *times, *kind.quantities)
         for key, (where, _value) in pairs.items():
             if key not in known:
-                near = get_close_matches(key, known, n=1)
+                near = get_close_matches(key, known, n=1, cutoff=_NEAR)
                 hint = f"did you mean `{near[0]}`?" if near else f"it has {_listed(known)}"
                 self._wrong(where, f"`{name}` has no `{key[:40]}`", hint)
 
@@ -217,7 +216,7 @@ class _Reader:
         word = node.value if isinstance(node, yaml.ScalarNode) else ""
         if word in known:
             return str(word)
-        near = get_close_matches(str(word), known, n=1)
+        near = get_close_matches(str(word), known, n=1, cutoff=_NEAR)
         hint = f"did you mean `{near[0]}`?" if near else f"one of {_listed(known)}"
         self._wrong(node, f"`{str(word)[:40]}` is no value of `{key}`", hint)
         return ""

@@ -9,6 +9,7 @@ for datagram in endpoint.outgoing("gcs"): ...
 from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.commands import CommandService
+from vehicle_sim.protocol.failures import FailureService
 from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
@@ -72,6 +73,7 @@ class Endpoint:
         self._presence = PresenceService(self)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
+        commands.handlers.update(FailureService(self).commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
