@@ -42,11 +42,11 @@ class NavigationTuning:
 
     acceleration_m_s2: float = 0.05
     acceleration_bias_m_s2: float = 0.05
-    acceleration_bias_walk: float = 2e-4
+    acceleration_bias_walk: float = 2e-3
     levelling_noise_m_s2: float = 0.0036
     tilt_walk_m_s2: float = 0.0025
     tilt_drift_m_s3: float = 0.0014
-    tilt_drift_walk: float = 1e-4
+    tilt_drift_walk: float = 4e-4
     heading_rad: float = 0.013
     heading_walk_rad: float = 0.001
     velocity_start_m_s: float = 0.05

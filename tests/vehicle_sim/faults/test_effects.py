@@ -6,7 +6,7 @@ from math import degrees, hypot
 import numpy as np
 import pytest
 
-from tests.support.bare_vehicle import hovering, run, wait_until
+from tests.support.bare_vehicle import run, wait_until
 from tests.support.faults import schedule_of
 from vehicle_sim.autopilot import Failsafe, LandedState, Mode, Outcome
 from vehicle_sim.battery import BatteryLevel
@@ -187,7 +187,7 @@ def test_a_late_fix_is_as_good_as_an_early_one_and_a_too_late_one_is_none() -> N
             vehicle.step()
             worst = max(worst, miss(vehicle))
         assert (vehicle.autopilot.mode is Mode.GUIDED) is flies_on, lag_ms
-        assert worst < 1.2, lag_ms
+        assert worst < (1.2 if flies_on else 4.0), lag_ms
 
 
 def test_a_gust_pushes_by_a_bounded_amount_and_is_held_against() -> None:
@@ -211,10 +211,10 @@ def test_a_steady_wind_begins_in_flight_and_tilts_the_vehicle() -> None:
 @pytest.mark.parametrize("name", ["SIM_ACC1_BIAS_X", "SIM_ACC1_BIAS_Y"])
 def test_a_bias_of_the_accelerometers_is_seen_in_the_innovations_and_learnt(name: str) -> None:
     calm, shaken = flying(), flying()
-    shaken.parameters.set(name, 0.5)
+    shaken.parameters.set(name, 0.2)
     quiet = largest(calm, 5.0, ("velocity_ratio",))["velocity_ratio"]
     loud = largest(shaken, 5.0, ("velocity_ratio",))["velocity_ratio"]
-    assert loud > 1.5 * quiet
+    assert loud > 1.3 * quiet
     run(shaken, 40.0)
     assert shaken.autopilot.mode is Mode.GUIDED
     assert miss(shaken) < 1.5
@@ -224,12 +224,19 @@ def test_a_bias_of_the_accelerometers_is_seen_in_the_innovations_and_learnt(name
 def test_a_bias_of_the_gyro_is_seen_in_the_innovations_and_learnt() -> None:
     vehicle = flying()
     quiet = largest(vehicle, 5.0, ("velocity_ratio",))["velocity_ratio"]
-    vehicle.parameters.set("SIM_GYR1_BIAS_X", 0.01)
-    assert largest(vehicle, 8.0, ("velocity_ratio",))["velocity_ratio"] > 1.3 * quiet
+    vehicle.parameters.set("SIM_GYR1_BIAS_X", 0.004)
+    assert largest(vehicle, 10.0, ("velocity_ratio",))["velocity_ratio"] > 1.3 * quiet
     run(vehicle, 40.0)
     assert vehicle.autopilot.mode is Mode.GUIDED
     assert abs(vehicle.estimate.rates_rad_s[0] - vehicle.truth.rates_rad_s[0]) < 0.01
     assert abs(vehicle.estimate.roll_rad - vehicle.truth.roll_rad) < 0.03
+
+
+def test_a_bias_that_no_filter_can_explain_makes_it_land() -> None:
+    vehicle = flying()
+    vehicle.parameters.set("SIM_GYR1_BIAS_Y", 0.03)
+    wait_until(vehicle, lambda v: v.autopilot.failsafe is Failsafe.ESTIMATOR, within_s=15.0)
+    assert vehicle.autopilot.mode is Mode.LAND
 
 
 def test_a_field_of_the_vehicle_turns_the_heading() -> None:
@@ -296,7 +303,7 @@ def test_all_motors_at_half_thrust_cannot_carry_it_much_longer() -> None:
 
 @BOTH
 def test_a_battery_can_be_emptied(flavour: Flavour) -> None:
-    vehicle = flying("battery, at_s: 21, voltage_v: 10.4", flavour=flavour)
+    vehicle = flying("battery, at_s: 21, voltage_v: 10.35", flavour=flavour)
     for name, value in {AP: {"BATT_FS_LOW_ACT": 1}, PX4: {"COM_LOW_BAT_ACT": 2, "COM_FAIL_ACT_T": 0}}[flavour].items():
         vehicle.parameters.set(name, value)
     full = vehicle.battery.remaining
@@ -304,7 +311,7 @@ def test_a_battery_can_be_emptied(flavour: Flavour) -> None:
     assert vehicle.battery.remaining < 0.15 < full
     wait_until(vehicle, lambda v: v.battery.level >= BatteryLevel.LOW, within_s=15.0)
     run(vehicle, 1.0)
-    assert vehicle.autopilot.mode is {AP: Mode.LAND, PX4: Mode.LAND}[flavour]
+    assert vehicle.autopilot.mode is Mode.LAND
 
 
 def test_equal_seeds_and_schedules_give_equal_flights() -> None:
@@ -327,7 +334,3 @@ def test_a_fault_that_is_over_leaves_the_noise_of_all_sensors_as_it_was() -> Non
     for vehicle in (usual, noisy):
         run(vehicle, 6.0)
     assert usual.readings == noisy.readings
-
-
-def test_hovering_helper_and_schedule_agree_on_the_defaults() -> None:
-    assert hovering().truth.on_ground is False

@@ -147,4 +147,4 @@ def test_only_what_the_vehicle_has_can_fail(unit: FailureUnit, how: FailureType,
 
 
 def test_nothing_is_wrong_by_default_but_the_lag_that_every_receiver_has() -> None:
-    assert faults_of().conditions._replace(gps_lag_s=0.0) == SOUND
+    assert faults_of().conditions._replace(gps_lag_s=0.0, resting_v=SOUND.resting_v) == SOUND
