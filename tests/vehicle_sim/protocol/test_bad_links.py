@@ -109,7 +109,9 @@ def test_an_upload_over_a_very_bad_link_is_the_plan_that_was_sent() -> None:
         if acknowledged():
             break
     assert acknowledged()
-    assert [(item.x, item.y) for item in downloaded(station, len(items))] == [(item.x, item.y) for item in items]
+    # ArduPilot's first item is its home, whatever was sent.
+    back = [(item.x, item.y) for item in downloaded(station, len(items))]
+    assert back[1:] == [(item.x, item.y) for item in items[1:]]
 
 
 def downloaded(station: Station, count: int) -> list[Message]:
