@@ -46,6 +46,12 @@ class Battery:
         self.voltage_v = max(_CELLS * cell_v - self.current_a * _INTERNAL_OHM, 0.0)
         self.level = max(self.level, self._judge(duration_s, thresholds))
 
+    def rest_at(self, voltage_v: float, capacity_mah: float) -> None:
+        """Hold from now on the charge at which the battery rests at `voltage_v`."""
+        cell_v = voltage_v / _CELLS
+        self.remaining = min(max((cell_v - _FLAT_CELL_V) / (_FULL_CELL_V - _FLAT_CELL_V), 0.0), 1.0)
+        self.consumed_mah = (1.0 - self.remaining) * capacity_mah
+
     def _judge(self, duration_s: float, thresholds: BatteryThresholds) -> BatteryLevel:
         self._below_low_s = self._below_low_s + duration_s if self.voltage_v < thresholds.low_v else 0.0
         self._below_critical_s = self._below_critical_s + duration_s if self.voltage_v < thresholds.critical_v else 0.0

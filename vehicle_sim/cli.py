@@ -18,6 +18,7 @@ from vehicle_sim.errors import ConfigurationError, ParameterError
 from vehicle_sim.fleet_options import LINKS_HELP, add_fleet_options
 
 if TYPE_CHECKING:
+    from vehicle_sim.faults import Schedule
     from vehicle_sim.parameters import ParameterStore
 
 _GROUND_STATION: Final = "udpout:127.0.0.1:14550"
@@ -49,6 +50,20 @@ links:
 wind:
   --wind 3,1        blows 3 m/s to the north and 1 m/s to the east
   --wind 4@270      blows 4 m/s from 270 degrees (from the west)
+
+faults:
+  A file with a list `faults`; each has `fault`, `at_s` and mostly `for_s` and `ramp_s`, in seconds of the vehicle's
+  clock, counted `since` boot, arming or takeoff, and numbers of its own:
+    wind, gust              north_m_s, east_m_s, up_m_s      (a gust swells and fades over for_s)
+    gps_loss, gps_stuck     gps_jump: north_m, east_m, up_m  gps_drift: north_m_s, east_m_s, up_m_s
+    gps_noise: noise_m      gps_lag: lag_s                   gps_satellites: count
+    accelerometer_bias: x_m_s2, y_m_s2, z_m_s2               gyro_bias: x_rad_s, y_rad_s, z_rad_s
+    compass_loss            compass_offset: x_gauss, y_gauss, z_gauss
+    baro_loss, baro_stuck   baro_jump: up_m                  baro_drift: up_m_s
+    motor: rotor (1 front, 2 right, 3 rear, 4 left), efficiency (0 to 1)
+    battery: voltage_v (at rest)
+    link: drop, duplicate, corrupt, reorder (likelihoods), delay_s, jitter_s; up: 0 or down: 0 spares a direction
+  The same by parameter in flight: SIM_GPS1_ENABLE, SIM_ACC1_BIAS_X and so on, as in ArduPilot's simulator.
 
 patience:
   At many times real time, a client that the machine keeps from its turn for a moment misses seconds of the vehicle's
@@ -95,6 +110,7 @@ def _run(options: argparse.Namespace) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
     from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
+    from vehicle_sim.faults import NO_FAULTS  # noqa: PLC0415
     from vehicle_sim.fleet import fleet_of  # noqa: PLC0415
     from vehicle_sim.key_file import KeyFile, signing_time  # noqa: PLC0415
     from vehicle_sim.parameter_file import keep_parameters  # noqa: PLC0415
@@ -116,6 +132,7 @@ def _run(options: argparse.Namespace) -> None:
         wind_m_s=speed_m_s,
         wind_from_deg=from_deg,
         gust_m_s=options.gusts,
+        faults=NO_FAULTS if options.faults is None else _schedule(options.faults),
         **place,
     )
     stores = [_parameters(options) for _ in range(options.count)]
@@ -184,6 +201,18 @@ def _parameters(options: argparse.Namespace) -> "ParameterStore":
         except ParameterError as error:
             raise ConfigurationError(f"--set {name}={value}: {error}") from error
     return store
+
+
+def _schedule(path: str) -> "Schedule":
+    from vehicle_sim.faults import read_schedule  # noqa: PLC0415
+    from vehicle_sim.faults.fault_file import MAX_BYTES  # noqa: PLC0415
+
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise ConfigurationError(f"cannot read {path}: {error.strerror or error}; check its name") from error
+    return read_schedule(content, path)
 
 
 _HOME_FIELDS: Final = ("home_lat_deg", "home_lon_deg", "home_alt_m")
@@ -287,6 +316,7 @@ def _parser() -> argparse.ArgumentParser:
     vehicle.add_argument(
         "--gusts", type=_not_negative, default=0.0, metavar="M_S", help="standard deviation of gusts, m/s (0)"
     )
+    vehicle.add_argument("--faults", metavar="FILE", help="what goes wrong and when: a YAML file, see below")
     vehicle.add_argument(
         "--home", type=_home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"
     )

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.geodesy import geodetic_at
+from vehicle_sim.protocol.bad_links import BadLinksEndpoint
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
 from vehicle_sim.protocol.endpoint import Endpoint
 from vehicle_sim.protocol.signing import Signer
@@ -73,13 +74,9 @@ def fleet_of(
         own_id = system_id + index
         config = first if index == 0 else config_of(first, index, count, spacing_m)
         signer = Signer(now=now) if key_file is None else _signer(key_file, own_id, component_id, now, notify)
-        endpoint = Endpoint(
-            Vehicle(config, parameters[index] if index < len(parameters) else None),
-            config.flavour,
-            own_id,
-            component_id=component_id,
-            signer=signer,
-        )
+        vehicle = Vehicle(config, parameters[index] if index < len(parameters) else None)
+        kind = BadLinksEndpoint if vehicle.faults.link_faults else Endpoint
+        endpoint = kind(vehicle, config.flavour, own_id, component_id=component_id, signer=signer)
         endpoint.key_setup.on_key = _key_keeper(key_file if count == 1 else None, notify)
         endpoints.append(endpoint)
     return endpoints

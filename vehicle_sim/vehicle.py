@@ -12,9 +12,10 @@ from vehicle_sim.dynamics.airframe import Airframe, Dynamics
 from vehicle_sim.dynamics.hover import DRAG_PER_S, MOST_THRUST_M_S2, Hover
 from vehicle_sim.dynamics.quadrotor import Quadrotor
 from vehicle_sim.dynamics.rotors import vibration_m_s2
-from vehicle_sim.dynamics.wind import Wind, blowing_from
+from vehicle_sim.dynamics.wind import Wind
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.estimator import Estimator, EstimatorTuning
+from vehicle_sim.faults import NO_FAULTS, Faults, Schedule
 from vehicle_sim.geodesy import geodetic_at
 from vehicle_sim.noise import Normals
 from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters
@@ -69,6 +70,7 @@ class VehicleConfig:
     gains: TrackingGains = field(default_factory=TrackingGains)
     sensor_errors: SensorErrors = field(default_factory=SensorErrors)
     estimator: EstimatorTuning = field(default_factory=EstimatorTuning)
+    faults: Schedule = NO_FAULTS
 
     def __post_init__(self) -> None:
         """Refuse what cannot be simulated."""
@@ -128,8 +130,9 @@ class Vehicle:
         self.battery = Battery()
         self._boot()
         self._autopilot_steps = max(1, round(1.0 / (_AUTOPILOT_HZ * step_s)))
-        self._revision = -1
-        self._take_wind_parameters()
+        self.faults = Faults(self.parameters, config.faults)
+        self._resting_v = self.faults.conditions.resting_v
+        self._suffer()
         self.wind_ned_m_s = self._wind.steady_ned_m_s
 
     def _boot(self) -> None:
@@ -233,14 +236,7 @@ class Vehicle:
         motion = self.airframe.step(self._command, self.wind_ned_m_s)
         sensors = self._sensors
         sensors.sample(steps, time_s, motion)
-        gps, baro, compass = sensors.gps, sensors.baro, sensors.compass
-        estimate = self._estimator.step(
-            time_s,
-            sensors.imu,
-            gps if gps is not None and gps.time_s == time_s else None,
-            baro if baro is not None and baro.time_s == time_s else None,
-            compass if compass is not None and compass.time_s == time_s else None,
-        )
+        estimate = self._estimator.step(time_s, sensors.imu, sensors.new_gps, sensors.new_baro, sensors.new_compass)
         self.autopilot.observe(time_s, estimate)
         if steps % self._autopilot_steps == 0:
             self.battery.drain(
@@ -248,15 +244,19 @@ class Vehicle:
                 self._autopilot_steps * self.config.step_s,
                 self.autopilot.settings.battery_thresholds,
             )
-            self._take_wind_parameters()
+            if self.faults.advance(time_s, armed=self.autopilot.armed, flying=self.autopilot.flying):
+                self._suffer()
             self.autopilot.advance(self._command.thrust_m_s2)
         command = self._controller.step(estimate, self.autopilot.guidance)
         self._command = command if self._rotors is None else self._rotors.step(command, estimate)
 
-    def _take_wind_parameters(self) -> None:
-        """Let the wind blow as the parameters say, once they have been changed."""
-        if self.parameters.revision == self._revision:
-            return
-        self._revision = self.parameters.revision
-        self._wind.steady_ned_m_s = blowing_from(self.parameters["SIM_WIND_SPD"], self.parameters["SIM_WIND_DIR"])
-        self._wind.set_gusts(self.parameters["SIM_WIND_TURB"])
+    def _suffer(self) -> None:
+        """Hand what is wrong now to those that suffer from it."""
+        conditions = self.faults.conditions
+        self._wind.steady_ned_m_s = conditions.wind_ned_m_s
+        self._wind.set_gusts(conditions.gust_m_s)
+        self.airframe.weaken(conditions.efficiencies)
+        self._sensors.suffer(conditions)
+        if conditions.resting_v != self._resting_v:
+            self._resting_v = conditions.resting_v
+            self.battery.rest_at(conditions.resting_v, self.autopilot.settings.battery_thresholds.capacity_mah)

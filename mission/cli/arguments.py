@@ -170,6 +170,9 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
         "--dynamics", choices=("hover", "quadrotor"), help="its equations of motion, see vehicle-sim (default: hover)"
     )
     bundled.add_argument(
+        "--faults", metavar="FAULTS", help="what goes wrong and when: a YAML file, see vehicle-sim --help"
+    )
+    bundled.add_argument(
         "--no-ground-station", action="store_true", help="do not offer the flight to a ground station on UDP port 14550"
     )
 

@@ -24,7 +24,7 @@ from mission.plan import FlightPlan, plan_to_json
 from mission.report.files import write_whole
 from mission.report.record import FlightRecord
 
-_OF_THE_BUNDLED_VEHICLE = ("speed", "seed", "wind", "flavour", "dynamics", "no_ground_station")
+_OF_THE_BUNDLED_VEHICLE = ("speed", "seed", "wind", "flavour", "dynamics", "faults", "no_ground_station")
 AUTOMATON_SUFFIX = ".hoa"
 _UNHEARD = (
     "check that the vehicle or its simulator runs and sends MAVLink there; "
@@ -166,6 +166,7 @@ def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:
         wind=arguments.wind,
         flavour=arguments.flavour,
         dynamics=arguments.dynamics,
+        faults=arguments.faults,
         home=home_for(plan.spec),
         ground_station=not arguments.no_ground_station,
         signing_key=arguments.signing_key,

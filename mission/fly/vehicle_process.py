@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import IO, Final, Self
 
-from mission.errors import LinkError
+from mission.errors import Fault, LinkError, SpecError
 from mission.geometry.geodesy import LatLon, place_at_offset
 from mission.spec.model import MissionSpec
 
@@ -25,6 +25,9 @@ _PATIENCE_S: Final = 2.0
 _START_WITHIN_S: Final = 30.0
 _END_WITHIN_S: Final = 3.0
 _WORDS: Final = 2000
+_BAD_INPUT: Final = 2
+"""Its exit code when it cannot use an option, or a file that an option names."""
+
 _HOME_ALTITUDE_M: Final = 100.0
 _LISTENING: Final = "udpin:"
 _NEW_GROUP: Final = int(getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0))
@@ -40,6 +43,7 @@ class VehicleOptions:
         wind: NORTH,EAST in m/s, where the wind blows to, or SPEED@FROM_DEGREES.
         flavour: The autopilot that it answers like, ``ardupilot`` or ``px4``.
         dynamics: Its equations of motion, ``hover`` or ``quadrotor``.
+        faults: File that says what goes wrong with it and when; None for nothing.
         home: Latitude and longitude in degrees, altitude above sea level in metres.
         ground_station: Whether it offers itself to a ground station on this machine's UDP port 14550.
         signing_key: File of the key that it signs with, and asks for.
@@ -50,6 +54,7 @@ class VehicleOptions:
     wind: str | None = None
     flavour: str | None = None
     dynamics: str | None = None
+    faults: str | None = None
     home: tuple[float, float, float] | None = None
     ground_station: bool = True
     signing_key: str | None = None
@@ -59,7 +64,7 @@ class VehicleOptions:
         arguments = ["--listen", "udpin:127.0.0.1:0", "--announce", "--exit-with-parent", "--quiet"]
         arguments += [f"--speed={self.speed:g}", f"--patience={_PATIENCE_S:g}"]
         choices = {"seed": self.seed, "wind": self.wind, "flavour": self.flavour, "dynamics": self.dynamics}
-        for name, value in choices.items():
+        for name, value in (choices | {"faults": self.faults}).items():
             if value is not None:
                 arguments.append(f"--{name}={value}")
         if self.home is not None:
@@ -162,6 +167,10 @@ class BundledVehicle:
                     return "udpout:" + listening[0].removeprefix(_LISTENING)
         except queue.Empty:
             raise LinkError(f"the bundled vehicle was not ready within {_START_WITHIN_S:.0f} s{self._said()}") from None
+        code = None if self._process is None else self._process.wait(_END_WITHIN_S)
+        if code == _BAD_INPUT:
+            what = self._said() or " what it was asked"
+            raise SpecError((Fault(0, 0, "", f"the bundled vehicle refuses{what}", "mend that, and fly again"),))
         raise LinkError(f"the bundled vehicle did not start{self._said()}")
 
     def _said(self) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.bad_links import BadLinksEndpoint
 from vehicle_sim.protocol.endpoint import Endpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
@@ -17,7 +18,8 @@ class LockstepVehicle:
 
     def __init__(self, config: VehicleConfig, at_step: Callable[["LockstepVehicle"], None] | None = None) -> None:
         self.vehicle = Vehicle(config)
-        self.endpoint = Endpoint(self.vehicle, config.flavour)
+        kind = BadLinksEndpoint if self.vehicle.faults.link_faults else Endpoint
+        self.endpoint = kind(self.vehicle, config.flavour)
         self.endpoint.add_link(LINK)
         self._at_step = at_step
         self.sent = 0

@@ -31,7 +31,10 @@ class LandDetector:
         `thrust_m_s2` is the specific thrust that the controller asks for.
         """
         north, east, down = estimate.velocity_ned_m_s
-        still = abs(down) < _VERTICAL_M_S and north * north + east * east < _HORIZONTAL_M_S**2
+        # A horizontal velocity that nothing measures any more says nothing about the ground.
+        still = abs(down) < _VERTICAL_M_S and not (
+            estimate.status.position_ok and north * north + east * east >= _HORIZONTAL_M_S**2
+        )
         if thrust_m_s2 > _THRUST_SHARE * GRAVITY_M_S2 or not still:
             self._still_since_s = None
             return False

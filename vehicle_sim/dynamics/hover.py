@@ -126,7 +126,7 @@ class Hover:
         Raises:
             ValueError: A share does not lie in [0, 1].
         """
-        self._efficiency = checked_efficiency(efficiency)
+        self._efficiency = _SOUND if efficiency == _SOUND else checked_efficiency(efficiency)
 
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step under `command`, held and limited to what the rotors can do."""

@@ -14,10 +14,14 @@ _GUST_TIME_S: Final = 3.0
 _VERTICAL_SHARE: Final = 0.5
 
 
-def blowing_from(speed_m_s: float, direction_deg: float) -> Vector:
-    """Return the velocity (NED, m/s) of a level wind by the meteorologists' convention: where it comes from."""
-    bearing = radians(direction_deg)
-    return (-speed_m_s * cos(bearing), -speed_m_s * sin(bearing), 0.0)
+def blowing_from(speed_m_s: float, direction_deg: float, rise_deg: float = 0.0) -> Vector:
+    """Return the velocity (NED, m/s) of a wind by the meteorologists' convention: where it comes from.
+
+    `rise_deg` is the angle by which it blows upwards.
+    """
+    bearing, rise = radians(direction_deg), radians(rise_deg)
+    level = speed_m_s * cos(rise)
+    return (-level * cos(bearing), -level * sin(bearing), -speed_m_s * sin(rise) if rise_deg else 0.0)
 
 
 class Wind:

@@ -28,6 +28,7 @@ class AttitudeReference:
         self._force_sum = [0.0, 0.0, 0.0]
         self._rate_sum = [0.0, 0.0, 0.0]
         self.bias_rad_s: Vector = (0.0, 0.0, 0.0)
+        self._force_bias: Vector = (0.0, 0.0, 0.0)
         self._has_heading = False
         self.aligned = False
         self.roll_rad = 0.0
@@ -38,6 +39,11 @@ class AttitudeReference:
         self.compass_miss_rad = 0.0
         self.tilt_miss_rad = 0.0
 
+    @property
+    def angles_rad(self) -> Vector:
+        """Roll, pitch and yaw."""
+        return self.roll_rad, self.pitch_rad, self.yaw_rad
+
     def step(self, imu: ImuReading) -> None:
         """Take one measurement of the inertial unit."""
         if not self.aligned:
@@ -45,7 +51,10 @@ class AttitudeReference:
             return
         bias, measured, dt = self.bias_rad_s, imu.rates_rad_s, self._step_s
         p, q, r = measured[0] - bias[0], measured[1] - bias[1], measured[2] - bias[2]
+        last = self.rates_rad_s
         self.rates_rad_s = (p, q, r)
+        # The turn since the last measurement is by the mean of both: trapezoids, because rates change within a step.
+        p, q, r = 0.5 * (p + last[0]), 0.5 * (q + last[1]), 0.5 * (r + last[2])
         sin_roll, cos_roll = sin(self.roll_rad), cos(self.roll_rad)
         sin_pitch, cos_pitch = sin(self.pitch_rad), cos(self.pitch_rad)
         turn = (q * sin_roll + r * cos_roll) / cos_pitch
@@ -56,7 +65,8 @@ class AttitudeReference:
         self._turn_force(imu.specific_force_m_s2)
 
     def _turn_force(self, force: Vector) -> None:
-        x, y, z = force
+        bias = self._force_bias
+        x, y, z = force[0] - bias[0], force[1] - bias[1], force[2] - bias[2]
         sin_roll, cos_roll = sin(self.roll_rad), cos(self.roll_rad)
         sin_pitch, cos_pitch = sin(self.pitch_rad), cos(self.pitch_rad)
         sin_yaw, cos_yaw = sin(self.yaw_rad), cos(self.yaw_rad)
@@ -100,3 +110,9 @@ class AttitudeReference:
         cos_yaw, sin_yaw = cos(self.yaw_rad), sin(self.yaw_rad)
         self.roll_rad += east_rad * cos_yaw - north_rad * sin_yaw
         self.pitch_rad -= north_rad * cos_yaw + east_rad * sin_yaw
+
+    def trim(self, roll_rad_s: float, pitch_rad_s: float, force_m_s2: Vector) -> None:
+        """Count so much more as biases: of the gyros of roll and pitch, and of the accelerometers."""
+        rates, force = self.bias_rad_s, self._force_bias
+        self.bias_rad_s = (rates[0] + roll_rad_s, rates[1] + pitch_rad_s, rates[2])
+        self._force_bias = (force[0] + force_m_s2[0], force[1] + force_m_s2[1], force[2] + force_m_s2[2])

@@ -5,7 +5,8 @@ from math import sqrt
 from typing import Final
 
 from vehicle_sim.estimator.attitude import AttitudeReference
-from vehicle_sim.estimator.navigation import LONGEST_EPOCH_STEPS, NavigationFilter, NavigationTuning
+from vehicle_sim.estimator.navigation import NavigationFilter
+from vehicle_sim.estimator.process import NavigationTuning
 from vehicle_sim.signals import (
     GRAVITY_M_S2,
     BaroReading,
@@ -97,10 +98,11 @@ class Estimator:
             self._wait(time_s, gps, baro)
             place, going, error = _ZERO, _ZERO, _ZERO
         else:
-            navigation.push(attitude.acceleration_ned_m_s2)
-            if gps is not None or baro is not None or navigation.epoch_steps >= LONGEST_EPOCH_STEPS:
-                north, east = navigation.update(time_s, gps, baro)
-                attitude.tilt(-north / GRAVITY_M_S2, -east / GRAVITY_M_S2)
+            levelling = navigation.advance(attitude.acceleration_ned_m_s2, attitude.angles_rad, gps, baro)
+            if levelling is not None:
+                attitude.tilt(-levelling.north_m_s2 / GRAVITY_M_S2, -levelling.east_m_s2 / GRAVITY_M_S2)
+                p_bias, q_bias = levelling.right_m_s3 / GRAVITY_M_S2, -levelling.forward_m_s3 / GRAVITY_M_S2
+                attitude.trim(p_bias, q_bias, levelling.bias_m_s2)
                 self._judge(time_s, navigation)
             place, going, error = navigation.mean()
         a = attitude.acceleration_ned_m_s2
@@ -137,8 +139,9 @@ class Estimator:
                 self._tuning.navigation,
                 step_s=self._step_s,
                 time_s=time_s,
-                origin=gps.position,
+                origin=gps,
                 baro_zero_m=self._baro_sum_m / self._baro_count,
+                attitude_rad=self._attitude.angles_rad,
             )
 
     def _judge(self, time_s: float, navigation: NavigationFilter) -> None:

@@ -3,6 +3,7 @@
 from vehicle_sim.parameters.ardupilot import ARDUPILOT
 from vehicle_sim.parameters.px4 import PX4
 from vehicle_sim.parameters.settings import Action, BatteryThresholds, FlightSettings, flight_settings
+from vehicle_sim.parameters.simulation import ARDUPILOT_SIMULATION, PX4_SIMULATION
 from vehicle_sim.parameters.store import Flavour, Parameter, ParameterKind, ParameterStore
 
 __all__ = [
@@ -20,4 +21,5 @@ __all__ = [
 
 def default_parameters(flavour: Flavour) -> ParameterStore:
     """Return a store with all parameters of `flavour` at their defaults."""
-    return ParameterStore(flavour, PX4 if flavour is Flavour.PX4 else ARDUPILOT)
+    is_px4 = flavour is Flavour.PX4
+    return ParameterStore(flavour, (*PX4, *PX4_SIMULATION) if is_px4 else (*ARDUPILOT, *ARDUPILOT_SIMULATION))

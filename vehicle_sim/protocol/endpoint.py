@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
+from vehicle_sim.protocol.failures import FailureService
 from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
@@ -100,6 +101,7 @@ class Endpoint:
         self.key_setup = KeySetupService(self, self.signer)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
+        commands.handlers.update(FailureService(self).commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,

@@ -61,7 +61,9 @@ def test_a_port_where_nobody_listens(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "connection refused; start the vehicle or its simulator first" in result.err
 
 
-@pytest.mark.parametrize("option", [["--seed", "0"], ["--speed", "1"], ["--wind", "0,0"], ["--no-ground-station"]])
+@pytest.mark.parametrize(
+    "option", [["--seed", "0"], ["--speed", "1"], ["--wind", "0,0"], ["--faults", "f"], ["--no-ground-station"]]
+)
 def test_options_of_the_bundled_vehicle_are_not_for_others(
     option: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
