@@ -8,7 +8,7 @@ from vehicle_sim.autopilot import Autopilot
 from vehicle_sim.battery import Battery
 from vehicle_sim.clock import StepClock
 from vehicle_sim.controller import Controller, TrackingGains
-from vehicle_sim.dynamics.hover import MOST_THRUST_M_S2, Hover
+from vehicle_sim.dynamics.hover import DRAG_PER_S, MOST_THRUST_M_S2, Hover
 from vehicle_sim.dynamics.wind import Wind, blowing_from
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.estimator import Estimator, EstimatorTuning
@@ -24,6 +24,7 @@ from vehicle_sim.signals import (
     GpsReading,
     ImuReading,
     Motion,
+    Vector,
 )
 
 _WIND: Final = 5
@@ -192,8 +193,14 @@ class Vehicle:
                 self.autopilot.settings.battery_thresholds,
             )
             self._take_wind_parameters()
-            self.autopilot.advance(self._controller.command.thrust_m_s2)
+            self.autopilot.advance(self._controller.command.thrust_m_s2, self._felt_wind(estimate))
         self._controller.step(estimate, self.autopilot.guidance)
+
+    def _felt_wind(self, estimate: Estimate) -> Vector:
+        """Return the level wind whose drag explains the disturbance that the controller sees."""
+        north, east, _down = self._controller.disturbance_ned_m_s2
+        v_north, v_east, _v_down = estimate.velocity_ned_m_s
+        return (v_north + north / DRAG_PER_S, v_east + east / DRAG_PER_S, 0.0)
 
     def _take_wind_parameters(self) -> None:
         """Let the wind blow as the parameters say, once they have been changed."""

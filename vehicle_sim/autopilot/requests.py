@@ -53,15 +53,13 @@ class Autopilot(Machine):
         if mode not in self.modes:
             return Outcome.DENIED
         if mode is self.mode:
-            self._failsafes.overridden()
-            self._resumes = False
+            self._choose(mode)
             return Outcome.ACCEPTED
         if self.armed and (reason := self._obstacle(mode)):
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
             streamless = self.flavour is Flavour.PX4 and mode is Mode.GUIDED and self._estimate.status.position_ok
             return Outcome.ACCEPTED if streamless else self._refusal
-        self._failsafes.overridden()
-        self._resumes = False
+        self._choose(mode)
         self._enter(mode)
         return Outcome.ACCEPTED
 
@@ -75,8 +73,7 @@ class Autopilot(Machine):
             if not self._estimate.status.position_ok or self.home is None or not height < inf:
                 return Outcome.TEMPORARILY_REJECTED
             self._takeoff_height_m = height
-            self._failsafes.overridden()
-            self._resumes = False
+            self._choose(Mode.TAKEOFF)
             self._enter(Mode.TAKEOFF)
             return Outcome.ACCEPTED
         target_down = self._home_ned_m[2] - height

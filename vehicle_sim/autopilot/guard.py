@@ -1,0 +1,184 @@
+"""The guard: sees failures come and go, and says what is done about them.
+
+What is set for each failure comes from the parameters; how it begins and ends is each flavour's habit. After PX4
+`failsafe.cpp` and ArduCopter `events.cpp`, `fence.cpp`, `ekf_check.cpp`. ArduCopter has no failsafe of its own for
+lost setpoints (it stops, see `GuidedTask`) and none for wind.
+"""
+
+from collections.abc import Mapping
+from math import hypot, inf
+from typing import Final, NamedTuple
+
+from vehicle_sim.autopilot import texts
+from vehicle_sim.autopilot.failsafe import Decision, FailsafeMonitor, Response
+from vehicle_sim.autopilot.fence import FenceWatch, names
+from vehicle_sim.autopilot.modes import MODES, Failsafe, Mode, Severity, StatusText
+from vehicle_sim.autopilot.tasks import stopping_place
+from vehicle_sim.battery import BatteryLevel
+from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
+from vehicle_sim.signals import Estimate, Vector
+
+_DOUBT_S: Final = 1.0
+_WIND_REMINDER_S: Final = 60.0
+_AP, _PX4 = Flavour.ARDUPILOT, Flavour.PX4
+
+
+class _Habit(NamedTuple):
+    """Whether a response ends with its failure, and whether a hold may come before it."""
+
+    ends: bool
+    pauses: bool
+
+
+_HABITS: Final[Mapping[Flavour, Mapping[Failsafe, _Habit]]] = {
+    _AP: dict.fromkeys(Failsafe, _Habit(ends=False, pauses=False)),
+    _PX4: {
+        Failsafe.BATTERY_LOW: _Habit(ends=True, pauses=True),
+        Failsafe.SETPOINTS_LOST: _Habit(ends=True, pauses=False),
+        Failsafe.GROUND_LOST: _Habit(ends=False, pauses=True),
+        Failsafe.WIND: _Habit(ends=False, pauses=True),
+        Failsafe.FENCE: _Habit(ends=False, pauses=True),
+        Failsafe.ESTIMATOR: _Habit(ends=True, pauses=False),
+        Failsafe.BATTERY_CRITICAL: _Habit(ends=True, pauses=True),
+        Failsafe.BATTERY_EMERGENCY: _Habit(ends=True, pauses=True),
+    },
+}
+
+
+class Situation(NamedTuple):
+    """What the guard goes by, as of now.
+
+    Attributes:
+        intended: The mode that the pilot chose last.
+        stream_fresh: Whether setpoints come.
+        ground_lost: Whether a ground station that has been there is silent.
+        wind_ned_m_s: The wind that the vehicle feels.
+    """
+
+    now_s: float
+    estimate: Estimate
+    flying: bool
+    intended: Mode
+    stream_fresh: bool
+    ground_lost: bool
+    battery: BatteryLevel
+    wind_ned_m_s: Vector
+    home_ned_m: Vector
+
+
+class Guard:
+    """Watches one vehicle. Attributes to read: `fence`, `monitor`."""
+
+    def __init__(self, flavour: Flavour, settings: FlightSettings) -> None:
+        """Begin with nothing wrong."""
+        self.fence = FenceWatch(settings.fence)
+        self.monitor = FailsafeMonitor()
+        self._flavour = flavour
+        self._settings = settings
+        self._position_good_s = 0.0
+        self._wind_told_s = -inf
+
+    def configure(self, settings: FlightSettings) -> None:
+        """Go by other settings."""
+        self._settings = settings
+        self.fence.configure(settings.fence)
+
+    def trust_position(self, now_s: float) -> None:
+        """Take the position for good as of now."""
+        self._position_good_s = now_s
+
+    @property
+    def in_failsafe(self) -> bool:
+        """Whether the heartbeat calls the state critical.
+
+        PX4: while a failsafe acts; ArduPilot: while there is a failure other than a breach of the fence.
+        """
+        if self._flavour is _PX4:
+            return self.monitor.action > Action.NOTHING
+        return bool(self.monitor.active - {Failsafe.FENCE})
+
+    @property
+    def recovers(self) -> bool:
+        """Whether the pilot may not leave the mode in which the vehicle gets back into its fence."""
+        is_fence = Failsafe.FENCE in self.monitor.active and self.monitor.action >= Action.HOLD
+        return self._settings.fence.locks_mode and is_fence and self.fence.breached != FenceType.NONE
+
+    def look_at_fence(self, situation: Situation) -> FenceType:
+        """Look at the fence alone, also before arming; return what is freshly breached."""
+        estimate = situation.estimate
+        if estimate.origin is None or not estimate.status.position_ok:
+            return FenceType.NONE
+        predicts = self._settings.fence.predicts and situation.flying
+        place = stopping_place(estimate, self._settings) if predicts else estimate.position_ned_m
+        return self.fence.look(situation.now_s, place, situation.home_ned_m, estimate.origin)
+
+    def decide(self, situation: Situation, fresh: FenceType) -> tuple[Decision, list[StatusText]]:
+        """Return what is to be done now, and what is to be said. `fresh`: what `look_at_fence` has just returned."""
+        if fresh:
+            self.monitor.renewed(Failsafe.FENCE)
+        failures = self._failures(situation)
+        decision = self.monitor.assess(situation.now_s, failures, self._settings.failsafe_hold_s)
+        said = [text for failsafe in decision.appeared for text in self._said_of(failsafe, fresh)]
+        over = texts.OVER[self._flavour]
+        said += [over[failsafe] for failsafe in decision.vanished if failsafe in over]
+        if decision.pause_s > 0.0:
+            said.append(texts.pausing(decision.pause_s))
+        return decision, said + self._wind_reminder(situation)
+
+    def _said_of(self, failsafe: Failsafe, fresh: FenceType) -> list[StatusText]:
+        if failsafe is not Failsafe.FENCE:
+            text = texts.FAILED[self._flavour].get(failsafe)
+            return [] if text is None else [text]
+        breached = fresh or self.fence.breached
+        if self._flavour is _AP:
+            return [StatusText(Severity.NOTICE, f"{names(breached)} breached")]
+        return [text for kind, text in texts.PX4_BREACHES.items() if kind in breached]
+
+    def _failures(self, situation: Situation) -> dict[Failsafe, Response]:
+        """Return the failures that are present, with the responses that are set for them."""
+        settings, flying = self._settings, situation.flying
+        offboard = self._flavour is _PX4 and situation.intended is Mode.GUIDED
+        wind = hypot(situation.wind_ned_m_s[0], situation.wind_ned_m_s[1])
+        fenced = settings.fence.reports and self.fence.breached != FenceType.NONE
+        present = {
+            Failsafe.SETPOINTS_LOST: (offboard and not situation.stream_fresh, settings.setpoint_loss),
+            # Who has been told to land goes on with it.
+            Failsafe.GROUND_LOST: (situation.ground_lost and situation.intended is not Mode.LAND, settings.ground_loss),
+            Failsafe.WIND: (flying and wind > settings.wind.limit_m_s, settings.wind.action),
+            Failsafe.FENCE: (fenced, self._fence_action()),
+            Failsafe.ESTIMATOR: (flying and self._position_lost(situation), settings.estimator_loss),
+            Failsafe.BATTERY_LOW: (situation.battery is BatteryLevel.LOW, settings.battery_low),
+            Failsafe.BATTERY_CRITICAL: (situation.battery is BatteryLevel.CRITICAL, settings.battery_critical),
+            Failsafe.BATTERY_EMERGENCY: (situation.battery is BatteryLevel.EMERGENCY, settings.battery_emergency),
+        }
+        habits = _HABITS[self._flavour]
+        return {
+            failsafe: Response(action, *habits[failsafe])
+            for failsafe, (is_there, action) in present.items()
+            if is_there
+        }
+
+    def _fence_action(self) -> Action:
+        fence = self._settings.fence
+        if fence.action is not Action.NOTHING and self.fence.distance_m > fence.give_up_m:
+            return Action.LAND
+        return fence.action
+
+    def _position_lost(self, situation: Situation) -> bool:
+        """Tell whether a position that is needed fails its checks, and has failed the noisy ones for a second."""
+        settings, status = self._settings, situation.estimate.status
+        ratio = max(status.position_horizontal_ratio, status.velocity_ratio)
+        if ratio <= settings.estimator_ratio and status.horizontal_accuracy_m <= settings.estimator_accuracy_m:
+            self._position_good_s = situation.now_s
+        needed = MODES[self._flavour][situation.intended].needs_position or settings.estimator_in_manual
+        return needed and (not status.position_ok or situation.now_s - self._position_good_s > _DOUBT_S)
+
+    def _wind_reminder(self, situation: Situation) -> list[StatusText]:
+        limits = self._settings.wind
+        wind = hypot(situation.wind_ned_m_s[0], situation.wind_ned_m_s[1])
+        due = situation.now_s - self._wind_told_s > _WIND_REMINDER_S
+        landing = situation.intended in (Mode.RETURN, Mode.LAND)
+        if not (situation.flying and due and limits.warning_m_s < wind <= limits.limit_m_s) or landing:
+            return []
+        self._wind_told_s = situation.now_s
+        return [texts.high_wind(wind)]
