@@ -98,6 +98,17 @@ class Guard:
         return bool(self.monitor.active - {Failsafe.FENCE})
 
     @property
+    def is_outside(self) -> bool:
+        """Whether a breach keeps the vehicle from being armed."""
+        return self._settings.fence.reports and self.fence.breached != FenceType.NONE
+
+    def is_blind(self, *, position_ok: bool, home: bool) -> bool:
+        """Whether the fence cannot be watched, or not be returned from, for want of a position or home."""
+        if self._flavour is _PX4:
+            return self._settings.fence.action is Action.RETURN and not home
+        return bool(self.fence.enabled & ~FenceType.ALTITUDE) and not (position_ok and home)
+
+    @property
     def recovers(self) -> bool:
         """Whether the pilot may not leave the mode in which the vehicle gets back into its fence."""
         is_fence = Failsafe.FENCE in self.monitor.active and self.monitor.action >= Action.HOLD
@@ -139,13 +150,12 @@ class Guard:
         settings, flying = self._settings, situation.flying
         offboard = self._flavour is _PX4 and situation.intended is Mode.GUIDED
         wind = hypot(situation.wind_ned_m_s[0], situation.wind_ned_m_s[1])
-        fenced = settings.fence.reports and self.fence.breached != FenceType.NONE
         present = {
             Failsafe.SETPOINTS_LOST: (offboard and not situation.stream_fresh, settings.setpoint_loss),
             # Who has been told to land goes on with it.
             Failsafe.GROUND_LOST: (situation.ground_lost and situation.intended is not Mode.LAND, settings.ground_loss),
             Failsafe.WIND: (flying and wind > settings.wind.limit_m_s, settings.wind.action),
-            Failsafe.FENCE: (fenced, self._fence_action()),
+            Failsafe.FENCE: (self.is_outside, self._fence_action()),
             Failsafe.ESTIMATOR: (flying and self._position_lost(situation), settings.estimator_loss),
             Failsafe.BATTERY_LOW: (situation.battery is BatteryLevel.LOW, settings.battery_low),
             Failsafe.BATTERY_CRITICAL: (situation.battery is BatteryLevel.CRITICAL, settings.battery_critical),

@@ -10,6 +10,7 @@ from typing import Final
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS, ArmingFault, arming_faults
+from vehicle_sim.autopilot.avoidance import within_fence
 from vehicle_sim.autopilot.guard import Guard, Situation
 from vehicle_sim.autopilot.landing import LandDetector
 from vehicle_sim.autopilot.modes import (
@@ -47,8 +48,10 @@ class SpeedAxis(Enum):
 class Machine:
     """Modes, arming, tasks and failsafes of one vehicle.
 
-    Public attributes to read: `mode`, `armed`, `flying`, `home`, `home_revision` (grows with every change of home),
-    `guidance`, and `texts`, a queue whose reader pops what it has taken (old ones drop out of a full queue).
+    Public attributes to read: `mode`, `intended` (what the pilot chose last), `armed`, `flying`, `home`,
+    `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps velocities lower than
+    asked), `guard`, and `texts`, a queue whose reader pops what it has taken (old ones drop out of a full queue).
+    To be set: `rally`.
     """
 
     def __init__(self, parameters: ParameterStore, battery: Battery, estimate: Estimate) -> None:
@@ -89,6 +92,7 @@ class Machine:
         self._yaw_rate_rad_s = inf
         self._paused: Setpoint | None = None
         self._task: Task = LevelTask(estimate)
+        self.slowed = False
         self.guidance = Guidance(None, self.settings.limits())
 
     # What can be seen from outside.
@@ -134,6 +138,8 @@ class Machine:
             setpoints_fresh=self._stream_fresh,
             ground_lost=self._ground_lost,
             battery=self._battery.level,
+            fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
+            outside_fence=self.guard.is_outside,
         )
 
     @property
@@ -358,15 +364,19 @@ class Machine:
     def _refresh(self) -> None:
         """Make the guidance of the present task."""
         task, speeds, limits = self._task, self._speeds, self.settings.limits()
+        self.slowed = False
         if not (self.armed and self.flying):
             self.guidance = Guidance(None, limits)
             return
         settings, speed, acceleration = self.settings, limits.speed_m_s, limits.acceleration_m_s2
+        setpoint = task.setpoint
         if isinstance(task, GuidedTask):
+            setpoint = within_fence(setpoint, self._estimate, settings, self.guard.fence, self._home_ned_m)
+            self.slowed = setpoint is not task.setpoint
             speed, acceleration = settings.setpoint_speed_m_s, settings.setpoint_acceleration_m_s2
         speed = task.speed_m_s or speed
         self.guidance = Guidance(
-            task.setpoint,
+            setpoint,
             limits._replace(
                 speed_m_s=speeds.get(SpeedAxis.HORIZONTAL, speed),
                 acceleration_m_s2=acceleration,

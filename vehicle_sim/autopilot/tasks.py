@@ -15,8 +15,10 @@ from vehicle_sim.signals import FREE, Estimate, PartialVector, Setpoint, Vector
 
 _REACHED_HEIGHT_M: Final = 0.3
 _SLOW_M_S: Final = 0.5
-_GENTLY: Final = 0.75
-_REACTION_S: Final = 0.8
+GENTLY: Final = 0.75
+"""Share of the horizontal acceleration that braking counts on."""
+REACTION_S: Final = 0.8
+"""Time until braking has set in."""
 
 
 def stopping_place(estimate: Estimate, settings: FlightSettings) -> Vector:
@@ -24,7 +26,7 @@ def stopping_place(estimate: Estimate, settings: FlightSettings) -> Vector:
     north, east, down = estimate.position_ned_m
     v_north, v_east, v_down = estimate.velocity_ned_m_s
     speed = hypot(v_north, v_east)
-    seconds = speed / (2.0 * _GENTLY * settings.acceleration_m_s2) + _REACTION_S
+    seconds = speed / (2.0 * GENTLY * settings.acceleration_m_s2) + REACTION_S
     return (north + v_north * seconds, east + v_east * seconds, down + v_down * 0.5)
 
 

@@ -70,6 +70,11 @@ PX4_BREACHES: Final[Mapping[FenceType, StatusText]] = {
 REPOSITION_OUTSIDE: Final = StatusText(Severity.CRITICAL, "Reposition is outside geofence")
 
 
+def fence_without(what: str) -> StatusText:
+    """Return what PX4 says of an uploaded area that it leaves out."""
+    return StatusText(Severity.CRITICAL, f"Geofence invalid, doesn't contain {what}")
+
+
 def pausing(seconds: float) -> StatusText:
     """Return what PX4 says when it holds before it acts."""
     return StatusText(Severity.CRITICAL, f"Failsafe activated, entering Hold for {seconds:.0f} seconds")

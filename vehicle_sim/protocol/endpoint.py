@@ -9,6 +9,7 @@ for datagram in endpoint.outgoing("gcs"): ...
 from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.commands import CommandService
+from vehicle_sim.protocol.fences import FenceService
 from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
@@ -69,9 +70,12 @@ class Endpoint:
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
         self._plans = PlanService(self)
+        fences = FenceService(self)
+        self._plans.keepers.update(fences.keepers)
         self._presence = PresenceService(self)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
+        commands.handlers.update(fences.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
@@ -82,7 +86,7 @@ class Endpoint:
             **time.messages,
             **FileService(self).messages,
         }
-        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry}
+        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry, **fences.telemetry}
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
         }
