@@ -48,7 +48,7 @@ class SpeedAxis(Enum):
 class Machine:
     """Modes, arming, tasks and failsafes of one vehicle.
 
-    Public attributes to read: `mode`, `intended` (what the pilot chose last), `armed`, `flying`, `home`,
+    Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `home`,
     `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps velocities lower than
     asked), `guard`, and `texts`, a queue whose reader pops what it has taken (old ones drop out of a full queue).
     To be set: `rally`.
@@ -77,7 +77,7 @@ class Machine:
         self._detector = LandDetector()
         self.guard = Guard(self.flavour, self.settings)
         self.rally: tuple[RallyPoint, ...] = ()
-        self.intended = self.mode
+        self.intended_mode = self.mode
         self._wind_ned_m_s: Vector = (0.0, 0.0, 0.0)
         self._armed_at_s = 0.0
         self._has_flown = False
@@ -280,7 +280,7 @@ class Machine:
 
     def _happen(self, event: Event) -> None:
         if (mode := TRANSITIONS[self.flavour].get((self.mode, event))) is not None:
-            self.intended = mode
+            self.intended_mode = mode
             self._enter(mode)
 
     def _fly(self) -> None:
@@ -317,7 +317,7 @@ class Machine:
             self._now_s,
             self._estimate,
             self.flying,
-            self.intended,
+            self.intended_mode,
             self._stream_fresh,
             self._ground_lost,
             self._battery.level,
@@ -327,7 +327,7 @@ class Machine:
 
     def _choose(self, mode: Mode) -> None:
         """Note the mode that the pilot wants: a failsafe that acts is taken over, one that pauses is called off."""
-        self.intended = mode
+        self.intended_mode = mode
         self.guard.monitor.overridden()
 
     def _protect(self, situation: Situation, fresh: FenceType) -> None:
@@ -342,8 +342,12 @@ class Machine:
             ardupilot = self.flavour is Flavour.ARDUPILOT
             if ardupilot and Failsafe.ESTIMATOR in decision.appeared and self.mode is not before:
                 self.texts.append(texts.estimator_changed(self.rule.name))
-        elif self.flavour is Flavour.PX4 and self.mode is not self.intended and not self._obstacle(self.intended):
-            self._enter(self.intended)
+        elif (
+            self.flavour is Flavour.PX4
+            and self.mode is not self.intended_mode
+            and not self._obstacle(self.intended_mode)
+        ):
+            self._enter(self.intended_mode)
 
     def _act(self, action: Action) -> None:
         """Carry out a failsafe's action by the first of its modes that the estimator allows."""
@@ -357,7 +361,7 @@ class Machine:
         for mode in FAILSAFE_MODES[self.flavour].get(action, ()):
             if not self._obstacle(mode):
                 # Who has been told to land is not sent away again.
-                if mode is not self.mode and self.intended is not Mode.LAND:
+                if mode is not self.mode and self.intended_mode is not Mode.LAND:
                     self._enter(mode)
                 break
 

@@ -204,9 +204,9 @@ def test_fences_are_switched_by_command_in_whole_or_in_part() -> None:
 
 def test_rally_points_and_their_frames() -> None:
     relative, absolute = mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, mavlink.MAV_FRAME_GLOBAL_INT
-    for flavour, absolute_is in (
-        (Flavour.ARDUPILOT, mavlink.MAV_MISSION_UNSUPPORTED_FRAME),
-        (Flavour.PX4, mavlink.MAV_MISSION_ACCEPTED),
+    for flavour, absolute_is, height_m in (
+        (Flavour.ARDUPILOT, mavlink.MAV_MISSION_UNSUPPORTED_FRAME, 22.0),
+        (Flavour.PX4, mavlink.MAV_MISSION_ACCEPTED, 9.0),
     ):
         station = Station(endpoint_of(flavour))
         station.wait_for_position()
@@ -216,8 +216,6 @@ def test_rally_points_and_their_frames() -> None:
         assert upload(station, point, RALLY, frame=relative, z=22.0) == mavlink.MAV_MISSION_ACCEPTED
         assert [one.height_m for one in autopilot.rally] == [22.0]
         assert upload(station, point, RALLY, frame=absolute, z=autopilot.home.alt_m + 9.0) == absolute_is
-        assert [one.height_m for one in autopilot.rally] == pytest.approx(
-            [22.0 if flavour is Flavour.ARDUPILOT else 9.0], abs=1e-3
-        )
+        assert [one.height_m for one in autopilot.rally] == pytest.approx([height_m], abs=1e-3)
         assert upload(station, [], RALLY) == mavlink.MAV_MISSION_ACCEPTED
         assert autopilot.rally == ()
