@@ -101,7 +101,7 @@ def test_lost_setpoints_are_the_vehicles_failsafe_and_not_fought(plan: FlightPla
     ("flavour", "parameters", "ending", "mode"),
     [
         ("ardupilot", {"FENCE_ENABLE": 1, "FENCE_TYPE": 1, "FENCE_ALT_MAX": 10}, Ending.HANDED_OVER, "RTL"),
-        ("px4", {"GF_MAX_VER_DIST": 4}, Ending.FAILSAFE, "HOLD"),
+        ("px4", {"GF_MAX_VER_DIST": 4}, Ending.FAILSAFE, "AUTO.LOITER"),
     ],
 )
 def test_a_breach_of_the_vehicles_fence_ends_the_flight_and_is_not_fought(

@@ -342,11 +342,12 @@ class Machine:
             ardupilot = self.flavour is Flavour.ARDUPILOT
             if ardupilot and Failsafe.ESTIMATOR in decision.appeared and self.mode is not before:
                 self.texts.append(texts.estimator_changed(self.rule.name))
-        elif (
-            self.flavour is Flavour.PX4
-            and self.mode is not self.intended_mode
-            and not self._obstacle(self.intended_mode)
-        ):
+        elif self.flavour is Flavour.PX4:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Return to the mode that the pilot wants, if that is possible."""
+        if self.mode is not self.intended_mode and not self._obstacle(self.intended_mode):
             self._enter(self.intended_mode)
 
     def _act(self, action: Action) -> None:
