@@ -49,6 +49,10 @@ class Decision(NamedTuple):
     pause_s: float
 
 
+QUIET: Final = Decision(Action.NOTHING, is_other=False, appeared=(), vanished=(), pause_s=0.0)
+"""Nothing is wrong, and nothing was."""
+
+
 class FailsafeMonitor:
     """Keeps which failures are present and which responses stand."""
 
@@ -64,6 +68,11 @@ class FailsafeMonitor:
     def present(self) -> Failsafe:
         """The worst failure that is present."""
         return max(self.active, key=lambda failsafe: failsafe.value, default=Failsafe.NONE)
+
+    @property
+    def is_quiet(self) -> bool:
+        """Whether nothing is wrong, nothing stands, and nothing was done last."""
+        return not (self.active or self._standing or self.action)
 
     def overridden(self) -> None:
         """Note that the pilot has chosen a mode."""

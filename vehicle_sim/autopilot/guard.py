@@ -10,7 +10,7 @@ from math import hypot, inf
 from typing import Final, NamedTuple
 
 from vehicle_sim.autopilot import texts
-from vehicle_sim.autopilot.failsafe import Decision, FailsafeMonitor, Response
+from vehicle_sim.autopilot.failsafe import QUIET, Decision, FailsafeMonitor, Response
 from vehicle_sim.autopilot.fence import FenceWatch, names
 from vehicle_sim.autopilot.modes import MODES, Failsafe, Mode, Severity, StatusText
 from vehicle_sim.autopilot.tasks import stopping_place
@@ -117,7 +117,7 @@ class Guard:
     def look_at_fence(self, situation: Situation) -> FenceType:
         """Look at the fence alone, also before arming; return what is freshly breached."""
         estimate = situation.estimate
-        if estimate.origin is None or not estimate.status.position_ok:
+        if not self.fence.enabled or estimate.origin is None or not estimate.status.position_ok:
             return FenceType.NONE
         predicts = self._settings.fence.predicts and situation.flying
         place = stopping_place(estimate, self._settings) if predicts else estimate.position_ned_m
@@ -128,6 +128,8 @@ class Guard:
         if fresh:
             self.monitor.renewed(Failsafe.FENCE)
         failures = self._failures(situation)
+        if not failures and self.monitor.is_quiet:
+            return QUIET, self._wind_reminder(situation)
         decision = self.monitor.assess(situation.now_s, failures, self._settings.failsafe_hold_s)
         said = [text for failsafe in decision.appeared for text in self._said_of(failsafe, fresh)]
         over = texts.OVER[self._flavour]
@@ -148,25 +150,28 @@ class Guard:
     def _failures(self, situation: Situation) -> dict[Failsafe, Response]:
         """Return the failures that are present, with the responses that are set for them."""
         settings, flying = self._settings, situation.flying
-        offboard = self._flavour is _PX4 and situation.intended is Mode.GUIDED
-        wind = hypot(situation.wind_ned_m_s[0], situation.wind_ned_m_s[1])
-        present = {
-            Failsafe.SETPOINTS_LOST: (offboard and not situation.stream_fresh, settings.setpoint_loss),
-            # Who has been told to land goes on with it.
-            Failsafe.GROUND_LOST: (situation.ground_lost and situation.intended is not Mode.LAND, settings.ground_loss),
-            Failsafe.WIND: (flying and wind > settings.wind.limit_m_s, settings.wind.action),
-            Failsafe.FENCE: (self.is_outside, self._fence_action()),
-            Failsafe.ESTIMATOR: (flying and self._position_lost(situation), settings.estimator_loss),
-            Failsafe.BATTERY_LOW: (situation.battery is BatteryLevel.LOW, settings.battery_low),
-            Failsafe.BATTERY_CRITICAL: (situation.battery is BatteryLevel.CRITICAL, settings.battery_critical),
-            Failsafe.BATTERY_EMERGENCY: (situation.battery is BatteryLevel.EMERGENCY, settings.battery_emergency),
-        }
+        present: dict[Failsafe, Action] = {}
+        if self._flavour is _PX4 and situation.intended is Mode.GUIDED and not situation.stream_fresh:
+            present[Failsafe.SETPOINTS_LOST] = settings.setpoint_loss
+        # Who has been told to land goes on with it.
+        if situation.ground_lost and situation.intended is not Mode.LAND:
+            present[Failsafe.GROUND_LOST] = settings.ground_loss
+        if flying and settings.wind.limit_m_s < inf and _speed(situation) > settings.wind.limit_m_s:
+            present[Failsafe.WIND] = settings.wind.action
+        if self.is_outside:
+            present[Failsafe.FENCE] = self._fence_action()
+        if flying and self._position_lost(situation):
+            present[Failsafe.ESTIMATOR] = settings.estimator_loss
+        if situation.battery is BatteryLevel.LOW:
+            present[Failsafe.BATTERY_LOW] = settings.battery_low
+        elif situation.battery is BatteryLevel.CRITICAL:
+            present[Failsafe.BATTERY_CRITICAL] = settings.battery_critical
+        elif situation.battery is BatteryLevel.EMERGENCY:
+            present[Failsafe.BATTERY_EMERGENCY] = settings.battery_emergency
+        if not present:
+            return {}
         habits = _HABITS[self._flavour]
-        return {
-            failsafe: Response(action, *habits[failsafe])
-            for failsafe, (is_there, action) in present.items()
-            if is_there
-        }
+        return {failsafe: Response(action, *habits[failsafe]) for failsafe, action in present.items()}
 
     def _fence_action(self) -> Action:
         fence = self._settings.fence
@@ -185,10 +190,16 @@ class Guard:
 
     def _wind_reminder(self, situation: Situation) -> list[StatusText]:
         limits = self._settings.wind
-        wind = hypot(situation.wind_ned_m_s[0], situation.wind_ned_m_s[1])
         due = situation.now_s - self._wind_told_s > _WIND_REMINDER_S
-        landing = situation.intended in (Mode.RETURN, Mode.LAND)
-        if not (situation.flying and due and limits.warning_m_s < wind <= limits.limit_m_s) or landing:
+        if limits.warning_m_s == inf or not (situation.flying and due):
+            return []
+        wind = _speed(situation)
+        if not limits.warning_m_s < wind <= limits.limit_m_s or situation.intended in (Mode.RETURN, Mode.LAND):
             return []
         self._wind_told_s = situation.now_s
         return [texts.high_wind(wind)]
+
+
+def _speed(situation: Situation) -> float:
+    north, east, _ = situation.wind_ned_m_s
+    return hypot(north, east)

@@ -31,7 +31,9 @@ class LandDetector:
         `thrust_m_s2` is the specific thrust that the controller asks for.
         """
         north, east, down = estimate.velocity_ned_m_s
-        still = abs(down) < _VERTICAL_M_S and north * north + east * east < _HORIZONTAL_M_S**2
+        # Without a position the horizontal speed drifts and says nothing.
+        slow = north * north + east * east < _HORIZONTAL_M_S**2 or not estimate.status.position_ok
+        still = abs(down) < _VERTICAL_M_S and slow
         if thrust_m_s2 > _THRUST_SHARE * GRAVITY_M_S2 or not still:
             self._still_since_s = None
             return False
