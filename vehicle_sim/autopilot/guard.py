@@ -111,8 +111,9 @@ class Guard:
     @property
     def recovers(self) -> bool:
         """Whether the pilot may not leave the mode in which the vehicle gets back into its fence."""
-        is_fence = Failsafe.FENCE in self.monitor.active and self.monitor.action >= Action.HOLD
-        return self._settings.fence.locks_mode and is_fence and self.fence.breached != FenceType.NONE
+        fence = self._settings.fence
+        acts = self.monitor.action >= Action.HOLD and fence.action >= Action.HOLD
+        return fence.locks_mode and acts and self.fence.breached != FenceType.NONE
 
     def look_at_fence(self, situation: Situation) -> FenceType:
         """Look at the fence alone, also before arming; return what is freshly breached."""

@@ -53,7 +53,7 @@ class Autopilot(Machine):
         """
         if mode not in self.modes:
             return Outcome.DENIED
-        if self.flying and self.guard.recovers:
+        if self.flying and self.guard.recovers and self.mode is not self.intended_mode:
             if mode is self.mode:
                 return Outcome.ACCEPTED
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, "in fence recovery"))
