@@ -30,6 +30,7 @@ class Autopilot(Machine):
         self.armed = True
         self._armed_at_s = self._now_s
         self._has_flown = False
+        self.intended_mode = self.mode
         if self._estimate.status.position_ok and not self._home_locked:
             self._place_home(self._here())
         self.texts.append(texts.ARMED[self.flavour])
