@@ -11,3 +11,7 @@ class ConfigurationError(VehicleSimError):
 
 class ParameterError(VehicleSimError):
     """A parameter that does not exist, or a value that it cannot take; the message says which."""
+
+
+class PlanError(VehicleSimError):
+    """A plan whose items do not make sense together; the message says what is wrong."""

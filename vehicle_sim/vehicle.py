@@ -222,11 +222,7 @@ class Vehicle:
     @property
     def wind_estimate_ne_m_s(self) -> tuple[float, float] | None:
         """The wind that the observed disturbance amounts to, if all of it is drag; None while nothing is flown."""
-        if self.autopilot.target is None:
-            return None
-        north, east, _ = self._estimator.estimate.velocity_ned_m_s
-        push = self._controller.disturbance_ned_m_s2
-        return (north + push[0] / DRAG_PER_S, east + push[1] / DRAG_PER_S)
+        return None if self.autopilot.target is None else self._felt_wind(self._estimator.estimate)[:2]
 
     def step(self) -> None:
         """Advance by exactly one step."""
@@ -246,9 +242,15 @@ class Vehicle:
             )
             if self.faults.advance(time_s, armed=self.autopilot.armed, flying=self.autopilot.flying):
                 self._suffer()
-            self.autopilot.advance(self._command.thrust_m_s2)
+            self.autopilot.advance(self._command.thrust_m_s2, self._felt_wind(estimate))
         command = self._controller.step(estimate, self.autopilot.guidance)
         self._command = command if self._rotors is None else self._rotors.step(command, estimate)
+
+    def _felt_wind(self, estimate: Estimate) -> Vector:
+        """Return the level wind whose drag explains the disturbance that the controller sees."""
+        north, east, _down = self._controller.disturbance_ned_m_s2
+        v_north, v_east, _v_down = estimate.velocity_ned_m_s
+        return (v_north + north / DRAG_PER_S, v_east + east / DRAG_PER_S, 0.0)
 
     def _suffer(self) -> None:
         """Hand what is wrong now to those that suffer from it."""

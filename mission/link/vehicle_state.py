@@ -26,8 +26,8 @@ from mission.link.vehicle_clock import VehicleClock
 
 _MOST_TEXTS: Final = 64
 _FRESH_S: Final = 2.0
-_GRAVE: Final = 4
-"""Warnings and worse explain a refusal; notices and chatter do not."""
+_GRAVE: Final = 5
+"""Notices and worse explain what happened (ArduPilot gives notice of a breach of its fence); chatter does not."""
 
 _PARTS: Final = ((Sensors.GYRO, "gyro"), (Sensors.ACCELEROMETER, "accelerometer"), (Sensors.COMPASS, "compass"))
 _NEEDED: Final = (

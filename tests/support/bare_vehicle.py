@@ -6,7 +6,7 @@ from dataclasses import replace
 from vehicle_sim.autopilot import LandedState, Mode, Outcome
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.signals import Setpoint
+from vehicle_sim.signals import PartialVector, Setpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
 
@@ -66,3 +66,33 @@ def hovering(
     assert autopilot.takeoff(height_m) is Outcome.ACCEPTED
     wait_until(vehicle, lambda v: v.autopilot.landed_state is LandedState.IN_AIR, within_s=30.0)
     return vehicle
+
+
+def said(vehicle: Vehicle) -> list[str]:
+    """Return the texts since the last call."""
+    texts = [text.text for text in vehicle.autopilot.texts]
+    vehicle.autopilot.texts.clear()
+    return texts
+
+
+def place(vehicle: Vehicle, north: float = 0.0, east: float = 0.0, up: float = 0.0) -> PartialVector:
+    n, e, d = vehicle.estimate.position_ned_m
+    return (n + north, e + east, d - up)
+
+
+def mode_of(vehicle: Vehicle) -> Mode:
+    return vehicle.autopilot.mode
+
+
+def landed_state(vehicle: Vehicle) -> LandedState:
+    return vehicle.autopilot.landed_state
+
+
+def offboard(vehicle: Vehicle) -> Setpoint:
+    """Bring a hovering PX4 into Offboard and return the setpoint that it flies."""
+    setpoint = Setpoint(position_ned_m=place(vehicle, north=5.0))
+    run(vehicle, 0.5, setpoint)
+    assert vehicle.autopilot.set_mode(Mode.GUIDED) is Outcome.ACCEPTED
+    run(vehicle, 1.0, setpoint)
+    assert mode_of(vehicle) is Mode.GUIDED
+    return setpoint

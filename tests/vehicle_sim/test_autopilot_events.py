@@ -6,8 +6,10 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from tests.support.bare_vehicle import booted, run
+from tests.support.fences import at_home, circle, fenced, ring
 from vehicle_sim.autopilot import Mode, Outcome, SpeedAxis
-from vehicle_sim.parameters import Flavour
+from vehicle_sim.autopilot.rally import RallyPoint
+from vehicle_sim.parameters import ALL_FENCES, Flavour
 from vehicle_sim.signals import Setpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
@@ -99,6 +101,24 @@ class Requests(RuleBasedStateMachine):
     def tune(self, value: int) -> None:
         name = {Flavour.ARDUPILOT: "FS_GCS_ENABLE", Flavour.PX4: "COM_OBL_RC_ACT"}[self.vehicle.autopilot.flavour]
         self.vehicle.parameters.set(name, value)
+
+    @rule(
+        reach=st.floats(1.0, 40.0),
+        north=st.floats(-60.0, 60.0),
+        contains=st.booleans(),
+        action=st.integers(0, 5),
+        on=st.booleans(),
+    )
+    def fence(self, *, reach: float, north: float, contains: bool, action: int, on: bool) -> None:
+        vehicle = self.vehicle
+        if vehicle.autopilot.home is None:
+            return
+        names = {Flavour.ARDUPILOT: "FENCE_ACTION", Flavour.PX4: "GF_ACTION"}
+        areas = (ring(vehicle, reach, north=north, contains=contains), circle(vehicle, reach, contains=not contains))
+        fenced(vehicle, *(areas if on else ()), **{names[vehicle.autopilot.flavour]: action})
+        if vehicle.autopilot.flavour is Flavour.ARDUPILOT:
+            vehicle.autopilot.guard.fence.switch(ALL_FENCES, on=on)
+        vehicle.autopilot.rally = (RallyPoint(at_home(vehicle, north, reach), reach),) if on else ()
 
     @invariant()
     def nothing_leaves_the_ground_disarmed(self) -> None:

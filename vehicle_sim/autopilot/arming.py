@@ -21,6 +21,8 @@ class ArmingReason(Enum):
     NO_SETPOINTS = auto()
     BATTERY = auto()
     GROUND_LOST = auto()
+    FENCE_BLIND = auto()
+    OUTSIDE_FENCE = auto()
 
 
 class ArmingFault(NamedTuple):
@@ -40,6 +42,8 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.NO_SETPOINTS: "No setpoints",
         ArmingReason.BATTERY: "Battery 1 below minimum arming voltage",
         ArmingReason.GROUND_LOST: "GCS failsafe on",
+        ArmingReason.FENCE_BLIND: "Fence requires position",
+        ArmingReason.OUTSIDE_FENCE: "vehicle outside fence",
     },
     Flavour.PX4: {
         ArmingReason.CALIBRATING: "Attitude estimate not stable",
@@ -50,6 +54,8 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.NO_SETPOINTS: "No offboard signal",
         ArmingReason.BATTERY: "Low battery",
         ArmingReason.GROUND_LOST: "No connection to the ground control station",
+        ArmingReason.FENCE_BLIND: "Geofence RTL requires valid home",
+        ArmingReason.OUTSIDE_FENCE: "Geofence: approaching or outside geofence",
     },
 }
 
@@ -75,6 +81,8 @@ def arming_faults(
     setpoints_fresh: bool,
     ground_lost: bool,
     battery: BatteryLevel,
+    fence_blind: bool,
+    outside_fence: bool,
 ) -> tuple[ArmingFault, ...]:
     """Return every check that fails now, in the order in which an autopilot names them."""
     status = estimate.status
@@ -89,6 +97,8 @@ def arming_faults(
         ArmingReason.NO_SETPOINTS: wants_setpoints and not setpoints_fresh,
         ArmingReason.BATTERY: battery >= BatteryLevel.CRITICAL,
         ArmingReason.GROUND_LOST: ground_lost,
+        ArmingReason.FENCE_BLIND: fence_blind,
+        ArmingReason.OUTSIDE_FENCE: outside_fence,
     }
     texts = _TEXTS[flavour]
     return tuple(

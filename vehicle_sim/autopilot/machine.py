@@ -10,7 +10,8 @@ from typing import Final
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS, ArmingFault, arming_faults
-from vehicle_sim.autopilot.failsafe import FailsafeMonitor
+from vehicle_sim.autopilot.avoidance import within_fence
+from vehicle_sim.autopilot.guard import Guard, Situation
 from vehicle_sim.autopilot.hand import HandTask, Pilot
 from vehicle_sim.autopilot.landing import LandDetector
 from vehicle_sim.autopilot.modes import (
@@ -28,14 +29,14 @@ from vehicle_sim.autopilot.modes import (
     Severity,
     StatusText,
 )
+from vehicle_sim.autopilot.rally import Destination, RallyPoint, destination
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, LevelTask, ReturnTask, TakeoffTask, Task
-from vehicle_sim.battery import Battery, BatteryLevel
+from vehicle_sim.battery import Battery
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
-from vehicle_sim.parameters import Action, Flavour, ParameterStore, flight_settings
+from vehicle_sim.parameters import Action, FenceType, Flavour, ParameterStore, flight_settings
 from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
 
 _MOST_TEXTS: Final = 64
-_DOUBT_S: Final = 1.0
 _LINGERS_S: Final = 0.5
 
 
@@ -51,8 +52,9 @@ class Machine:
     """Modes, arming, tasks and failsafes of one vehicle.
 
     Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `home`,
-    `home_revision` (grows with every change of home), `guidance`, `pilot` (who may be at the sticks), and `texts`, a
-    queue whose reader pops what it has taken (old ones drop out of a full queue).
+    `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps velocities lower than
+    asked), `guard`, `pilot` (who may be at the sticks), and `texts`, a queue whose reader pops what it has taken (old
+    ones drop out of a full queue). To be set: `rally`.
     """
 
     def __init__(self, parameters: ParameterStore, battery: Battery, estimate: Estimate) -> None:
@@ -76,10 +78,11 @@ class Machine:
         self._home_ned_m: Vector = (0.0, 0.0, 0.0)
         self._aligned = False
         self._origin_known = False
-        self._position_good_s = 0.0
         self._detector = LandDetector()
-        self._failsafes = FailsafeMonitor()
-        self._resumes = False
+        self.guard = Guard(self.flavour, self.settings)
+        self.rally: tuple[RallyPoint, ...] = ()
+        self.intended_mode = self.mode
+        self._wind_ned_m_s: Vector = (0.0, 0.0, 0.0)
         self._armed_at_s = 0.0
         self._has_flown = False
         self._landed_at_s = -inf
@@ -93,8 +96,8 @@ class Machine:
         self._yaw_rate_rad_s = inf
         self._paused: Setpoint | None = None
         self.pilot = Pilot(self.settings.hand)
-        self.intended_mode = self.mode
         self._task: Task = LevelTask(estimate)
+        self.slowed = False
         self.guidance = Guidance(None, self.settings.limits())
 
     # What can be seen from outside.
@@ -112,12 +115,12 @@ class Machine:
     @property
     def failsafe(self) -> Failsafe:
         """The worst failure that is present."""
-        return self._failsafes.present
+        return self.guard.monitor.present
 
     @property
     def in_failsafe(self) -> bool:
-        """Whether any failure is present."""
-        return self._failsafes.present is not Failsafe.NONE
+        """Whether the heartbeat calls the state critical."""
+        return self.guard.in_failsafe
 
     @property
     def landed_state(self) -> LandedState:
@@ -144,6 +147,8 @@ class Machine:
             setpoints_fresh=self._stream_fresh,
             ground_lost=self._ground_lost,
             battery=self._battery.level,
+            fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
+            outside_fence=self.guard.is_outside,
         )
 
     @property
@@ -176,15 +181,24 @@ class Machine:
         self._now_s = now_s
         self._estimate = estimate
 
-    def advance(self, thrust_m_s2: float) -> None:
-        """Do what is due: `thrust_m_s2` is the specific thrust that the controller asked for last."""
+    def advance(self, thrust_m_s2: float, wind_ned_m_s: Vector = (0.0, 0.0, 0.0)) -> None:
+        """Do what is due.
+
+        Args:
+            thrust_m_s2: The specific thrust that the controller asked for last.
+            wind_ned_m_s: The wind that the vehicle feels.
+        """
         if self._parameters.revision != self._revision:
             self._revision = self._parameters.revision
             self.settings = flight_settings(self._parameters)
             self.pilot.hand = self.settings.hand
+            self.guard.configure(self.settings)
         self._watch_origin()
+        self._wind_ned_m_s = wind_ned_m_s
+        situation = self._situation()
+        fresh = self.guard.look_at_fence(situation)
         if self.armed:
-            self._guard()
+            self._protect(situation, fresh)
         if self.armed:
             self._fly()
         elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (faults := self.arming_faults):
@@ -242,7 +256,7 @@ class Machine:
         elif mode is Mode.LAND:
             self._task = LandTask(estimate, settings, home_down_m=self._home_ned_m[2])
         elif mode is Mode.RETURN:
-            self._task = ReturnTask(estimate, settings, home_ned_m=self._home_ned_m)
+            self._task = ReturnTask(estimate, settings, goal=self._goal())
         elif mode is Mode.TAKEOFF:
             height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
             self._task = TakeoffTask(estimate, settings, down_m=self._home_ned_m[2] - height)
@@ -251,6 +265,15 @@ class Machine:
         else:
             self._task = HoldTask(estimate, settings)
         self._refresh()
+
+    def _goal(self) -> Destination:
+        """Where a return leads from here, no higher than the fence's margin allows."""
+        origin, fence = self._estimate.origin, self.settings.fence
+        points = [] if origin is None else [(ned_offset_m(origin, point.place), point.height_m) for point in self.rally]
+        goal = destination(self._estimate.position_ned_m, self._home_ned_m, points, self.settings)
+        if FenceType.ALTITUDE not in self.guard.fence.enabled:
+            return goal
+        return goal._replace(height_m=min(goal.height_m, fence.ceiling_m - fence.margin_m))
 
     def _guided(self) -> GuidedTask:
         px4 = self.flavour is Flavour.PX4
@@ -265,7 +288,7 @@ class Machine:
         self.armed = False
         self._disarmed_at_s = self._now_s
         self._takeoff_height_m = None
-        self._resumes = False
+        self.guard.monitor.disarmed()
         self._refresh()
 
     def _happen(self, event: Event) -> None:
@@ -278,7 +301,7 @@ class Machine:
         spooled = self._now_s - self._armed_at_s >= self.settings.spool_up_s
         if not self.flying and spooled and task.lifts(self._estimate):
             self.flying = self._has_flown = True
-            self._position_good_s = self._now_s
+            self.guard.trust_position(self._now_s)
             self._detector.reset()
             self.texts.extend(texts.TAKEN_OFF[self.flavour])
         if self.flying:
@@ -302,68 +325,76 @@ class Machine:
         if self._now_s >= due:
             self._disarm(texts.DISARMED_BY_LANDING[self.flavour])
 
-    def _guard(self) -> None:
-        """Look for failures and act on the worst."""
-        settings, level = self.settings, self._battery.level
-        active: dict[Failsafe, Action] = {}
-        if level is BatteryLevel.LOW:
-            active[Failsafe.BATTERY_LOW] = settings.battery_low
-        elif level is BatteryLevel.CRITICAL:
-            active[Failsafe.BATTERY_CRITICAL] = settings.battery_critical
-        elif level is BatteryLevel.EMERGENCY:
-            active[Failsafe.BATTERY_EMERGENCY] = settings.battery_emergency
-        offboard = self.flavour is Flavour.PX4 and (self.mode is Mode.GUIDED or self._resumes)
-        if offboard and not self._stream_fresh:
-            active[Failsafe.SETPOINTS_LOST] = settings.setpoint_loss
-        elif self._resumes:
-            self._resumes = False
-            self._happen(Event.SETPOINTS_BACK)
-        if self._ground_lost:
-            active[Failsafe.GROUND_LOST] = settings.ground_loss
-        if self.flying and self.rule.needs_position and self._position_lost():
-            active[Failsafe.ESTIMATOR] = settings.estimator_loss
-        verdict = self._failsafes.assess(self._now_s, active, settings.failsafe_hold_s)
-        if verdict is None:
-            return
-        failsafe, action, is_new = verdict
-        if is_new and (text := texts.FAILED[self.flavour].get(failsafe)) is not None:
-            self.texts.append(text)
-        self._act(action)
-        self._resumes = failsafe is Failsafe.SETPOINTS_LOST or self._resumes
+    def _situation(self) -> Situation:
+        return Situation(
+            self._now_s,
+            self._estimate,
+            self.flying,
+            self.intended_mode,
+            self._stream_fresh,
+            self._ground_lost,
+            self._battery.level,
+            self._wind_ned_m_s,
+            self._home_ned_m,
+        )
 
-    def _position_lost(self) -> bool:
-        """Tell whether the position fails its checks, and has failed the noisy ones for a second."""
-        status, settings = self._estimate.status, self.settings
-        ratio = max(status.position_horizontal_ratio, status.velocity_ratio)
-        if ratio <= settings.estimator_ratio and status.horizontal_accuracy_m <= settings.estimator_accuracy_m:
-            self._position_good_s = self._now_s
-        return not status.position_ok or self._now_s - self._position_good_s > _DOUBT_S
+    def _choose(self, mode: Mode) -> None:
+        """Note the mode that the pilot wants: a failsafe that acts is taken over, one that pauses is called off."""
+        self.intended_mode = mode
+        self.guard.monitor.overridden()
+
+    def _protect(self, situation: Situation, fresh: FenceType) -> None:
+        """Carry out what the guard decides, when it decides something new."""
+        decision, said = self.guard.decide(situation, fresh)
+        self.texts.extend(said)
+        if not decision.is_other:
+            return
+        if decision.action > Action.NOTHING:
+            before = self.mode
+            self._act(decision.action)
+            ardupilot = self.flavour is Flavour.ARDUPILOT
+            if ardupilot and Failsafe.ESTIMATOR in decision.appeared and self.mode is not before:
+                self.texts.append(texts.estimator_changed(self.rule.name))
+        elif self.flavour is Flavour.PX4:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Return to the mode that the pilot wants, if that is possible."""
+        if self.mode is not self.intended_mode and not self._obstacle(self.intended_mode):
+            self._enter(self.intended_mode)
 
     def _act(self, action: Action) -> None:
         """Carry out a failsafe's action by the first of its modes that the estimator allows."""
         if action is Action.TERMINATE:
             self.terminate()
-        elif action is Action.DISARM:
+            return
+        # ArduPilot stops the motors of a vehicle that has not left the ground.
+        if action is Action.DISARM or (self.flavour is Flavour.ARDUPILOT and not self.flying):
             self._disarm(texts.DISARMED[self.flavour])
+            return
         for mode in FAILSAFE_MODES[self.flavour].get(action, ()):
             if not self._obstacle(mode):
-                # A vehicle that already lands or returns because of something else is left at it.
-                if mode is not self.mode and self.mode is not Mode.LAND:
+                # Who has been told to land is not sent away again.
+                if mode is not self.mode and self.intended_mode is not Mode.LAND:
                     self._enter(mode)
                 break
 
     def _refresh(self) -> None:
         """Make the guidance of the present task."""
         task, speeds, limits = self._task, self._speeds, self.settings.limits()
+        self.slowed = False
         if not (self.armed and self.flying):
             self.guidance = Guidance(None, limits)
             return
         settings, speed, acceleration = self.settings, limits.speed_m_s, limits.acceleration_m_s2
+        setpoint = task.setpoint
         if isinstance(task, GuidedTask):
+            setpoint = within_fence(setpoint, self._estimate, settings, self.guard.fence, self._home_ned_m)
+            self.slowed = setpoint is not task.setpoint
             speed, acceleration = settings.setpoint_speed_m_s, settings.setpoint_acceleration_m_s2
         speed = task.speed_m_s or speed
         self.guidance = Guidance(
-            task.setpoint,
+            setpoint,
             limits._replace(
                 speed_m_s=speeds.get(SpeedAxis.HORIZONTAL, speed),
                 acceleration_m_s2=acceleration,

@@ -77,16 +77,17 @@ class Failsafe(Enum):
     BATTERY_LOW = 1
     SETPOINTS_LOST = 2
     GROUND_LOST = 3
-    ESTIMATOR = 4
-    BATTERY_CRITICAL = 5
-    BATTERY_EMERGENCY = 6
+    WIND = 4
+    FENCE = 5
+    ESTIMATOR = 6
+    BATTERY_CRITICAL = 7
+    BATTERY_EMERGENCY = 8
 
 
 class Event(Enum):
     """What happens to a mode from inside."""
 
     TAKEN_OFF = auto()
-    SETPOINTS_BACK = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,12 +143,6 @@ TRANSITIONS: Final[Mapping[Flavour, Mapping[tuple[Mode, Event], Mode]]] = {
     Flavour.ARDUPILOT: {(Mode.GUIDED, Event.TAKEN_OFF): Mode.GUIDED},
     Flavour.PX4: {
         (Mode.TAKEOFF, Event.TAKEN_OFF): Mode.HOLD,
-        # A fallback from Offboard ends when the stream is back, unless the pilot has chosen otherwise meanwhile.
-        (Mode.POSITION, Event.SETPOINTS_BACK): Mode.GUIDED,
-        (Mode.ALT_HOLD, Event.SETPOINTS_BACK): Mode.GUIDED,
-        (Mode.MANUAL, Event.SETPOINTS_BACK): Mode.GUIDED,
-        (Mode.HOLD, Event.SETPOINTS_BACK): Mode.GUIDED,
-        (Mode.RETURN, Event.SETPOINTS_BACK): Mode.GUIDED,
     },
 }
 """Where each event leads from each mode; an event that is not listed changes nothing."""
@@ -169,4 +164,6 @@ FAILSAFE_MODES: Final[Mapping[Flavour, Mapping[Action, tuple[Mode, ...]]]] = {
         Action.LAND: (Mode.LAND,),
     },
 }
-"""The modes that carry out a failsafe's action: the first that the estimator allows."""
+"""The modes that carry out a failsafe's action: the first that the estimator allows.
+
+When PX4's action ends with its failure, the mode that the pilot chose last is entered again."""

@@ -7,6 +7,7 @@ from math import inf, pi
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REFUSALS
+from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
 from vehicle_sim.autopilot.machine import Machine, SpeedAxis
 from vehicle_sim.autopilot.modes import HOLDING, Mode, Outcome, Severity
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, TakeoffTask
@@ -29,6 +30,7 @@ class Autopilot(Machine):
         self.armed = True
         self._armed_at_s = self._now_s
         self._has_flown = False
+        self.intended_mode = self.mode
         if self._estimate.status.position_ok and not self._home_locked:
             self._place_home(self._here())
         self.texts.append(texts.ARMED[self.flavour])
@@ -52,18 +54,19 @@ class Autopilot(Machine):
         """
         if mode not in self.modes:
             return Outcome.DENIED
+        if self.flying and self.guard.recovers and self.mode is not self.intended_mode:
+            if mode is self.mode:
+                return Outcome.ACCEPTED
+            self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, "in fence recovery"))
+            return self._refusal
         if mode is self.mode:
-            self._failsafes.overridden()
-            self._resumes = False
-            self.intended_mode = mode
+            self._choose(mode)
             return Outcome.ACCEPTED
         if self.armed and (reason := self._obstacle(mode)):
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
             streamless = self.flavour is Flavour.PX4 and mode is Mode.GUIDED and self._estimate.status.position_ok
             return Outcome.ACCEPTED if streamless else self._refusal
-        self._failsafes.overridden()
-        self._resumes = False
-        self.intended_mode = mode
+        self._choose(mode)
         self._enter(mode)
         return Outcome.ACCEPTED
 
@@ -77,9 +80,7 @@ class Autopilot(Machine):
             if not self._estimate.status.position_ok or self.home is None or not height < inf:
                 return Outcome.TEMPORARILY_REJECTED
             self._takeoff_height_m = height
-            self._failsafes.overridden()
-            self._resumes = False
-            self.intended_mode = Mode.TAKEOFF
+            self._choose(Mode.TAKEOFF)
             self._enter(Mode.TAKEOFF)
             return Outcome.ACCEPTED
         target_down = self._home_ned_m[2] - height
@@ -146,6 +147,12 @@ class Autopilot(Machine):
         if self.set_mode(mode) is not Outcome.ACCEPTED:
             return self._refusal
         task = HoldTask(self._estimate, self.settings, place=place_ned_m, yaw_rad=yaw_rad)
+        if self._is_fenced_off(task.setpoint.position_ned_m):
+            if self.flavour is Flavour.ARDUPILOT:
+                return Outcome.FAILED
+            # PX4 has accepted the command, and changed the mode, before it looks at the place.
+            self.texts.append(texts.REPOSITION_OUTSIDE)
+            return Outcome.ACCEPTED
         if isinstance(self._task, GuidedTask):
             self._task.go_to(task.setpoint)
         else:
@@ -186,11 +193,14 @@ class Autopilot(Machine):
     def setpoint(self, setpoint: Setpoint) -> bool:
         """Take a setpoint from outside; tell whether it is flown.
 
-        In other modes than GUIDED ArduPilot ignores it; PX4 notes that the stream is alive.
+        In other modes than GUIDED ArduPilot ignores it; PX4 notes that the stream is alive. ArduPilot also ignores a
+        place outside of the fence and goes on with what it had before.
         """
         self._stream_s = self._now_s
         self._stream = setpoint
         if self.mode is not Mode.GUIDED or not self.armed:
+            return False
+        if self.flavour is Flavour.ARDUPILOT and self._is_fenced_off(setpoint.position_ned_m):
             return False
         if not isinstance(self._task, GuidedTask):
             self._task = self._guided()
@@ -204,6 +214,30 @@ class Autopilot(Machine):
         if self.mode is Mode.GUIDED and self.armed and isinstance(self._task, GuidedTask):
             self._task.halt(self._estimate)
             self._refresh()
+
+    def fence_in(self, plan: FencePlan) -> None:
+        """Keep an uploaded fence; PX4 leaves areas out that home, or the flying vehicle, would breach at once."""
+        origin = self._estimate.origin
+        if self.flavour is Flavour.PX4 and origin is not None:
+            inside: list[Area] = []
+            for area in plan.areas:
+                local = LocalFence((area,), origin)
+                places = {"Home position": self._home_ned_m} if self.home is not None else {}
+                if self.flying and self.settings.fence.reports:
+                    places["current vehicle position"] = self._estimate.position_ned_m
+                missing = [name for name, place in places.items() if local.excess_m(place[0], place[1]) >= 0.0]
+                self.texts.extend(texts.fence_without(name) for name in missing)
+                inside += [] if missing else [area]
+            plan = FencePlan(tuple(inside), plan.return_point)
+        self.guard.fence.load(plan)
+
+    def _is_fenced_off(self, place: PartialVector) -> bool:
+        """Whether the fence forbids a place, which is one only if all its axes are given."""
+        north, east, down = place
+        origin = self._estimate.origin
+        if north is None or east is None or down is None or origin is None:
+            return False
+        return self.guard.fence.forbids((north, east, down), self._home_ned_m, origin)
 
     def heartbeat_from_ground(self, system_id: int, now_s: float) -> None:
         """Note that a ground station lives; ArduPilot counts only the one that its parameter names."""

@@ -9,13 +9,16 @@ from enum import Enum, auto
 from math import hypot, inf
 from typing import Final
 
+from vehicle_sim.autopilot.rally import Destination
 from vehicle_sim.parameters import FlightSettings
 from vehicle_sim.signals import FREE, Estimate, PartialVector, Setpoint, Vector
 
 _REACHED_HEIGHT_M: Final = 0.3
 _SLOW_M_S: Final = 0.5
-_GENTLY: Final = 0.75
-_REACTION_S: Final = 0.8
+GENTLY: Final = 0.75
+"""Share of the horizontal acceleration that braking counts on."""
+REACTION_S: Final = 0.8
+"""Time until braking has set in."""
 
 
 def stopping_place(estimate: Estimate, settings: FlightSettings) -> Vector:
@@ -23,7 +26,7 @@ def stopping_place(estimate: Estimate, settings: FlightSettings) -> Vector:
     north, east, down = estimate.position_ned_m
     v_north, v_east, v_down = estimate.velocity_ned_m_s
     speed = hypot(v_north, v_east)
-    seconds = speed / (2.0 * _GENTLY * settings.acceleration_m_s2) + _REACTION_S
+    seconds = speed / (2.0 * GENTLY * settings.acceleration_m_s2) + REACTION_S
     return (north + v_north * seconds, east + v_east * seconds, down + v_down * 0.5)
 
 
@@ -207,12 +210,12 @@ class _Leg(Enum):
 
 
 class ReturnTask(Task):
-    """Climb, fly home, wait, land."""
+    """Climb, fly home or to a rally point, wait, land."""
 
-    def __init__(self, estimate: Estimate, settings: FlightSettings, *, home_ned_m: Vector) -> None:
-        """Return to `home_ned_m` at the height that the settings ask for, never lower than now."""
+    def __init__(self, estimate: Estimate, settings: FlightSettings, *, goal: Destination) -> None:
+        """Return to `goal` at the height that it asks for, never lower than now."""
         self._settings = settings
-        self._home = home_ned_m
+        self._home, self._height_m = goal
         self._leg = _Leg.CLIMB
         self._land: LandTask | None = None
         self._waiting_since_s = inf
@@ -229,9 +232,9 @@ class ReturnTask(Task):
         if distance < settings.return_min_distance_m:
             wanted = height
         elif settings.return_cone_slope < inf:
-            wanted = min(settings.return_height_m, settings.return_cone_slope * distance)
+            wanted = min(self._height_m, settings.return_cone_slope * distance)
         else:
-            wanted = settings.return_height_m
+            wanted = self._height_m
         return self._home[2] - max(height + settings.return_climb_min_m, wanted)
 
     def advance(self, now_s: float, estimate: Estimate) -> None:

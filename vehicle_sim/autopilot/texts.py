@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from vehicle_sim.autopilot.modes import Failsafe, Severity, StatusText
-from vehicle_sim.parameters import Flavour
+from vehicle_sim.parameters import FenceType, Flavour
 
 _AP, _PX4 = Flavour.ARDUPILOT, Flavour.PX4
 
@@ -59,8 +59,43 @@ FAILED: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
         Failsafe.BATTERY_CRITICAL: StatusText(Severity.CRITICAL, "Critical battery level"),
         Failsafe.BATTERY_EMERGENCY: StatusText(Severity.EMERGENCY, "Emergency battery level"),
         Failsafe.ESTIMATOR: StatusText(Severity.CRITICAL, "Failsafe activated: Position estimate invalid"),
+        Failsafe.WIND: StatusText(Severity.CRITICAL, "Failsafe activated: Wind speed is above limit"),
     },
 }
+OVER: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
+    _AP: {
+        Failsafe.GROUND_LOST: StatusText(Severity.WARNING, "GCS Failsafe Cleared"),
+        Failsafe.ESTIMATOR: StatusText(Severity.CRITICAL, "EKF Failsafe Cleared"),
+        Failsafe.FENCE: StatusText(Severity.NOTICE, "Fence breach cleared"),
+    },
+    _PX4: {},
+}
+PX4_BREACHES: Final[Mapping[FenceType, StatusText]] = {
+    FenceType.CIRCLE: StatusText(Severity.CRITICAL, "Geofence: exceeding maximum distance to Home"),
+    FenceType.ALTITUDE: StatusText(Severity.CRITICAL, "Geofence: exceeding maximum altitude above Home"),
+    FenceType.AREAS: StatusText(Severity.CRITICAL, "Geofence: approaching or outside geofence"),
+}
+REPOSITION_OUTSIDE: Final = StatusText(Severity.CRITICAL, "Reposition is outside geofence")
+
+
+def fence_without(what: str) -> StatusText:
+    """Return what PX4 says of an uploaded area that it leaves out."""
+    return StatusText(Severity.CRITICAL, f"Geofence invalid, doesn't contain {what}")
+
+
+def pausing(seconds: float) -> StatusText:
+    """Return what PX4 says when it holds before it acts."""
+    return StatusText(Severity.CRITICAL, f"Failsafe activated, entering Hold for {seconds:.0f} seconds")
+
+
+def high_wind(speed_m_s: float) -> StatusText:
+    """Return what PX4 says of a wind above COM_WIND_WARN."""
+    return StatusText(Severity.WARNING, f"High wind speed detected ({speed_m_s:.1f} m/s), landing advised")
+
+
+def estimator_changed(mode_name: str) -> StatusText:
+    """Return what ArduPilot says when a failed estimator has led to another mode."""
+    return StatusText(Severity.CRITICAL, f"EKF Failsafe: changed to {mode_name} Mode")
 
 
 def mode_refused(flavour: Flavour, mode_name: str, reason: str) -> StatusText:

@@ -1,19 +1,34 @@
 """The vehicle's parameters: a typed store, a table for each flavour, and the settings that they amount to."""
 
+from vehicle_sim.parameters.actions import Action
 from vehicle_sim.parameters.ardupilot import ARDUPILOT
+from vehicle_sim.parameters.protection import (
+    ALL_FENCES,
+    FenceSettings,
+    FenceType,
+    RallyChoice,
+    RallySettings,
+    WindSettings,
+)
 from vehicle_sim.parameters.px4 import PX4
-from vehicle_sim.parameters.settings import Action, BatteryThresholds, FlightSettings, flight_settings
+from vehicle_sim.parameters.settings import BatteryThresholds, FlightSettings, flight_settings
 from vehicle_sim.parameters.simulation import ARDUPILOT_SIMULATION, PX4_SIMULATION
 from vehicle_sim.parameters.store import Flavour, Parameter, ParameterKind, ParameterStore
 
 __all__ = [
+    "ALL_FENCES",
     "Action",
     "BatteryThresholds",
+    "FenceSettings",
+    "FenceType",
     "Flavour",
     "FlightSettings",
     "Parameter",
     "ParameterKind",
     "ParameterStore",
+    "RallyChoice",
+    "RallySettings",
+    "WindSettings",
     "default_parameters",
     "flight_settings",
 ]

@@ -68,6 +68,16 @@ ARDUPILOT: Final = (
         for number, links in ((1, "links that are waited on or called"), (2, "the link to the ground station"))
         for name, what in _STREAMS.items()
     ),
+    Parameter("FENCE_ENABLE", _I8, 0, 0, 1, "whether the fence is watched"),
+    Parameter("FENCE_TYPE", _I8, 7, 0, 7, "kinds of fence: bit 0 ceiling, 1 circle around home, 2 uploaded areas"),
+    Parameter("FENCE_ACTION", _I8, 1, 0, 5, "on a breach: 0 report, 1 return, 2 land, 3 return, 4 brake, 5 land"),
+    Parameter("FENCE_ALT_MAX", _REAL, 100, 10, 1000, "ceiling above home, m"),
+    Parameter("FENCE_RADIUS", _REAL, 300, 30, 10000, "radius of the circle around home, m"),
+    Parameter("FENCE_MARGIN", _REAL, 2, 1, 10, "how far inside of the fence automatic flight stays, m"),
+    Parameter("FENCE_OPTIONS", _I16, 1, 0, 3, "bit 0: no change of mode until a breach is over, 1: areas add up"),
+    Parameter("AVOID_ENABLE", _I8, 3, 0, 7, "bit 0: velocity setpoints end at the margin of the fence"),
+    Parameter("RALLY_LIMIT_KM", _REAL, 0.3, 0, 100, "rally points further away are left out, km; 0 none is"),
+    Parameter("RALLY_INCL_HOME", _I8, 1, 0, 1, "whether home competes with the rally points"),
     Parameter("SIM_WIND_SPD", _REAL, 0, 0, 30, "speed of the steady wind, m/s"),
     Parameter("SIM_WIND_DIR", _REAL, 180, 0, 360, "direction that the wind comes from, degrees"),
     Parameter("SIM_WIND_TURB", _REAL, 0, 0, 10, "standard deviation of the gusts, m/s"),

@@ -2,28 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from enum import Enum, auto
 from math import inf, radians
 from typing import Final
 
+from vehicle_sim.parameters.actions import Action
 from vehicle_sim.parameters.hand import HandSettings, hand_settings
+from vehicle_sim.parameters.protection import (
+    NO_WIND_LIMIT,
+    FenceSettings,
+    RallySettings,
+    WindSettings,
+    ardupilot_fence,
+    ardupilot_rally,
+    px4_fence,
+    px4_rally,
+    px4_wind,
+)
 from vehicle_sim.parameters.store import Flavour, ParameterStore
 from vehicle_sim.signals import Limits
-
-
-class Action(Enum):
-    """What a failsafe does."""
-
-    NOTHING = auto()
-    POSITION = auto()
-    ALTITUDE = auto()
-    MANUAL = auto()
-    HOLD = auto()
-    BRAKE = auto()
-    RETURN = auto()
-    LAND = auto()
-    TERMINATE = auto()
-    DISARM = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +47,7 @@ class FlightSettings:
     estimator_loss: Action
     estimator_accuracy_m: float
     estimator_ratio: float
+    estimator_in_manual: bool
     failsafe_hold_s: float
     battery_low: Action
     battery_critical: Action
@@ -82,6 +79,9 @@ class FlightSettings:
     return_climb_min_m: float
     return_min_distance_m: float
     hand: HandSettings
+    fence: FenceSettings
+    rally: RallySettings
+    wind: WindSettings
 
     def limits(self) -> Limits:
         """Return the limits of automatic flight before any mode or command narrows them."""
@@ -106,6 +106,7 @@ _GROUND_LOSS: Final[Mapping[int, Action]] = {
     7: Action.BRAKE,
 }
 _ESTIMATOR_LOSS: Final[Mapping[int, Action]] = {1: Action.LAND, 2: Action.ALTITUDE, 3: Action.LAND}
+_EVEN_IN_MANUAL: Final = 3
 _BATTERY: Final[Mapping[int, Action]] = {
     1: Action.LAND,
     2: Action.RETURN,
@@ -154,6 +155,7 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         estimator_loss=_ESTIMATOR_LOSS.get(int(store["FS_EKF_ACTION"]), Action.NOTHING),
         estimator_accuracy_m=inf,
         estimator_ratio=_never_unless_positive(store["FS_EKF_THRESH"]),
+        estimator_in_manual=store["FS_EKF_ACTION"] == _EVEN_IN_MANUAL,
         failsafe_hold_s=0.0,
         battery_low=_BATTERY.get(int(store["BATT_FS_LOW_ACT"]), Action.NOTHING),
         battery_critical=critical,
@@ -193,6 +195,9 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         return_climb_min_m=store["RTL_CLIMB_MIN"] / 100.0,
         return_min_distance_m=0.0,
         hand=hand_settings(store),
+        fence=ardupilot_fence(store),
+        rally=ardupilot_rally(store),
+        wind=NO_WIND_LIMIT,
     )
 
 
@@ -205,9 +210,11 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         setpoint_loss=_OFFBOARD_LOSS[int(store["COM_OBL_RC_ACT"])],
         ground_timeout_s=store["COM_DL_LOSS_T"],
         ground_loss=_DATA_LINK_LOSS.get(int(store["NAV_DLL_ACT"]), Action.NOTHING),
-        estimator_loss=Action.LAND,
+        # Without a position none of Return's legs can be flown: what is left of its chain is to land.
+        estimator_loss=Action.RETURN,
         estimator_accuracy_m=accuracy_m if accuracy_m >= 0.0 else inf,
         estimator_ratio=inf,
+        estimator_in_manual=False,
         failsafe_hold_s=store["COM_FAIL_ACT_T"],
         battery_low=Action.NOTHING,
         battery_critical=critical,
@@ -247,6 +254,9 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         return_climb_min_m=0.0,
         return_min_distance_m=store["RTL_MIN_DIST"],
         hand=hand_settings(store),
+        fence=px4_fence(store),
+        rally=px4_rally(store),
+        wind=px4_wind(store),
     )
 
 

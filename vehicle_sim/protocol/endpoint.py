@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
 from vehicle_sim.protocol.failures import FailureService
+from vehicle_sim.protocol.fences import FenceService
 from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
@@ -94,6 +95,8 @@ class Endpoint:
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
         self._plans = PlanService(self)
+        fences = FenceService(self)
+        self._plans.keepers.update(fences.keepers)
         self._presence = PresenceService(self)
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
@@ -102,6 +105,7 @@ class Endpoint:
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
         commands.handlers.update(FailureService(self).commands)
+        commands.handlers.update(fences.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
@@ -114,7 +118,13 @@ class Endpoint:
             **FileService(self).messages,
             **self.key_setup.messages,
         }
-        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry, **mode_list.telemetry}
+        builders: dict[int, Builder] = {
+            **BUILDERS,
+            **time.telemetry,
+            **self._plans.telemetry,
+            **mode_list.telemetry,
+            **fences.telemetry,
+        }
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
         }

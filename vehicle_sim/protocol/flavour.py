@@ -179,6 +179,7 @@ _ARDUPILOT: Final = FlavourTable(
             "MISSION_CURRENT",
             "GPS_RAW_INT",
             "NAV_CONTROLLER_OUTPUT",
+            "FENCE_STATUS",
             "POSITION_TARGET_GLOBAL_INT",
         ),
         mavlink.MAV_DATA_STREAM_RC_CHANNELS: _messages("SERVO_OUTPUT_RAW", "RC_CHANNELS"),
@@ -297,7 +298,16 @@ _PX4: Final = FlavourTable(
     stream_parameters={},
     stream_groups={},
     absent_messages=frozenset(
-        _messages("EKF_STATUS_REPORT", "RAW_IMU", "POWER_STATUS", "NAV_CONTROLLER_OUTPUT", "AHRS", "WIND", "SIMSTATE")
+        _messages(
+            "EKF_STATUS_REPORT",
+            "RAW_IMU",
+            "POWER_STATUS",
+            "NAV_CONTROLLER_OUTPUT",
+            "AHRS",
+            "WIND",
+            "SIMSTATE",
+            "FENCE_STATUS",
+        )
     ),
     no_stream=Outcome.FAILED,
     no_message=Outcome.DENIED,

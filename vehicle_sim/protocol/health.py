@@ -7,7 +7,7 @@ from typing import Final
 
 from vehicle_sim.autopilot import Failsafe
 from vehicle_sim.battery import BatteryLevel
-from vehicle_sim.parameters import Flavour
+from vehicle_sim.parameters import Action, Flavour
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host
 from vehicle_sim.protocol.units import clamp, clamp16
@@ -27,6 +27,7 @@ _HEIGHT: Final = mavlink.MAV_SYS_STATUS_SENSOR_Z_ALTITUDE_CONTROL
 _PLACE: Final = mavlink.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
 _AHRS: Final = mavlink.MAV_SYS_STATUS_AHRS
 _BATTERY: Final = mavlink.MAV_SYS_STATUS_SENSOR_BATTERY
+_FENCE: Final = mavlink.MAV_SYS_STATUS_GEOFENCE
 _PREARM: Final = mavlink.MAV_SYS_STATUS_PREARM_CHECK
 _PRESENT: Final = _ALWAYS_WELL | _GPS | _HEIGHT | _PLACE | _AHRS | _BATTERY | _PREARM
 
@@ -43,7 +44,9 @@ def heartbeat(host: Host) -> Message | None:
     """HEARTBEAT: what it is, its mode, whether it is armed, whether all is well."""
     autopilot, table = host.vehicle.autopilot, host.table
     armed = autopilot.armed
-    if autopilot.failsafe is Failsafe.BATTERY_EMERGENCY:
+    if autopilot.terminated:
+        state = mavlink.MAV_STATE_FLIGHT_TERMINATION
+    elif autopilot.failsafe is Failsafe.BATTERY_EMERGENCY:
         state = mavlink.MAV_STATE_EMERGENCY
     elif autopilot.in_failsafe:
         state = mavlink.MAV_STATE_CRITICAL
@@ -70,9 +73,15 @@ def sys_status(host: Host) -> Message | None:
     well |= _AHRS if status.attitude_ok else 0
     well |= _BATTERY if battery.level == BatteryLevel.OK else 0
     well |= _PREARM if autopilot.armed or autopilot.ready_to_arm else 0
+    there, on = _PRESENT, _PRESENT
+    # PX4's SYS_STATUS says nothing of its fence.
+    if host.table.flavour is Flavour.ARDUPILOT and (fence := autopilot.guard.fence).is_there:
+        there |= _FENCE
+        on |= _FENCE if fence.enabled and autopilot.settings.fence.action is not Action.NOTHING else 0
+        well |= 0 if fence.breached else _FENCE
     return mavlink.MAVLink_sys_status_message(
-        _PRESENT,
-        _PRESENT,
+        there,
+        on,
         well,
         0,
         clamp(battery.voltage_v * 1000, 0, _NO_CELL - 1),

@@ -52,11 +52,13 @@ class PlanService:
     Attributes:
         store: The plans themselves.
         next_due_us: Nothing happens by itself before; `NEVER_US` without an upload.
+        keepers: What must agree to a whole plan of a kind before it is stored; others add theirs.
     """
 
     def __init__(self, host: "Host") -> None:
         self._host = host
         self.store = PlanStore()
+        self.keepers: dict[PlanKind, Callable[[tuple[PlanItem, ...]], int]] = {}
         self.next_due_us = NEVER_US
         self._upload: _Upload | None = None
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
@@ -110,8 +112,7 @@ class PlanService:
             self._acknowledge(sender, mavlink.MAV_MISSION_NO_SPACE, kind)
         elif message.count == 0:
             self._end_upload()
-            self.store.replace(kind, ())
-            self._acknowledge(sender, _ACCEPTED, kind)
+            self._acknowledge(sender, self._keep(kind, ()), kind)
         else:
             self._upload = _Upload(sender, kind, message.count, heard_us=self._host.now_us)
             self._ask()
@@ -142,9 +143,8 @@ class PlanService:
         if len(upload.items) < upload.count:
             self._ask()
             return
-        self.store.replace(upload.kind, tuple(upload.items))
         self._end_upload()
-        self._acknowledge(sender, _ACCEPTED, upload.kind)
+        self._acknowledge(sender, self._keep(upload.kind, tuple(upload.items)), upload.kind)
 
     def on_ack(self, sender: "Sender", message: Message) -> None:
         """Close a download, which needs nothing; a refusal by the partner ends its upload."""
@@ -161,6 +161,13 @@ class PlanService:
         partner.link.send(request(partner.system_id, partner.component_id, len(upload.items), upload.kind))
         upload.ask_again_us = self._host.now_us + table.plan_retry_us
         self.next_due_us = min(upload.ask_again_us, upload.heard_us + table.plan_timeout_us)
+
+    def _keep(self, kind: PlanKind, items: tuple[PlanItem, ...]) -> int:
+        """Store a whole plan if its keeper agrees, and return the MAV_MISSION_RESULT."""
+        result = self.keepers[kind](items) if kind in self.keepers else int(_ACCEPTED)
+        if result == _ACCEPTED:
+            self.store.replace(kind, items)
+        return result
 
     def _end_upload(self) -> None:
         self._upload = None
@@ -231,7 +238,7 @@ class PlanService:
             return
         self._end_upload()
         for cleared in PlanKind if kind is None else (kind,):
-            self.store.replace(cleared, ())
+            self._keep(cleared, ())
         self._acknowledge(sender, _ACCEPTED, message.mission_type)
 
     def on_set_current(self, sender: "Sender", message: Message) -> None:

@@ -236,6 +236,15 @@ def test_what_cannot_be_flown_from_here_is_refused(script: Script, words: str) -
     assert {c.command for c in vehicle.commands} <= {511, 512}
 
 
+@pytest.mark.parametrize("number", sorted(set(range(22)) - {3, 8, 12}))
+def test_every_autopilot_that_is_not_known_is_refused_by_name_and_left_alone(number: int) -> None:
+    vehicle = ScriptedVehicle("px4", Script(autopilot=number))
+    with pytest.raises(VehicleError, match=r"the vehicle's autopilot is \S+; .*known of ArduPilot and PX4 only"):
+        Driven(vehicle).fly()
+    assert not vehicle.commands
+    assert not vehicle.setpoints
+
+
 def test_ground_stations_alone_are_no_vehicle() -> None:
     vehicle = ScriptedVehicle("ardupilot", Script(autopilot=8, vehicle_type=6))
     driven = Driven(vehicle, Session(needs_origin=False, options=LinkOptions(connect_s=5.0)))

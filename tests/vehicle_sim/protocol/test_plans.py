@@ -18,6 +18,7 @@ def item(seq: int, **changes: float) -> Message:
     fields: dict[str, float] = {
         "frame": mavlink.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
         "command": mavlink.MAV_CMD_NAV_WAYPOINT,
+        "param1": 0.0,
         "current": 0,
         "x": LAT + 100 * seq,
         "y": LON,
@@ -26,7 +27,21 @@ def item(seq: int, **changes: float) -> Message:
     }
     f = fields | changes
     return mavlink.MAVLink_mission_item_int_message(
-        1, 1, seq, f["frame"], f["command"], f["current"], 1, 0, 0, 0, 0, f["x"], f["y"], f["z"], f["mission_type"]
+        1,
+        1,
+        seq,
+        f["frame"],
+        f["command"],
+        f["current"],
+        1,
+        f["param1"],
+        0,
+        0,
+        0,
+        f["x"],
+        f["y"],
+        f["z"],
+        f["mission_type"],
     )
 
 
@@ -61,7 +76,7 @@ def download(station: Station, mission_type: int = MISSION) -> list[Message]:
 
 def fence() -> list[Message]:
     vertex = mavlink.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
-    return [item(seq, command=vertex, mission_type=FENCE) for seq in range(3)]
+    return [item(seq, command=vertex, param1=3, mission_type=FENCE) for seq in range(3)]
 
 
 @pytest.mark.parametrize("flavour", Flavour)
