@@ -78,6 +78,7 @@ class Endpoint:
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
         commands.handlers.update(mode_list.commands)
+        commands.handlers.update(self._parameters.commands)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
@@ -186,6 +187,7 @@ class Endpoint:
     def _reboot(self) -> None:
         """Begin anew: streams as by default, no transfer under way, and the system id that the parameter names."""
         self._reboot_due_us = NEVER_US
+        self._parameters.reboot()
         self.vehicle.reboot()
         self.now_us = 0
         self.system_id = int(self.vehicle.parameters[self.table.system_id_parameter])
