@@ -78,9 +78,9 @@ class Endpoint:
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
         commands.handlers.update(mode_list.commands)
-        commands.handlers.update(self._parameters.commands)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
+        commands.handlers.update(self._parameters.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
