@@ -73,6 +73,7 @@ class Endpoint:
         time = TimeService(self)
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
+        commands.handlers.update(self._parameters.commands)
         self._plans = PlanService(self)
         self._presence = PresenceService(self)
         mode_list = ModeListService(self)
@@ -80,7 +81,6 @@ class Endpoint:
         commands.handlers.update(mode_list.commands)
         commands.handlers.update(self._rates.commands)
         commands.handlers.update(self._plans.commands)
-        commands.handlers.update(self._parameters.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
