@@ -341,6 +341,24 @@ def test_the_server_flies_at_speed_and_answers(bench: Bench) -> None:
     assert not bench.endpoint._links
 
 
+def test_a_vehicle_that_is_served_restarts_on_request_and_its_peers_keep_their_links(bench: Bench) -> None:
+    port = bench.open("udpin:127.0.0.1:0")
+    endpoint = bench.endpoint
+    server = Server(endpoint, bench.ports, clock=WallClock(), notify=bench.said.append)
+    with closing(udp()) as peer:
+        peer.sendto(frame(), ("127.0.0.1", port.address.port))
+        server.run(50.0, lambda: endpoint.vehicle.time_s >= 3.0)
+        reboot = mavlink.MAVLink_command_long_message(1, 1, mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 0, 1, *(0,) * 6)
+        peer.sendto(
+            reboot.pack(mavlink.MAVLink(None, srcSystem=255, srcComponent=190)), ("127.0.0.1", port.address.port)
+        )
+        server.run(50.0, lambda: endpoint.vehicle.time_s < 3.0)
+        assert "COMMAND_ACK" in received(peer)
+        server.run(50.0, lambda: endpoint.vehicle.time_s >= 2.0)
+        assert 2 <= received(peer).count("HEARTBEAT") <= 4
+    assert bench.said == []
+
+
 class SlowClock:
     """A clock on which everything takes long: each look at it costs 50 ms."""
 

@@ -151,3 +151,8 @@ class ParameterStore:
             if self.on_change is not None:
                 self.on_change()
         return stored
+
+    def reset(self) -> None:
+        """Set every parameter to its default."""
+        for name, definition in self._definitions.items():
+            self.set(name, definition.default)

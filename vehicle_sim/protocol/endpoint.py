@@ -94,6 +94,7 @@ class Endpoint:
         time = TimeService(self)
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
+        commands.handlers.update(self._parameters.commands)
         self._plans = PlanService(self)
         fences = FenceService(self)
         self._plans.keepers.update(fences.keepers)
@@ -247,6 +248,7 @@ class Endpoint:
     def _reboot(self) -> None:
         """Begin anew: streams as by default, no transfer under way, and the system id that the parameter names."""
         self._reboot_due_us = NEVER_US
+        self._parameters.reboot()
         self.vehicle.reboot()
         self.now_us = 0
         self.system_id = int(self.vehicle.parameters[self.table.system_id_parameter])

@@ -8,9 +8,10 @@ from struct import pack, unpack
 from typing import TYPE_CHECKING, Final
 from zlib import crc32
 
-from vehicle_sim.autopilot import Severity
+from vehicle_sim.autopilot import Outcome, Severity
 from vehicle_sim.errors import ParameterError
 from vehicle_sim.parameters import ParameterKind, ParameterStore
+from vehicle_sim.protocol.commands import Request
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host, Sender
 from vehicle_sim.protocol.link import Link
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 _NO_INDEX: Final = 65535
 _NAME_BYTES: Final = 16
 _PER_STEP: Final = 4
+_RESET: Final = 2.0
 _HASH: Final = "_HASH_CHECK"
 
 
@@ -34,6 +36,10 @@ class ParameterService:
     def __init__(self, host: Host) -> None:
         self._host = host
         self._listing: dict[Link, int] = {}
+        self._resets = False
+        self.commands: Mapping[int, Callable[[Request], Outcome]] = {
+            mavlink.MAV_CMD_PREFLIGHT_STORAGE: self._storage,
+        }
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: self.on_request_list,
             mavlink.MAVLINK_MSG_ID_PARAM_REQUEST_READ: self.on_request_read,
@@ -52,6 +58,29 @@ class ParameterService:
     def forget(self, link: Link) -> None:
         """Stop what is under way on a link that is gone."""
         self._listing.pop(link, None)
+
+    def reboot(self) -> None:
+        """Carry out a reset that has waited for the restart."""
+        if self._resets:
+            self._resets = False
+            self._store.reset()
+
+    def _storage(self, request: Request) -> Outcome:
+        """Answer PREFLIGHT_STORAGE: 2 resets all parameters, on PX4 at once, on ArduPilot at the next restart.
+
+        What is set is stored already, so that PX4's requests to load (0) and to save (1) have nothing to do.
+        """
+        is_px4, action = self._host.table.bytewise_parameters, request.params[0]
+        if self._host.vehicle.autopilot.armed:
+            return Outcome.TEMPORARILY_REJECTED if is_px4 else Outcome.FAILED
+        if action == _RESET:
+            if is_px4:
+                self._store.reset()
+            else:
+                self._resets = True
+                self._host.say(Severity.WARNING, "All parameters reset, reboot board")
+            return Outcome.ACCEPTED
+        return Outcome.ACCEPTED if is_px4 and action in (0.0, 1.0) else Outcome.UNSUPPORTED
 
     def advance(self) -> None:
         """Send the next few parameters of each list that is under way."""

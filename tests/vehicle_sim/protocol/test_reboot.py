@@ -136,3 +136,34 @@ def test_restarts_are_the_same_from_the_same_seed(flavour: Flavour) -> None:
         return data
 
     assert bytes_of_a_run() == bytes_of_a_run()
+
+
+@BOTH
+def test_a_reset_of_all_parameters_waits_for_the_restart_on_ardupilot_alone(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    store = station.endpoint.vehicle.parameters
+    name, value = ("MPC_XY_CRUISE", 4.0) if flavour is Flavour.PX4 else ("WPNAV_SPEED", 450.0)
+    store.set(name, value)
+    default = store.definition(name).default
+    for nothing in (0, 1):
+        done = station.command(mavlink.MAV_CMD_PREFLIGHT_STORAGE, nothing)
+        assert done == (ACCEPTED if flavour is Flavour.PX4 else mavlink.MAV_RESULT_UNSUPPORTED)
+    assert store[name] == value
+    assert station.command(mavlink.MAV_CMD_PREFLIGHT_STORAGE, 2) == ACCEPTED
+    assert store[name] == (default if flavour is Flavour.PX4 else value)
+    station.run(1.0)
+    reboot(station)
+    assert store[name] == default
+    store.set(name, value)
+    station.run(1.0)
+    reboot(station)
+    assert store[name] == value
+
+
+@BOTH
+def test_parameters_are_not_reset_while_armed(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.wait_for_position()
+    assert station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == ACCEPTED
+    refused = mavlink.MAV_RESULT_TEMPORARILY_REJECTED if flavour is Flavour.PX4 else mavlink.MAV_RESULT_FAILED
+    assert station.command(mavlink.MAV_CMD_PREFLIGHT_STORAGE, 2) == refused
