@@ -17,7 +17,7 @@ Thrust is raised by tilt, because the tracking law asks for what counts downward
 from math import cos, exp, tau
 from typing import Final
 
-from vehicle_sim.dynamics.rotors import SURVEY_ROTORS, RotorSet, mix
+from vehicle_sim.dynamics.rotors import SURVEY_ROTORS, RotorSet, mix, squares_for
 from vehicle_sim.signals import IDLE, Command, Estimate, Vector
 
 _SPEED_UP: Final = 1.0
@@ -39,11 +39,13 @@ class RotorControl:
         self._blend = 1.0 - exp(-step_s / _GYRO_FILTER_S)
         self._yaw_blend = 1.0 - exp(-step_s / _YAW_FILTER_S)
         ixx, iyy, izz = rotors.inertia_kg_m2
-        most_n = rotors.most_thrust_n
-        self._thrust_share = rotors.mass_kg / (4.0 * most_n)
-        self._roll_share = ixx / (2.0 * rotors.arm_m * most_n)
-        self._pitch_share = iyy / (2.0 * rotors.arm_m * most_n)
-        self._yaw_share = izz * rotors.lift / (4.0 * rotors.drag * most_n)
+        factors = {"lift": rotors.lift, "drag": rotors.drag, "arm_m": rotors.arm_m}
+        most = rotors.most_speed_rad_s**2
+        # What one m/s^2 of thrust, and one rad/s^2 about each axis, take of the front rotor; for roll, of the left one.
+        self._thrust_share = squares_for((rotors.mass_kg, 0.0, 0.0, 0.0), **factors)[0] / most
+        self._roll_share = squares_for((0.0, ixx, 0.0, 0.0), **factors)[3] / most
+        self._pitch_share = squares_for((0.0, 0.0, iyy, 0.0), **factors)[0] / most
+        self._yaw_share = squares_for((0.0, 0.0, 0.0, izz), **factors)[0] / most
         self._idle()
 
     def _idle(self) -> None:

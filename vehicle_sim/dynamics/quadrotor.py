@@ -26,7 +26,7 @@ from typing import Final
 from vehicle_sim.dynamics.airframe import checked_efficiency
 from vehicle_sim.dynamics.hover import DRAG_PER_S, LEVEL_RAD, LEVELLING_S, VERTICAL_DRAG_PER_S
 from vehicle_sim.dynamics.kinematics import body_rates, specific_force
-from vehicle_sim.dynamics.rotors import SURVEY_ROTORS, RotorSet
+from vehicle_sim.dynamics.rotors import SURVEY_ROTORS, RotorSet, thrust_and_torques
 from vehicle_sim.signals import GRAVITY_M_S2, Command, FourRotors, Motion, Vector
 
 _STILL: Final[Vector] = (0.0, 0.0, 0.0)
@@ -92,9 +92,12 @@ class Quadrotor:
         self._spread = ((iyy - izz) / ixx, (izz - ixx) / iyy, (ixx - iyy) / izz)
         ip = rotors.rotor_inertia_kg_m2
         self._gyro = (ip / ixx, ip / iyy, ip / izz)
-        self._lift = rotors.lift / rotors.mass_kg
-        lever = rotors.lift * rotors.arm_m
-        self._torque = (lever / ixx, lever / iyy, rotors.drag / izz)
+        # The front rotor's part in Eq. 7; for roll, the left one's is the same as the front one's for pitch.
+        lift, _, lever, twist = thrust_and_torques(
+            (1.0, 0.0, 0.0, 0.0), lift=rotors.lift, drag=rotors.drag, arm_m=rotors.arm_m
+        )
+        self._lift = lift / rotors.mass_kg
+        self._torque = (lever / ixx, lever / iyy, twist / izz)
         self._most_speeds: FourRotors = (rotors.most_speed_rad_s,) * 4
         self._speeds: FourRotors = (0.0, 0.0, 0.0, 0.0)
         self._attitude = quaternion_of(0.0, 0.0, yaw_rad)

@@ -48,11 +48,6 @@ class RotorSet:
     response_s: float = ROTOR_TIME_S
     motor_efficiency: float = 0.8
 
-    @property
-    def most_thrust_n(self) -> float:
-        """Greatest thrust of one sound rotor."""
-        return self.lift * self.most_speed_rad_s**2
-
 
 SURVEY_ROTORS: Final = RotorSet()
 
