@@ -76,7 +76,7 @@ examples:
   vehicle-sim
   vehicle-sim --flavour px4 --speed 5 --wind 4@270 --gusts 1
   vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station --speed 20 --patience 2
-  vehicle-sim --count 20 --spacing 8 --shared tcpin:127.0.0.1:5900
+  vehicle-sim --count 20 --spacing 8 --shared tcpin:127.0.0.1:6000
 """
 
 

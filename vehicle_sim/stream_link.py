@@ -23,7 +23,7 @@ class StreamLink:
         rates: Rates,
         *,
         receive: Callable[[int], bytes],
-        send: Callable[[bytes], int],
+        send: Callable[[bytearray], int],
         close: Callable[[], None],
         most_unsent: int = MOST_UNSENT,
     ) -> None:
@@ -65,7 +65,7 @@ class StreamLink:
                 self._unsent += datagram
         try:
             while self._unsent:
-                del self._unsent[: self._send(bytes(self._unsent))]
+                del self._unsent[: self._send(self._unsent)]
         except (BlockingIOError, InterruptedError):
             return True
         except OSError:
