@@ -298,10 +298,26 @@ async def come_down(drone: Drone, name: str) -> None:
     await told("disarmed", seen(drone.stream("armed"), lambda armed: not armed))
 
 
+async def restart(drone: Drone) -> None:
+    """Reboot: the same vehicle is found again, becomes well again, and can be armed."""
+    await ready(drone)
+    await told("land", drone.action.land())
+    await flown(drone, "in land", "LAND")
+    await told("reboot", drone.action.reboot())
+    # What was last told of health may be from before; the mode after a start is another one.
+    await told("first mode", seen(drone.stream("flight_mode"), lambda mode: mode.name != "LAND"))
+    await ready(drone)
+    await told("arm", drone.action.arm())
+    await told("armed", seen(drone.stream("armed"), bool))
+    await told("disarm", drone.action.disarm())
+    await told("disarmed", seen(drone.stream("armed"), lambda armed: not armed))
+
+
 SCENARIOS: Final[dict[str, Callable[[Drone], Awaitable[None]]]] = {
     "look": look,
     "configure": configure,
     "fly": fly,
+    "restart": restart,
     "fly_mission": fly_mission,
     "fly_raw_mission": fly_raw_mission,
 }

@@ -61,7 +61,8 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert abs(facts["attitude_angular_velocity_body"]["yaw_rad_s"]) < 0.1
     assert abs(facts["velocity_ned"]["north_m_s"]) < 0.3
     assert abs(facts["position_velocity_ned"]["position"]["east_m"]) < 3.0
-    assert facts["gps_info"] == {"num_satellites": 12, "fix_type": "FIX_3D"}
+    assert facts["gps_info"]["fix_type"] == "FIX_3D"
+    assert facts["gps_info"]["num_satellites"] >= 6
     assert facts["raw_gps"]["latitude_deg"] == pytest.approx(47.39774, abs=1e-4)
     assert 11.0 < facts["battery"]["voltage_v"] < 13.0
     assert facts["battery"]["remaining_percent"] > 98.0
