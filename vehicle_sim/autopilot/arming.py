@@ -21,6 +21,7 @@ class ArmingReason(Enum):
     NO_SETPOINTS = auto()
     BATTERY = auto()
     GROUND_LOST = auto()
+    NO_MISSION = auto()
 
 
 class ArmingFault(NamedTuple):
@@ -40,6 +41,7 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.NO_SETPOINTS: "No setpoints",
         ArmingReason.BATTERY: "Battery 1 below minimum arming voltage",
         ArmingReason.GROUND_LOST: "GCS failsafe on",
+        ArmingReason.NO_MISSION: "No mission",
     },
     Flavour.PX4: {
         ArmingReason.CALIBRATING: "Attitude estimate not stable",
@@ -50,6 +52,7 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.NO_SETPOINTS: "No offboard signal",
         ArmingReason.BATTERY: "Low battery",
         ArmingReason.GROUND_LOST: "No connection to the ground control station",
+        ArmingReason.NO_MISSION: "No valid mission available",
     },
 }
 
@@ -75,6 +78,7 @@ def arming_faults(
     setpoints_fresh: bool,
     ground_lost: bool,
     battery: BatteryLevel,
+    mission_flyable: bool,
 ) -> tuple[ArmingFault, ...]:
     """Return every check that fails now, in the order in which an autopilot names them."""
     status = estimate.status
@@ -89,6 +93,8 @@ def arming_faults(
         ArmingReason.NO_SETPOINTS: wants_setpoints and not setpoints_fresh,
         ArmingReason.BATTERY: battery >= BatteryLevel.CRITICAL,
         ArmingReason.GROUND_LOST: ground_lost,
+        # ArduPilot arms in AUTO, where that is allowed at all, with whatever mission there is.
+        ArmingReason.NO_MISSION: flavour is Flavour.PX4 and mode is Mode.AUTO and not mission_flyable,
     }
     texts = _TEXTS[flavour]
     return tuple(

@@ -87,6 +87,8 @@ class Event(Enum):
 
     TAKEN_OFF = auto()
     SETPOINTS_BACK = auto()
+    MISSION_ENDED = auto()
+    RETURN_DUE = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +141,9 @@ TRANSITIONS: Final[Mapping[Flavour, Mapping[tuple[Mode, Event], Mode]]] = {
     Flavour.ARDUPILOT: {(Mode.GUIDED, Event.TAKEN_OFF): Mode.GUIDED},
     Flavour.PX4: {
         (Mode.TAKEOFF, Event.TAKEN_OFF): Mode.HOLD,
+        # ArduPilot loiters at the end of a mission, and returns by an item, without leaving the mode.
+        (Mode.AUTO, Event.MISSION_ENDED): Mode.HOLD,
+        (Mode.AUTO, Event.RETURN_DUE): Mode.RETURN,
         # A fallback from Offboard ends when the stream is back, unless the pilot has chosen otherwise meanwhile.
         (Mode.POSITION, Event.SETPOINTS_BACK): Mode.GUIDED,
         (Mode.ALT_HOLD, Event.SETPOINTS_BACK): Mode.GUIDED,

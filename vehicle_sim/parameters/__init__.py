@@ -2,7 +2,7 @@
 
 from vehicle_sim.parameters.ardupilot import ARDUPILOT
 from vehicle_sim.parameters.px4 import PX4
-from vehicle_sim.parameters.settings import Action, BatteryThresholds, FlightSettings, flight_settings
+from vehicle_sim.parameters.settings import Action, BatteryThresholds, FlightSettings, YawBehaviour, flight_settings
 from vehicle_sim.parameters.store import Flavour, Parameter, ParameterKind, ParameterStore
 
 __all__ = [
@@ -13,6 +13,7 @@ __all__ = [
     "Parameter",
     "ParameterKind",
     "ParameterStore",
+    "YawBehaviour",
     "default_parameters",
     "flight_settings",
 ]

@@ -13,6 +13,7 @@ from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
 from vehicle_sim.protocol.link import Link
+from vehicle_sim.protocol.missions import MissionService
 from vehicle_sim.protocol.parameters import ParameterService
 from vehicle_sim.protocol.plans import PlanService
 from vehicle_sim.protocol.presence import PresenceService
@@ -69,9 +70,11 @@ class Endpoint:
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
         self._plans = PlanService(self)
+        self._missions = MissionService(self, self._plans.store)
+        self._plans.keepers.update(self._missions.keepers)
         self._presence = PresenceService(self)
         commands.handlers.update(self._rates.commands)
-        commands.handlers.update(self._plans.commands)
+        commands.handlers.update(self._missions.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
@@ -79,10 +82,11 @@ class Endpoint:
             **SetpointService(self).messages,
             **self._parameters.messages,
             **self._plans.messages,
+            **self._missions.messages,
             **time.messages,
             **FileService(self).messages,
         }
-        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._plans.telemetry}
+        builders: dict[int, Builder] = {**BUILDERS, **time.telemetry, **self._missions.telemetry}
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
         }
@@ -160,6 +164,8 @@ class Endpoint:
         texts = vehicle.autopilot.texts
         while texts:
             self.say(*texts.popleft())
+        if vehicle.autopilot.mission.news:
+            self._missions.report()
         self._presence.advance()
         for link in self._links.values():
             if link.streams.next_due_us <= now_us:
