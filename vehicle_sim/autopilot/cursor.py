@@ -49,6 +49,10 @@ class Cursor:
         self.current = None
         self.beside.clear()
         self.jumps.clear()
+        self.forget_jumps()
+
+    def forget_jumps(self) -> None:
+        """Count the repetitions of jumps from zero again."""
         self._times.clear()
 
     def advance(self) -> bool:

@@ -70,24 +70,35 @@ class Reference:
 
     place: Vector
     velocity: Vector
+    acceleration: Vector = (0.0, 0.0, 0.0)
 
-    def steer(self, wanted: Vector, horizontal_m_s2: float, vertical_m_s2: float, seconds: float) -> None:
-        """Change the velocity towards `wanted` as fast as the accelerations allow, and move on."""
-        d_north, d_east = wanted[0] - self.velocity[0], wanted[1] - self.velocity[1]
-        d_down = wanted[2] - self.velocity[2]
-        change, most = hypot(d_north, d_east), horizontal_m_s2 * seconds
+    def halt(self, place: Vector) -> None:
+        """Stand still at `place`."""
+        self.place, self.velocity, self.acceleration = place, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+
+    def steer(self, aside: Vector, ahead: Vector, horizontal_m_s2: float, vertical_m_s2: float, seconds: float) -> None:
+        """Change the velocity towards `aside` + `ahead` as fast as the accelerations allow, and move on.
+
+        Getting back to the line comes first: what that leaves of the acceleration is for the speed along the line.
+        """
+        if seconds <= 0.0:
+            return
+        v, most, along = self.velocity, horizontal_m_s2 * seconds, hypot(ahead[0], ahead[1])
+        u_n, u_e = (ahead[0] / along, ahead[1] / along) if along else (0.0, 0.0)
+        speed = v[0] * u_n + v[1] * u_e
+        d_n, d_e = aside[0] - (v[0] - speed * u_n), aside[1] - (v[1] - speed * u_e)
+        change = hypot(d_n, d_e)
         if change > most:
-            d_north, d_east = d_north * most / change, d_east * most / change
+            d_n, d_e, change = d_n * most / change, d_e * most / change, most
+        left = sqrt(most * most - change * change)
+        faster = max(-left, min(along - speed, left))
         most = vertical_m_s2 * seconds
-        d_down = max(-most, min(d_down, most))
-        n, e, d = self.velocity
-        self.velocity = (n + d_north, e + d_east, d + d_down)
-        north, east, down = self.place
-        self.place = (
-            north + self.velocity[0] * seconds,
-            east + self.velocity[1] * seconds,
-            down + self.velocity[2] * seconds,
-        )
+        d_d = max(-most, min(aside[2] + ahead[2] - v[2], most))
+        d_n, d_e = d_n + faster * u_n, d_e + faster * u_e
+        self.velocity = (v[0] + d_n, v[1] + d_e, v[2] + d_d)
+        self.acceleration = (d_n / seconds, d_e / seconds, d_d / seconds)
+        n, e, d = self.place
+        self.place = (n + self.velocity[0] * seconds, e + self.velocity[1] * seconds, d + self.velocity[2] * seconds)
 
 
 class CruiseTask(Task):
@@ -141,9 +152,12 @@ class CruiseTask(Task):
         pace = max(0.0, min(1.0, 2.0 - behind / _LAG_M))
         self._move(seconds * pace)
         n, e, d = self.reference.velocity
+        a_n, a_e, a_d = self.reference.acceleration
+        square = pace * pace
         self.setpoint = Setpoint(
             position_ned_m=self.reference.place,
             velocity_ned_m_s=(n * pace, e * pace, d * pace),
+            acceleration_ned_m_s2=(a_n * square, a_e * square, a_d * square),
             yaw_rad=self.setpoint.yaw_rad,
         )
         radius, height = self._accept
@@ -155,11 +169,11 @@ class CruiseTask(Task):
 
     def _move(self, seconds: float) -> None:
         reference, settings, along = self.reference, self._settings, self._along
-        horizontal, vertical = settings.acceleration_m_s2, settings.vertical_acceleration_m_s2
+        horizontal, vertical = _SHARE * settings.acceleration_m_s2, _SHARE * settings.vertical_acceleration_m_s2
         left = distance_m(reference.place, self.end)
         corner = 0.0 if self.reached else self._corner_m_s
         if along is None or (left < _ON_THE_SPOT_M and corner == 0.0):
-            reference.place, reference.velocity = self.end, (0.0, 0.0, 0.0)
+            reference.halt(self.end)
             return
         start, place = self._start, reference.place
         n, e, d = place[0] - start[0], place[1] - start[1], place[2] - start[2]
@@ -170,23 +184,25 @@ class CruiseTask(Task):
             self._limit(SpeedAxis.HORIZONTAL, settings.cruise_m_s) / level if level else inf,
             self._vertical_limit(along[2]) / slope if slope else inf,
         )
-        braking = _SHARE * min(horizontal / level if level else inf, vertical / slope if slope else inf)
+        braking = min(horizontal / level if level else inf, vertical / slope if slope else inf)
         if self.paused:
             speed = 0.0
         elif ahead >= 0.0:
-            speed = min(speed, arrival_speed(ahead, min(corner, speed), braking))
+            # The turn begins before the corner, where the arc touches the leg.
+            speed = min(speed, arrival_speed(max(ahead - (self._accept[0] if corner else 0.0), 0.0), corner, braking))
         else:
             speed = -min(speed, arrival_speed(-ahead, 0.0, braking))
         # Back to the line, from wherever the last corner has left it.
         aside = (n - gone * along[0], e - gone * along[1], d - gone * along[2])
         off = hypot(*aside)
-        back = min(_LINE_PER_S, arrival_speed(off, 0.0, _SHARE * min(horizontal, vertical)) / off) if off else 0.0
-        wanted = (
-            speed * along[0] - back * aside[0],
-            speed * along[1] - back * aside[1],
-            speed * along[2] - back * aside[2],
+        back = min(_LINE_PER_S, arrival_speed(off, 0.0, min(horizontal, vertical)) / off) if off else 0.0
+        reference.steer(
+            (-back * aside[0], -back * aside[1], -back * aside[2]),
+            (speed * along[0], speed * along[1], speed * along[2]),
+            horizontal,
+            vertical,
+            seconds,
         )
-        reference.steer(wanted, horizontal, vertical, seconds)
 
     def _limit(self, axis: SpeedAxis, default_m_s: float) -> float:
         return self._speeds.get(axis, default_m_s)

@@ -39,7 +39,8 @@ class Mission:
         cursor: The position.
         progress: How far it has come.
         running: Whether a mode flies it now.
-        revision: Grows when the item to fly has changed while it is flown.
+        revision: Grows when another item is to be flown than before, while the mission is flown.
+        replacements: Grows when that is so because the mission was replaced.
         news: What happened and was not told yet, oldest first; its reader pops what it has taken.
     """
 
@@ -52,6 +53,7 @@ class Mission:
         self.progress = Progress.NOT_STARTED
         self.running = False
         self.revision = 0
+        self.replacements = 0
         self.news: deque[News] = deque(maxlen=_MOST_NEWS)
         self._has_reached = False
         self._disarmed_since = False
@@ -103,6 +105,7 @@ class Mission:
             self._has_reached = False
         elif was_at is None or old[was_at : was_at + 2] != items[was_at : was_at + 2]:
             self.revision += 1
+            self.replacements += 1
         self.news.append(News(self.current, reached=False))
 
     def clear(self) -> bool:
@@ -165,6 +168,7 @@ class Mission:
         """Note that the mission is at its end."""
         self.progress = Progress.COMPLETE
         self.running = False
+        self.cursor.forget_jumps()
 
     def stop(self) -> None:
         """Note that the mode which flew it was left."""

@@ -37,6 +37,11 @@ class Craft(Protocol):
     texts: deque[StatusText]
     mission: Mission
 
+    @property
+    def mission_fault(self) -> str | None:
+        """Why the mission cannot be flown; None if it can."""
+        ...
+
     def place_home(self, place: Geodetic) -> None:
         """Make a place home."""
         ...
@@ -202,10 +207,8 @@ class StagedTask(Task):
     ) -> Task:
         settings, leg = self._craft.settings, self._leg
         reference = self._reference()
-        # After a stop, a corner or a take-off the line begins where the last leg ended; otherwise here.
+        # The line begins where the last leg ended, also while the vehicle goes round that corner; otherwise here.
         start = leg.end if isinstance(leg, CruiseTask) and leg.reached else reference.place
-        if distance_m(start, reference.place) > settings.accept_m:
-            start = reference.place
         accept = accept_m or (item.radius_m if item is not None else 0.0) or settings.accept_m
         hold = 0.0 if item is None else item.seconds
         yaw = self._default_yaw(start, end) if yaw_rad is None else yaw_rad

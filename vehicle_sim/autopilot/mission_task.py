@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from math import inf, pi, tau
+from math import hypot, inf, pi, tau
 from typing import ClassVar, Final, NamedTuple
 
 from vehicle_sim.autopilot.cursor import Cursor
@@ -13,6 +13,7 @@ from vehicle_sim.autopilot.modes import Event, Severity
 from vehicle_sim.autopilot.tasks import HoldTask, Task
 from vehicle_sim.signals import Estimate
 
+_AT_REST_M_S: Final = 0.4
 _TURNED_RAD: Final = pi / 90.0
 _REPORTED: Final = frozenset({Command.WAYPOINT, Command.LOITER_TIME})
 
@@ -42,10 +43,12 @@ class MissionTask(StagedTask):
         self._over = False
         self._stuck = False
         self._revision = self._mission.revision
+        self._replacements = self._mission.replacements
         self._stages: deque[Callable[[], Task]] = deque()
         self._started_s = 0.0
         self._beside: tuple[int, MissionItem, float] | None = None
         self._turns_told = 0
+        self._home = craft.home
 
     # What the machine asks.
 
@@ -80,7 +83,7 @@ class MissionTask(StagedTask):
         mission = self._mission
         if not self._begun:
             self._begin()
-        elif mission.running and self._revision != mission.revision:
+        elif mission.running and (self._revision != mission.revision or self._has_moved_home()):
             self._renew()
         elif mission.running and not self._stuck and self._done():
             self._go_on()
@@ -92,12 +95,14 @@ class MissionTask(StagedTask):
                 self._leg = self._stages.popleft()()
                 self._leg.advance(now_s, estimate)
         self._show()
+        if self._over and self._px4 and self._craft.flying and hypot(*estimate.velocity_ned_m_s) < _AT_REST_M_S:
+            self.finish(Event.MISSION_ENDED)
 
     # Going on.
 
     def _begin(self) -> None:
         self._begun = True
-        self._revision = self._mission.revision
+        self._revision, self._replacements = self._mission.revision, self._mission.replacements
         if self._px4:
             self._say(Severity.INFO, "Executing Mission")
         if not self._mission.begin(restarts=self._craft.settings.mission_restarts):
@@ -117,17 +122,27 @@ class MissionTask(StagedTask):
         """Fly the current item from here: the mission was changed, or another item was chosen."""
         self._revision = self._mission.revision
         self._stuck = False
-        if not self._mission.present and self._px4:
-            self._say(Severity.CRITICAL, "No valid mission available, loitering")
+        mission = self._mission
+        if self._px4 and self._craft.mission_fault is not None:
+            how = "loitering" if self._craft.flying else "refusing takeoff"
+            self._say(Severity.CRITICAL, f"No valid mission available, {how}")
+            self._leg = HoldTask(self._estimate, self._craft.settings)
             self._stop()
+            mission.running = False
             return
-        if self._mission.item is None:
-            if self._mission.cursor.current is None and self._mission.advance():
-                self._start()
-                return
+        replaced, self._replacements = self._replacements != mission.replacements, mission.replacements
+        if mission.item is None and not (mission.cursor.current is None and mission.advance()):
             self._say(Severity.CRITICAL, "Auto mission changed but failed to restart command")
             return
+        if replaced and not self._px4:
+            self._say(Severity.CRITICAL, "Auto mission changed, restarted command")
         self._start()
+
+    def _has_moved_home(self) -> bool:
+        """Tell whether heights above home have changed under the vehicle; ArduPilot looks at home once a leg."""
+        moved = self._px4 and self._craft.home != self._home and isinstance(self._leg, CruiseTask)
+        self._home = self._craft.home
+        return moved
 
     def _done(self) -> bool:
         """Tell whether the current item has done what it asked for."""
@@ -160,7 +175,7 @@ class MissionTask(StagedTask):
         return following is not None and following.command is Command.TAKEOFF
 
     def _end(self) -> None:
-        """The last item is done: ArduPilot stays in the mode and loiters, PX4 changes to Hold."""
+        """The last item is done: ArduPilot stays in the mode and loiters, PX4 comes to rest and changes to Hold."""
         if self._px4:
             how = "loitering" if self._craft.flying else "landed"
             self._say(Severity.INFO, f"Mission finished, {how}")
@@ -173,8 +188,6 @@ class MissionTask(StagedTask):
         self._beside = None
         if not isinstance(self._leg, CruiseTask):
             self._leg = HoldTask(self._estimate, self._craft.settings)
-        if self._px4 and self._craft.flying:
-            self.finish(Event.MISSION_ENDED)
 
     def _start(self) -> None:
         """Begin the current item."""
