@@ -110,6 +110,7 @@ class PlanService:
             self._acknowledge(sender, self._keep(kind, ()), kind)
         else:
             self._upload = _Upload(sender, kind, message.count, heard_us=self._host.now_us)
+            self._last = None
             self._ask()
 
     def on_item(self, sender: "Sender", message: Message) -> None:
