@@ -83,10 +83,13 @@ class Reference:
         """
         if seconds <= 0.0:
             return
-        v, most, along = self.velocity, horizontal_m_s2 * seconds, hypot(ahead[0], ahead[1])
-        u_n, u_e = (ahead[0] / along, ahead[1] / along) if along else (0.0, 0.0)
-        speed = v[0] * u_n + v[1] * u_e
-        d_n, d_e = aside[0] - (v[0] - speed * u_n), aside[1] - (v[1] - speed * u_e)
+        v, most, size = self.velocity, horizontal_m_s2 * seconds, hypot(ahead[0], ahead[1])
+        u_n, u_e = (ahead[0] / size, ahead[1] / size) if size else (0.0, 0.0)
+        # On a slope the way back to the line has a part along it, too.
+        with_it = aside[0] * u_n + aside[1] * u_e
+        speed, along = v[0] * u_n + v[1] * u_e, size + with_it
+        d_n = aside[0] - with_it * u_n - (v[0] - speed * u_n)
+        d_e = aside[1] - with_it * u_e - (v[1] - speed * u_e)
         change = hypot(d_n, d_e)
         if change > most:
             d_n, d_e, change = d_n * most / change, d_e * most / change, most
@@ -180,8 +183,14 @@ class CruiseTask(Task):
         gone = n * along[0] + e * along[1] + d * along[2]
         ahead = distance_m(start, self.end) - gone
         level, slope = hypot(along[0], along[1]), abs(along[2])
+        cruise = self._limit(SpeedAxis.HORIZONTAL, settings.cruise_m_s)
+        # Back to the line, from wherever the last corner has left it; the rest of the speed is for going on.
+        aside = (n - gone * along[0], e - gone * along[1], d - gone * along[2])
+        off, level_off = hypot(*aside), hypot(aside[0], aside[1])
+        back = min(_LINE_PER_S, arrival_speed(off, 0.0, min(horizontal, vertical)) / off) if off else 0.0
+        back = min(back, cruise / level_off) if level_off else back
         speed = min(
-            self._limit(SpeedAxis.HORIZONTAL, settings.cruise_m_s) / level if level else inf,
+            (cruise - back * level_off) / level if level else inf,
             self._vertical_limit(along[2]) / slope if slope else inf,
         )
         braking = min(horizontal / level if level else inf, vertical / slope if slope else inf)
@@ -192,10 +201,6 @@ class CruiseTask(Task):
             speed = min(speed, arrival_speed(max(ahead - (self._accept[0] if corner else 0.0), 0.0), corner, braking))
         else:
             speed = -min(speed, arrival_speed(-ahead, 0.0, braking))
-        # Back to the line, from wherever the last corner has left it.
-        aside = (n - gone * along[0], e - gone * along[1], d - gone * along[2])
-        off = hypot(*aside)
-        back = min(_LINE_PER_S, arrival_speed(off, 0.0, min(horizontal, vertical)) / off) if off else 0.0
         reference.steer(
             (-back * aside[0], -back * aside[1], -back * aside[2]),
             (speed * along[0], speed * along[1], speed * along[2]),

@@ -164,6 +164,11 @@ class Mission:
             return True
         return False
 
+    def settle(self) -> bool:
+        """Find what is to be flown at or after the current number in a mission that was replaced."""
+        index = self.cursor.current
+        return self.cursor.advance() if index is None else self.cursor.move_to(index)
+
     def complete(self) -> None:
         """Note that the mission is at its end."""
         self.progress = Progress.COMPLETE

@@ -174,7 +174,8 @@ class StagedTask(Task):
     def change_speed(self, item: MissionItem) -> Stages:
         """Fly with the item's speed from now on."""
         if item.axis is not None and item.speed_m_s > 0.0:
-            self._speeds[item.axis] = item.speed_m_s
+            fastest = self._craft.settings.setpoint_speed_m_s if self._px4 else inf
+            self._speeds[item.axis] = min(item.speed_m_s, fastest)
         elif item.axis is not None and self._px4:
             self._speeds.pop(item.axis, None)
         return []

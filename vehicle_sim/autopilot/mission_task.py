@@ -42,6 +42,7 @@ class MissionTask(StagedTask):
         self._begun = False
         self._over = False
         self._stuck = False
+        self._lost = False
         self._revision = self._mission.revision
         self._replacements = self._mission.replacements
         self._stages: deque[Callable[[], Task]] = deque()
@@ -131,8 +132,13 @@ class MissionTask(StagedTask):
             mission.running = False
             return
         replaced, self._replacements = self._replacements != mission.replacements, mission.replacements
-        if mission.item is None and not (mission.cursor.current is None and mission.advance()):
+        if replaced and not mission.settle():
+            if self._px4:
+                self._end()
+                return
+            # It flies to where it was going, and then looks for the next item.
             self._say(Severity.CRITICAL, "Auto mission changed but failed to restart command")
+            self._lost = True
             return
         if replaced and not self._px4:
             self._say(Severity.CRITICAL, "Auto mission changed, restarted command")
@@ -140,21 +146,22 @@ class MissionTask(StagedTask):
 
     def _has_moved_home(self) -> bool:
         """Tell whether heights above home have changed under the vehicle; ArduPilot looks at home once a leg."""
-        moved = self._px4 and self._craft.home != self._home and isinstance(self._leg, CruiseTask)
+        moved = self._px4 and self._craft.home != self._home
         self._home = self._craft.home
-        return moved
+        item = self._mission.item
+        flies = item is not None and item.kind is Kind.NAVIGATE and isinstance(self._leg, CruiseTask)
+        return moved and flies
 
     def _done(self) -> bool:
         """Tell whether the current item has done what it asked for."""
         item = self._mission.item
-        if item is None:
-            # The item was taken away under the vehicle (ArduPilot): it flies there, and then looks for the next.
+        if self._lost or item is None:
             return self._leg.finished
         return not self._stages and self._TABLE[item.command].is_done(self, item)
 
     def _go_on(self) -> None:
         mission, item = self._mission, self._mission.item
-        if item is not None:
+        if item is not None and not self._lost:
             index = mission.current
             if not self._px4 and item.command in _REPORTED:
                 self._say(Severity.INFO, f"Reached command #{index}")
@@ -191,18 +198,21 @@ class MissionTask(StagedTask):
 
     def _start(self) -> None:
         """Begin the current item."""
+        self._lost = False
         mission, cursor = self._mission, self._mission.cursor
         self._started_s = self._now_s
         self._beside = None
         item = mission.items[mission.current]
+        if item.kind is Kind.NAVIGATE and item.command is not Command.DELAY:
+            self._yaw_rad, self.yaw_rate_rad_s = None, inf
         if not self._px4:
             self._tell_jumps(cursor)
+            # The first that stands before the leg takes effect before it: speeds, home.
+            self._act_beside()
             self._say(Severity.INFO, f"Mission: {mission.current} {item.name}")
         self._turns_told = 0
         stages = self._TABLE[item.command].starts(self, item)
         if stages:
-            if item.kind is Kind.NAVIGATE and item.command is not Command.DELAY:
-                self._yaw_rad, self.yaw_rate_rad_s = None, inf
             self._stages = deque(stages)
             self._leg = self._stages.popleft()()
 

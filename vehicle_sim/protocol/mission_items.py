@@ -22,6 +22,7 @@ _Params = tuple[float, float, float, float]
 _ARDUPILOT_FRAMES: Final = GLOBAL_FRAMES | {mavlink.MAV_FRAME_MISSION}
 _PX4_PLACED_FRAMES: Final = AMSL_FRAMES | HOME_FRAMES
 _HIGHEST_M: Final = 83000.0
+_WIDEST_CIRCLE_M: Final = 2550.0
 _INVALID_PARAM: Final = (
     mavlink.MAV_MISSION_INVALID_PARAM1,
     mavlink.MAV_MISSION_INVALID_PARAM2,
@@ -58,7 +59,8 @@ def _loiter_time(params: _Params) -> _Fields:
 
 
 def _loiter_turns(params: _Params) -> _Fields:
-    return {"turns": max(params[0], 0.0), "radius_m": abs(params[2]), "clockwise": params[2] >= 0.0}
+    radius_m = min(abs(params[2]), _WIDEST_CIRCLE_M)
+    return {"turns": max(params[0], 0.0), "radius_m": radius_m, "clockwise": params[2] >= 0.0}
 
 
 def _seconds(params: _Params) -> _Fields:

@@ -14,6 +14,7 @@ from tests.support.missions import (
     TURNS,
     UNLIMITED,
     WAIT,
+    WAYPOINT,
     YAW,
     Pilot,
     Step,
@@ -21,8 +22,10 @@ from tests.support.missions import (
     takeoff,
     waypoint,
 )
+from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import LandedState, Mode, Progress
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.flavour import Rates
 
 AP, PX4 = Flavour.ARDUPILOT, Flavour.PX4
 BOTH = pytest.mark.parametrize("flavour", Flavour)
@@ -115,7 +118,7 @@ def test_unlimited_loiter_lasts_until_another_item_is_chosen(flavour: Flavour) -
     pilot = Pilot(flavour)
     pilot.fly([takeoff(), Step(UNLIMITED, at=(15.0, 0.0)), waypoint(0.0, 15.0)])
     pilot.station.wait_until(lambda: near(pilot, 15.0, 0.0, 10.0, within=0.5), within_s=60.0)
-    pilot.station.run(60.0)
+    pilot.station.run(30.0)
     assert near(pilot, 15.0, 0.0, 10.0, within=0.5)
     assert pilot.reached() == [0]
     seq = pilot.first + 2
@@ -285,3 +288,53 @@ def test_the_order_of_what_is_told(flavour: Flavour) -> None:
             ("current", 2),
             ("reached", 2),
         ]
+
+
+def test_a_waypoint_of_px4_has_its_own_radius_and_heading() -> None:
+    pilot = Pilot(PX4)
+    wide = Step(WAYPOINT, (0.0, 12.0, 0.0, 90.0), (40.0, 0.0), 10.0)
+    pilot.fly([takeoff(), wide, Step(UNLIMITED, at=(40.0, 0.0))])
+    pilot.until_reached(1)
+    assert 9.0 < 40.0 - pilot.place()[0] <= 12.5
+    assert pilot.station.endpoint.vehicle.truth.yaw_rad == pytest.approx(radians(90.0), abs=0.1)
+
+
+@BOTH
+def test_the_vehicle_looks_at_a_place_of_interest(flavour: Flavour) -> None:
+    pilot = Pilot(flavour)
+    look = Step(mavlink.MAV_CMD_DO_SET_ROI_LOCATION, at=(20.0, 100.0), up=0.0)
+    ahead = Step(mavlink.MAV_CMD_DO_SET_ROI_NONE)
+    pilot.fly([takeoff(), look, waypoint(20.0, 0.0, hold_s=3.0), ahead, waypoint(40.0, 0.0)])
+    pilot.until_reached(2)
+    truth = pilot.station.endpoint.vehicle.truth
+    assert truth.yaw_rad == pytest.approx(radians(90.0), abs=0.15)
+    pilot.until_reached(4)
+    assert pilot.station.endpoint.vehicle.truth.yaw_rad == pytest.approx(0.0, abs=0.15)
+
+
+@BOTH
+def test_home_is_moved_by_an_item(flavour: Flavour) -> None:
+    pilot = Pilot(flavour)
+    here = Step(mavlink.MAV_CMD_DO_SET_HOME, (1.0, 0.0, 0.0, 0.0))
+    pilot.fly([takeoff(6.0), waypoint(15.0, 0.0, 6.0, hold_s=2.0), here, waypoint(15.0, 10.0, 3.0, hold_s=2.0)])
+    pilot.until_reached(3)
+    # Three metres above the home that was put six metres up.
+    assert pilot.place()[2] == pytest.approx(9.0, abs=1.2)
+
+
+def test_px4_names_the_current_item_each_second() -> None:
+    station = Station(endpoint_of(PX4), rates=Rates.GROUND_STATION)
+    station.run(5.0)
+    assert len(station.of("MISSION_CURRENT")) == 5
+    assert {message.total for message in station.of("MISSION_CURRENT")} == {65535}
+
+
+@BOTH
+def test_equal_flights_are_equal_byte_for_byte(flavour: Flavour) -> None:
+    flights = []
+    for _ in range(2):
+        pilot = Pilot(flavour)
+        pilot.fly([takeoff(5.0), waypoint(10.0, 5.0, 5.0), land(10.0, 5.0)])
+        pilot.until_reached(1)
+        flights.append((pilot.station.endpoint.vehicle.truth, [bytes(m.get_msgbuf()) for m in pilot.station.heard]))
+    assert flights[0] == flights[1]
