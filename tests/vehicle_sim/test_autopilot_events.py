@@ -130,8 +130,8 @@ class Requests(RuleBasedStateMachine):
 
     @rule()
     def clear_mission(self) -> None:
-        mission = self.vehicle.autopilot.mission
-        assert mission.clear() is not mission.present
+        self.vehicle.autopilot.load_mission(())
+        assert not self.vehicle.autopilot.mission.present
 
     @rule(system_id=st.sampled_from([245, 255]))
     def heartbeat(self, system_id: int) -> None:

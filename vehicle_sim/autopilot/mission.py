@@ -108,14 +108,6 @@ class Mission:
             self.replacements += 1
         self.news.append(News(self.current, reached=False))
 
-    def clear(self) -> bool:
-        """Forget the mission; ArduPilot refuses while it is flown."""
-        if self.running and not self._px4:
-            return False
-        self.cursor.current = None
-        self.load(())
-        return True
-
     def set_current(self, index: int, *, resets_jumps: bool = False) -> bool:
         """Make `index` the item to fly next, or to fly at once; False where there is none to fly."""
         if not 0 <= index < len(self.items) or not self.present:
@@ -167,7 +159,10 @@ class Mission:
     def settle(self) -> bool:
         """Find what is to be flown at or after the current number in a mission that was replaced."""
         index = self.cursor.current
-        return self.cursor.advance() if index is None else self.cursor.move_to(index)
+        found = self.cursor.advance() if index is None else self.cursor.move_to(index)
+        if found and self.cursor.current != index:
+            self.news.append(News(self.current, reached=False))
+        return found
 
     def complete(self) -> None:
         """Note that the mission is at its end."""
