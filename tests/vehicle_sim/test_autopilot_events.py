@@ -7,12 +7,35 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from tests.support.bare_vehicle import booted, run
 from tests.support.fences import at_home, circle, fenced, ring
-from vehicle_sim.autopilot import Mode, Outcome, SpeedAxis
+from vehicle_sim.autopilot import Command, Datum, MissionItem, Mode, Outcome, Place, SpeedAxis
 from vehicle_sim.autopilot.rally import RallyPoint
 from vehicle_sim.parameters import ALL_FENCES, Flavour
 from vehicle_sim.signals import Setpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
+PLACES = st.none() | st.builds(
+    lambda lat, lon, height, datum: Place(None if lat is None else 47.397742 + lat, 8.545594 + lon, height, datum),
+    st.none() | st.floats(-3e-4, 3e-4),
+    st.floats(-3e-4, 3e-4),
+    st.none() | st.floats(-5.0, 30.0),
+    st.sampled_from(Datum),
+)
+ITEMS = st.builds(
+    MissionItem,
+    command=st.sampled_from(Command),
+    place=PLACES,
+    seconds=st.floats(0.0, 5.0),
+    radius_m=st.floats(0.0, 20.0),
+    turns=st.floats(0.0, 2.0),
+    clockwise=st.booleans(),
+    yaw_rad=st.none() | st.floats(-7.0, 7.0),
+    axis=st.none() | st.sampled_from(SpeedAxis),
+    speed_m_s=st.floats(-1.0, 15.0),
+    target=st.integers(-1, 7),
+    repeats=st.integers(-1, 3),
+    continues=st.booleans(),
+)
+HOME_ITEM = (MissionItem(command=Command.WAYPOINT),)
 PARTIAL = st.tuples(*[st.none() | st.floats(-30.0, 30.0)] * 3)
 
 
@@ -92,6 +115,25 @@ class Requests(RuleBasedStateMachine):
         self.vehicle.autopilot.change_speed(speed, axis)
         self.vehicle.autopilot.turn(yaw, relative=speed > 0.0)
         self.vehicle.autopilot.halt()
+
+    @rule(mission=st.lists(ITEMS, max_size=6), current=st.none() | st.just(0))
+    def load_mission(self, mission: list[MissionItem], current: int | None) -> None:
+        self.vehicle.autopilot.load_mission((*HOME_ITEM, *mission), current)
+
+    @rule(first=st.none() | st.integers(0, 3))
+    def start_mission(self, first: int | None) -> None:
+        self.vehicle.autopilot.start_mission(first)
+
+    @rule(index=st.integers(-1, 7), resets=st.booleans())
+    def choose(self, index: int, *, resets: bool) -> None:
+        mission = self.vehicle.autopilot.mission
+        if mission.set_current(index, resets_jumps=resets):
+            assert 0 <= mission.current < len(mission.items)
+
+    @rule()
+    def clear_mission(self) -> None:
+        self.vehicle.autopilot.load_mission(())
+        assert not self.vehicle.autopilot.mission.present
 
     @rule(system_id=st.sampled_from([245, 255]))
     def heartbeat(self, system_id: int) -> None:

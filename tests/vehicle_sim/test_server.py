@@ -286,7 +286,7 @@ def test_the_server_flies_at_speed_and_answers(bench: Bench) -> None:
 def test_a_vehicle_that_is_served_restarts_on_request_and_its_peers_keep_their_links(bench: Bench) -> None:
     port = bench.open("udpin:127.0.0.1:0")
     endpoint = bench.endpoint
-    server = Server(endpoint, bench.ports, clock=WallClock(), notify=bench.said.append)
+    server = Server([endpoint], bench.ports, clock=WallClock(), notify=bench.said.append)
     with closing(udp()) as peer:
         peer.sendto(frame(), ("127.0.0.1", port.address.port))
         server.run(50.0, lambda: endpoint.vehicle.time_s >= 3.0)

@@ -1,7 +1,8 @@
 """The autopilot: modes, arming, take-off and landing, failsafes; names and wire formats belong to the protocol."""
 
 from vehicle_sim.autopilot.arming import ArmingFault, ArmingReason
-from vehicle_sim.autopilot.machine import SpeedAxis
+from vehicle_sim.autopilot.mission import Mission, News, Progress
+from vehicle_sim.autopilot.mission_items import Command, Datum, MissionItem, Place, SpeedAxis
 from vehicle_sim.autopilot.modes import (
     MODES,
     Failsafe,
@@ -19,11 +20,18 @@ __all__ = [
     "ArmingFault",
     "ArmingReason",
     "Autopilot",
+    "Command",
+    "Datum",
     "Failsafe",
     "LandedState",
+    "Mission",
+    "MissionItem",
     "Mode",
     "ModeRule",
+    "News",
     "Outcome",
+    "Place",
+    "Progress",
     "Severity",
     "SpeedAxis",
     "StatusText",

@@ -23,6 +23,7 @@ class ArmingReason(Enum):
     GROUND_LOST = auto()
     FENCE_BLIND = auto()
     OUTSIDE_FENCE = auto()
+    NO_MISSION = auto()
 
 
 class ArmingFault(NamedTuple):
@@ -44,6 +45,7 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.GROUND_LOST: "GCS failsafe on",
         ArmingReason.FENCE_BLIND: "Fence requires position",
         ArmingReason.OUTSIDE_FENCE: "vehicle outside fence",
+        ArmingReason.NO_MISSION: "No mission",
     },
     Flavour.PX4: {
         ArmingReason.CALIBRATING: "Attitude estimate not stable",
@@ -56,6 +58,7 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.GROUND_LOST: "No connection to the ground control station",
         ArmingReason.FENCE_BLIND: "Geofence RTL requires valid home",
         ArmingReason.OUTSIDE_FENCE: "Geofence: approaching or outside geofence",
+        ArmingReason.NO_MISSION: "No valid mission available",
     },
 }
 
@@ -83,6 +86,7 @@ def arming_faults(
     battery: BatteryLevel,
     fence_blind: bool,
     outside_fence: bool,
+    mission_flyable: bool,
 ) -> tuple[ArmingFault, ...]:
     """Return every check that fails now, in the order in which an autopilot names them."""
     status = estimate.status
@@ -99,6 +103,8 @@ def arming_faults(
         ArmingReason.GROUND_LOST: ground_lost,
         ArmingReason.FENCE_BLIND: fence_blind,
         ArmingReason.OUTSIDE_FENCE: outside_fence,
+        # ArduPilot arms in AUTO, where that is allowed at all, with whatever mission there is.
+        ArmingReason.NO_MISSION: flavour is Flavour.PX4 and mode is Mode.AUTO and not mission_flyable,
     }
     texts = _TEXTS[flavour]
     return tuple(

@@ -4,16 +4,20 @@ What may follow what is written in the tables of `modes`. Without a pilot, modes
 """
 
 from collections import deque
-from enum import Enum, auto
+from dataclasses import replace
 from math import inf
 from typing import Final
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS, ArmingFault, arming_faults
 from vehicle_sim.autopilot.avoidance import within_fence
+from vehicle_sim.autopilot.feasibility import mission_fault
 from vehicle_sim.autopilot.guard import Guard, Situation
 from vehicle_sim.autopilot.hand import HandTask, Pilot
 from vehicle_sim.autopilot.landing import LandDetector
+from vehicle_sim.autopilot.mission import Mission, Progress
+from vehicle_sim.autopilot.mission_items import SpeedAxis
+from vehicle_sim.autopilot.mission_task import MissionTask
 from vehicle_sim.autopilot.modes import (
     FAILSAFE_MODES,
     FIRST_MODE,
@@ -40,14 +44,6 @@ _MOST_TEXTS: Final = 64
 _LINGERS_S: Final = 0.5
 
 
-class SpeedAxis(Enum):
-    """Which speed a request is about."""
-
-    HORIZONTAL = auto()
-    UP = auto()
-    DOWN = auto()
-
-
 class Machine:
     """Modes, arming, tasks and failsafes of one vehicle.
 
@@ -67,6 +63,7 @@ class Machine:
         self.terminated = False
         self.home: Geodetic | None = None
         self.home_revision = 0
+        self.mission = Mission(self.flavour)
         self.texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
         self._parameters = parameters
         self._revision = parameters.revision
@@ -141,7 +138,7 @@ class Machine:
         return arming_faults(
             flavour=self.flavour,
             mode=self.mode,
-            rule=self.rule,
+            rule=replace(self.rule, armable=self.settings.mission_arms) if self.mode is Mode.AUTO else self.rule,
             estimate=self._estimate,
             home_known=self.home is not None,
             setpoints_fresh=self._stream_fresh,
@@ -149,12 +146,22 @@ class Machine:
             battery=self._battery.level,
             fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
             outside_fence=self.guard.is_outside,
+            mission_flyable=self.mode is not Mode.AUTO or self.mission_fault is None,
         )
 
     @property
     def ready_to_arm(self) -> bool:
         """Whether arming would be accepted."""
         return not self.armed and not self.terminated and not self.arming_faults
+
+    @property
+    def mission_fault(self) -> str | None:
+        """Why the mission cannot be flown now; None if it can. Before there is a home, PX4 does not know."""
+        if not self.mission.present:
+            return "No valid mission available"
+        if self.flavour is Flavour.ARDUPILOT or self.home is None:
+            return None
+        return mission_fault(self.mission.items, self.settings, self.home, landed=not self.flying)
 
     @property
     def _stream_fresh(self) -> bool:
@@ -216,7 +223,8 @@ class Machine:
         origin = self._estimate.origin or Geodetic(0.0, 0.0, 0.0)
         return geodetic_at(origin, self._estimate.position_ned_m)
 
-    def _place_home(self, place: Geodetic) -> None:
+    def place_home(self, place: Geodetic) -> None:
+        """Make a place home."""
         self.home = place
         self.home_revision += 1
         if self._estimate.origin is not None:
@@ -230,19 +238,30 @@ class Machine:
             self._origin_known = True
             self.texts.extend(texts.ORIGIN_SET[self.flavour])
         if self.home is None and self._estimate.status.position_ok:
-            self._place_home(self._here())
+            self.place_home(self._here())
 
     def _obstacle(self, mode: Mode) -> str:
         """Return why `mode` cannot be entered with motors armed; empty if it can."""
         if self.modes[mode].needs_position and not self._estimate.status.position_ok:
             return "requires position"
         if mode is Mode.AUTO:
-            return "no mission"
+            return self._mission_obstacle()
         if mode is Mode.GUIDED and self.flavour is Flavour.PX4 and not self._stream_fresh:
             return "no setpoints"
         return ""
 
+    def _mission_obstacle(self) -> str:
+        lifts = self.flavour is Flavour.PX4 or self.flying
+        if self.mission_fault is not None:
+            return "init failed"
+        if not lifts and not self.mission.starts_with_takeoff(restarts=self.settings.mission_restarts):
+            # ArduPilot would turn over on the ground.
+            self._say(Severity.CRITICAL, "Auto: Missing Takeoff Cmd")
+            return "init failed"
+        return ""
+
     def _enter(self, mode: Mode) -> None:
+        self.mission.stop()
         self.mode = mode
         self._speeds.clear()
         self._yaw_rate_rad_s = inf
@@ -253,10 +272,12 @@ class Machine:
         estimate, settings = self._estimate, self.settings
         if mode is Mode.GUIDED:
             self._task = self._guided()
+        elif mode is Mode.AUTO:
+            self._task = MissionTask(self, estimate, self._speeds, may_lift=settings.mission_lifts)
         elif mode is Mode.LAND:
             self._task = LandTask(estimate, settings, home_down_m=self._home_ned_m[2])
         elif mode is Mode.RETURN:
-            self._task = ReturnTask(estimate, settings, goal=self._goal())
+            self._task = ReturnTask(estimate, settings, goal=self.way_home())
         elif mode is Mode.TAKEOFF:
             height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
             self._task = TakeoffTask(estimate, settings, down_m=self._home_ned_m[2] - height)
@@ -266,7 +287,7 @@ class Machine:
             self._task = HoldTask(estimate, settings)
         self._refresh()
 
-    def _goal(self) -> Destination:
+    def way_home(self) -> Destination:
         """Where a return leads from here, no higher than the fence's margin allows."""
         origin, fence = self._estimate.origin, self.settings.fence
         points = [] if origin is None else [(ned_offset_m(origin, point.place), point.height_m) for point in self.rally]
@@ -289,6 +310,7 @@ class Machine:
         self._disarmed_at_s = self._now_s
         self._takeoff_height_m = None
         self.guard.monitor.disarmed()
+        self.mission.disarmed()
         self._refresh()
 
     def _happen(self, event: Event) -> None:
@@ -304,11 +326,11 @@ class Machine:
             self.guard.trust_position(self._now_s)
             self._detector.reset()
             self.texts.extend(texts.TAKEN_OFF[self.flavour])
-        if self.flying:
+        if self.flying or task.acts_on_ground:
             task.advance(self._now_s, self._estimate)
             if task.finished:
                 task.finished = False
-                self._happen(Event.TAKEN_OFF)
+                self._happen(task.event)
 
     def _watch_ground(self, thrust_m_s2: float) -> None:
         if self.flying and self._detector.landed(self._now_s, self._estimate, thrust_m_s2):
@@ -318,7 +340,8 @@ class Machine:
         if not self.armed or self.flying:
             return
         if self._has_flown:
-            at_once = self.flavour is Flavour.ARDUPILOT and self.mode in (Mode.LAND, Mode.RETURN)
+            over = self.mode is Mode.AUTO and self.mission.progress is Progress.COMPLETE
+            at_once = self.flavour is Flavour.ARDUPILOT and (over or self.mode in (Mode.LAND, Mode.RETURN))
             due = self._landed_at_s + (0.0 if at_once else self.settings.disarm_landed_s)
         else:
             due = self._armed_at_s + self.settings.disarm_unflown_s
@@ -400,6 +423,6 @@ class Machine:
                 acceleration_m_s2=acceleration,
                 climb_m_s=speeds.get(SpeedAxis.UP, task.climb_m_s or limits.climb_m_s),
                 descent_m_s=speeds.get(SpeedAxis.DOWN, task.descent_m_s or limits.descent_m_s),
-                yaw_rate_rad_s=min(limits.yaw_rate_rad_s, self._yaw_rate_rad_s),
+                yaw_rate_rad_s=min(limits.yaw_rate_rad_s, self._yaw_rate_rad_s, task.yaw_rate_rad_s),
             ),
         )

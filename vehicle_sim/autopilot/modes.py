@@ -88,6 +88,8 @@ class Event(Enum):
     """What happens to a mode from inside."""
 
     TAKEN_OFF = auto()
+    MISSION_ENDED = auto()
+    RETURN_DUE = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,6 +145,9 @@ TRANSITIONS: Final[Mapping[Flavour, Mapping[tuple[Mode, Event], Mode]]] = {
     Flavour.ARDUPILOT: {(Mode.GUIDED, Event.TAKEN_OFF): Mode.GUIDED},
     Flavour.PX4: {
         (Mode.TAKEOFF, Event.TAKEN_OFF): Mode.HOLD,
+        # ArduPilot loiters at the end of a mission, and returns by an item, without leaving the mode.
+        (Mode.AUTO, Event.MISSION_ENDED): Mode.HOLD,
+        (Mode.AUTO, Event.RETURN_DUE): Mode.RETURN,
     },
 }
 """Where each event leads from each mode; an event that is not listed changes nothing."""

@@ -8,7 +8,9 @@ from math import inf, pi
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REFUSALS
 from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
-from vehicle_sim.autopilot.machine import Machine, SpeedAxis
+from vehicle_sim.autopilot.machine import Machine
+from vehicle_sim.autopilot.mission_items import MissionItem, SpeedAxis
+from vehicle_sim.autopilot.mission_task import MissionTask
 from vehicle_sim.autopilot.modes import HOLDING, Mode, Outcome, Severity
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, TakeoffTask
 from vehicle_sim.parameters import Flavour
@@ -32,7 +34,7 @@ class Autopilot(Machine):
         self._has_flown = False
         self.intended_mode = self.mode
         if self._estimate.status.position_ok and not self._home_locked:
-            self._place_home(self._here())
+            self.place_home(self._here())
         self.texts.append(texts.ARMED[self.flavour])
         self._begin(self.mode)
         return Outcome.ACCEPTED
@@ -105,9 +107,11 @@ class Autopilot(Machine):
         return self.set_mode(HOLDING[self.flavour])
 
     def pause(self) -> Outcome:
-        """Interrupt what is flown and stay here: ArduPilot within GUIDED, PX4 by changing to Hold."""
+        """Interrupt what is flown and stay here: ArduPilot within GUIDED or AUTO, PX4 by changing to Hold."""
         if self.flavour is Flavour.PX4:
             return self.hold()
+        if isinstance(self._task, MissionTask):
+            return Outcome.ACCEPTED if self.armed and self._task.pause() else Outcome.FAILED
         if not (self.armed and isinstance(self._task, GuidedTask)):
             return Outcome.FAILED
         self._paused = self._paused or self._task.setpoint
@@ -119,12 +123,39 @@ class Autopilot(Machine):
         """Go on with what was paused; PX4 knows that of missions only."""
         if self.flavour is Flavour.PX4:
             return self.set_mode(Mode.AUTO)
+        if isinstance(self._task, MissionTask):
+            return Outcome.ACCEPTED if self.armed and self._task.resume() else Outcome.FAILED
         if not (self.armed and isinstance(self._task, GuidedTask)):
             return Outcome.FAILED
         if self._paused is not None:
             self._task.take(self._paused, self._now_s)
             self._paused = None
         self._refresh()
+        return Outcome.ACCEPTED
+
+    def load_mission(self, items: tuple[MissionItem, ...], current: int | None = None) -> None:
+        """Replace the mission; PX4 looks at the whole and says what is wrong with it."""
+        self.mission.load(items, current)
+        fault = self.mission_fault
+        if items and fault is not None and self.flavour is Flavour.PX4:
+            self._say(Severity.CRITICAL, fault)
+
+    def start_mission(self, first: int | None = None) -> Outcome:
+        """Fly the mission, PX4 from item `first` on. PX4 arms, too; ArduPilot wants that done, and takes off."""
+        if self.flavour is Flavour.PX4:
+            if (fault := self.mission_fault) is not None:
+                self._say(Severity.CRITICAL, fault)
+                return Outcome.DENIED
+            if first is not None and not self.mission.set_current(first):
+                return Outcome.DENIED
+            if self.set_mode(Mode.AUTO) is not Outcome.ACCEPTED:
+                return Outcome.TEMPORARILY_REJECTED
+            return self.arm()
+        if self.set_mode(Mode.AUTO) is not Outcome.ACCEPTED:
+            return Outcome.FAILED
+        if isinstance(self._task, MissionTask):
+            self._task.may_lift = True
+            self._task.restart()
         return Outcome.ACCEPTED
 
     def reposition(
@@ -186,7 +217,7 @@ class Autopilot(Machine):
         """Make `place` home (None: here), and keep it at the next arming."""
         if self._estimate.origin is None or (place is None and not self._estimate.status.position_ok):
             return self._refusal
-        self._place_home(self._here() if place is None else place)
+        self.place_home(self._here() if place is None else place)
         self._home_locked = True
         return Outcome.ACCEPTED
 

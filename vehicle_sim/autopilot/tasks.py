@@ -9,6 +9,7 @@ from enum import Enum, auto
 from math import hypot, inf
 from typing import Final
 
+from vehicle_sim.autopilot.modes import Event
 from vehicle_sim.autopilot.rally import Destination
 from vehicle_sim.parameters import FlightSettings
 from vehicle_sim.signals import FREE, Estimate, PartialVector, Setpoint, Vector
@@ -35,6 +36,9 @@ class Task:
 
     landing = False
     taking_off = False
+    acts_on_ground = False
+    event = Event.TAKEN_OFF
+    """What has happened to the mode once the task has finished."""
 
     def __init__(self, setpoint: Setpoint) -> None:
         """Begin with `setpoint`."""
@@ -43,6 +47,7 @@ class Task:
         self.speed_m_s: float | None = None
         self.climb_m_s: float | None = None
         self.descent_m_s: float | None = None
+        self.yaw_rate_rad_s = inf
 
     def lifts(self, estimate: Estimate) -> bool:
         """Whether a vehicle that stands on the ground should leave it now."""

@@ -11,7 +11,7 @@ from vehicle_sim.parameters.protection import (
     WindSettings,
 )
 from vehicle_sim.parameters.px4 import PX4
-from vehicle_sim.parameters.settings import BatteryThresholds, FlightSettings, flight_settings
+from vehicle_sim.parameters.settings import BatteryThresholds, FlightSettings, YawBehaviour, flight_settings
 from vehicle_sim.parameters.simulation import ARDUPILOT_SIMULATION, PX4_SIMULATION
 from vehicle_sim.parameters.store import Flavour, Parameter, ParameterKind, ParameterStore
 
@@ -29,6 +29,7 @@ __all__ = [
     "RallyChoice",
     "RallySettings",
     "WindSettings",
+    "YawBehaviour",
     "default_parameters",
     "flight_settings",
 ]

@@ -49,6 +49,13 @@ PX4: Final = (
     Parameter("MPC_LAND_SPEED", _REAL, 0.7, 0.6, 5, "speed of the last part of a landing, m/s"),
     Parameter("MPC_LAND_ALT1", _REAL, 10, 0, 122, "height above home where a landing slows down, m"),
     Parameter("MIS_TAKEOFF_ALT", _REAL, 2.5, 0, 80, "height of a take-off that names none, m"),
+    Parameter("MIS_DIST_1WP", _REAL, 10000, -1, 100000, "farthest first place of a mission, m; not above 0 any"),
+    Parameter(
+        "MIS_TKO_LAND_REQ", _INT, 0, 0, 4, "missions need: 0 nothing, 1 take-off, 2 landing, 3 both, 4 both or none"
+    ),
+    Parameter("NAV_ACC_RAD", _REAL, 2, 0.05, 200, "distance that counts as having reached a waypoint, m"),
+    Parameter("NAV_MC_ALT_RAD", _REAL, 0.8, 0.05, 200, "difference of height that counts as having reached it, m"),
+    Parameter("MPC_YAW_MODE", _INT, 0, 0, 3, "missions look: 0 at the waypoint, 1 home, 2 away from home, 3 ahead"),
     Parameter("RTL_RETURN_ALT", _REAL, 60, 0, 150, "height above home of the way back, m"),
     Parameter("RTL_DESCEND_ALT", _REAL, 30, 0, 150, "height above home where the descent pauses, m"),
     Parameter("RTL_LAND_DELAY", _REAL, 0, -1, 300, "wait over home before landing, s; below 0 stay there"),

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum, auto
 from math import inf, radians
 from typing import Final
 
@@ -20,6 +21,15 @@ from vehicle_sim.parameters.protection import (
 )
 from vehicle_sim.parameters.store import Flavour, ParameterStore
 from vehicle_sim.signals import Limits
+
+
+class YawBehaviour(Enum):
+    """Where a vehicle that flies by itself looks, unless it is told."""
+
+    KEEP = auto()
+    AHEAD = auto()
+    TO_HOME = auto()
+    FROM_HOME = auto()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +92,18 @@ class FlightSettings:
     fence: FenceSettings
     rally: RallySettings
     wind: WindSettings
+    accept_m: float
+    accept_height_m: float
+    yaw_behaviour: YawBehaviour
+    circle_radius_m: float
+    circle_rate_rad_s: float
+    mission_restarts: bool
+    mission_arms: bool
+    mission_lifts: bool
+    mission_farthest_m: float
+    mission_needs_takeoff: bool
+    mission_needs_landing: bool
+    mission_needs_both_or_none: bool
 
     def limits(self) -> Limits:
         """Return the limits of automatic flight before any mode or command narrows them."""
@@ -134,6 +156,23 @@ _DATA_LINK_LOSS: Final[Mapping[int, Action]] = {
 _LOW_BATTERY: Final[Mapping[int, tuple[Action, Action]]] = {
     2: (Action.LAND, Action.LAND),
     3: (Action.RETURN, Action.LAND),
+}
+
+
+_ALLOW_ARMING: Final = 1
+_ALLOW_TAKEOFF: Final = 2
+_BOTH_OR_NONE: Final = 4
+_AP_YAW: Final[Mapping[int, YawBehaviour]] = {
+    0: YawBehaviour.KEEP,
+    1: YawBehaviour.AHEAD,
+    2: YawBehaviour.AHEAD,
+    3: YawBehaviour.AHEAD,
+}
+_PX4_YAW: Final[Mapping[int, YawBehaviour]] = {
+    0: YawBehaviour.AHEAD,
+    1: YawBehaviour.TO_HOME,
+    2: YawBehaviour.FROM_HOME,
+    3: YawBehaviour.AHEAD,
 }
 
 
@@ -198,6 +237,18 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         fence=ardupilot_fence(store),
         rally=ardupilot_rally(store),
         wind=NO_WIND_LIMIT,
+        accept_m=store["WPNAV_RADIUS"] / 100.0,
+        accept_height_m=store["WPNAV_RADIUS"] / 100.0,
+        yaw_behaviour=_AP_YAW[int(store["WP_YAW_BEHAVIOR"])],
+        circle_radius_m=store["CIRCLE_RADIUS"] / 100.0,
+        circle_rate_rad_s=radians(store["CIRCLE_RATE"]),
+        mission_restarts=store["MIS_RESTART"] > 0.0,
+        mission_arms=bool(int(store["AUTO_OPTIONS"]) & _ALLOW_ARMING),
+        mission_lifts=bool(int(store["AUTO_OPTIONS"]) & _ALLOW_TAKEOFF),
+        mission_farthest_m=inf,
+        mission_needs_takeoff=False,
+        mission_needs_landing=False,
+        mission_needs_both_or_none=False,
     )
 
 
@@ -257,6 +308,18 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         fence=px4_fence(store),
         rally=px4_rally(store),
         wind=px4_wind(store),
+        accept_m=store["NAV_ACC_RAD"],
+        accept_height_m=store["NAV_MC_ALT_RAD"],
+        yaw_behaviour=_PX4_YAW[int(store["MPC_YAW_MODE"])],
+        circle_radius_m=0.0,
+        circle_rate_rad_s=0.0,
+        mission_restarts=False,
+        mission_arms=True,
+        mission_lifts=True,
+        mission_farthest_m=_never_unless_positive(store["MIS_DIST_1WP"]),
+        mission_needs_takeoff=int(store["MIS_TKO_LAND_REQ"]) in (1, 3),
+        mission_needs_landing=int(store["MIS_TKO_LAND_REQ"]) in (2, 3),
+        mission_needs_both_or_none=int(store["MIS_TKO_LAND_REQ"]) == _BOTH_OR_NONE,
     )
 
 

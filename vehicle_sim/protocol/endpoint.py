@@ -17,6 +17,7 @@ from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.host import Sender
 from vehicle_sim.protocol.key_setup import KeySetupService
 from vehicle_sim.protocol.link import Link
+from vehicle_sim.protocol.missions import MissionService
 from vehicle_sim.protocol.mode_list import ModeListService
 from vehicle_sim.protocol.parameters import ParameterService
 from vehicle_sim.protocol.plans import PlanService
@@ -97,16 +98,18 @@ class Endpoint:
         commands.handlers.update(self._parameters.commands)
         self._plans = PlanService(self)
         fences = FenceService(self)
+        self._missions = MissionService(self, self._plans.store)
         self._plans.keepers.update(fences.keepers)
+        self._plans.keepers.update(self._missions.keepers)
         self._presence = PresenceService(self)
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
         commands.handlers.update(mode_list.commands)
         self.key_setup = KeySetupService(self, self.signer)
         commands.handlers.update(self._rates.commands)
-        commands.handlers.update(self._plans.commands)
         commands.handlers.update(FailureService(self).commands)
         commands.handlers.update(fences.commands)
+        commands.handlers.update(self._missions.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
@@ -115,6 +118,7 @@ class Endpoint:
             **StickService(self).messages,
             **self._parameters.messages,
             **self._plans.messages,
+            **self._missions.messages,
             **time.messages,
             **FileService(self).messages,
             **self.key_setup.messages,
@@ -122,7 +126,7 @@ class Endpoint:
         builders: dict[int, Builder] = {
             **BUILDERS,
             **time.telemetry,
-            **self._plans.telemetry,
+            **self._missions.telemetry,
             **mode_list.telemetry,
             **fences.telemetry,
         }
@@ -233,6 +237,8 @@ class Endpoint:
         texts = vehicle.autopilot.texts
         while texts:
             self.say(*texts.popleft())
+        if vehicle.autopilot.mission.news:
+            self._missions.report()
         self._presence.advance()
         for link in self._links.values():
             if link.streams.next_due_us <= now_us:

@@ -266,6 +266,7 @@ _PX4: Final = FlavourTable(
             SYSTEM_TIME=1,
             PING=0.1,
             VIBRATION=0.1,
+            MISSION_CURRENT=1,
         )
         | {CURRENT_MODE_ID: 0.5},
         Rates.ONBOARD: _rates(
@@ -292,6 +293,7 @@ _PX4: Final = FlavourTable(
             PING=1,
             BATTERY_STATUS=0.5,
             VIBRATION=0.5,
+            MISSION_CURRENT=1,
         )
         | {CURRENT_MODE_ID: 0.5},
     },

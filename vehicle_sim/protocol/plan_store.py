@@ -1,6 +1,7 @@
 """Plans that a ground station leaves with the vehicle: mission, geofence, rally points, as items of MAVLink.
 
-https://mavlink.io/en/services/mission.html. The items are kept as sent; `fault` says what is wrong with one.
+https://mavlink.io/en/services/mission.html. The items are kept as sent; `place_fault` says what is wrong
+with one of a fence or of rally points, `mission_items` what is wrong with one of a mission.
 """
 
 from enum import IntEnum
@@ -24,7 +25,10 @@ class PlanKind(IntEnum):
 
 
 class PlanItem(NamedTuple):
-    """One item; `x` and `y` as in MISSION_ITEM_INT (degrees * 1e7 in a global frame)."""
+    """One item; `x` and `y` as in MISSION_ITEM_INT (degrees * 1e7 in a global frame).
+
+    `is_current` marks the item to begin at.
+    """
 
     frame: int
     command: int
@@ -33,26 +37,14 @@ class PlanItem(NamedTuple):
     x: int
     y: int
     z: float
+    is_current: bool = False
 
 
 def _commands(*names: str) -> frozenset[int]:
     return frozenset(getattr(mavlink, f"MAV_CMD_{name}") for name in names)
 
 
-_PLACED: Final = {
-    PlanKind.MISSION: _commands(
-        "NAV_WAYPOINT",
-        "NAV_LOITER_UNLIM",
-        "NAV_LOITER_TURNS",
-        "NAV_LOITER_TIME",
-        "NAV_LAND",
-        "NAV_TAKEOFF",
-        "NAV_SPLINE_WAYPOINT",
-        "DO_SET_HOME",
-        "DO_SET_ROI",
-        "DO_SET_ROI_LOCATION",
-        "DO_LAND_START",
-    ),
+_COMMANDS: Final = {
     PlanKind.FENCE: _commands(
         "NAV_FENCE_RETURN_POINT",
         "NAV_FENCE_POLYGON_VERTEX_INCLUSION",
@@ -62,40 +54,19 @@ _PLACED: Final = {
     ),
     PlanKind.RALLY: _commands("NAV_RALLY_POINT"),
 }
-_UNPLACED: Final = {
-    PlanKind.MISSION: _commands(
-        "NAV_RETURN_TO_LAUNCH",
-        "NAV_DELAY",
-        "CONDITION_DELAY",
-        "CONDITION_DISTANCE",
-        "CONDITION_YAW",
-        "DO_JUMP",
-        "DO_CHANGE_SPEED",
-        "DO_SET_ROI_NONE",
-        "DO_MOUNT_CONTROL",
-        "DO_DIGICAM_CONTROL",
-        "DO_SET_CAM_TRIGG_DIST",
-        "DO_SET_SERVO",
-        "DO_SET_RELAY",
-    ),
-    PlanKind.FENCE: frozenset(),
-    PlanKind.RALLY: frozenset(),
-}
-_FRAMES: Final = GLOBAL_FRAMES | {mavlink.MAV_FRAME_MISSION}
 
 
-def fault(kind: PlanKind, item: PlanItem) -> int:
-    """Return the MAV_MISSION_RESULT of an item: accepted, or the first thing that is wrong with it."""
-    is_placed = item.command in _PLACED[kind]
-    if not is_placed and item.command not in _UNPLACED[kind]:
+def place_fault(kind: PlanKind, item: PlanItem) -> int:
+    """Return the MAV_MISSION_RESULT of an item of a fence or of rally points: accepted, or what is wrong with it."""
+    if item.command not in _COMMANDS[kind]:
         return int(mavlink.MAV_MISSION_UNSUPPORTED)
-    if item.frame not in _FRAMES:
+    if item.frame not in GLOBAL_FRAMES:
         return int(mavlink.MAV_MISSION_UNSUPPORTED_FRAME)
-    if is_placed and not is_place(item.x / E7, 0.0):
+    if not is_place(item.x / E7, 0.0):
         return int(mavlink.MAV_MISSION_INVALID_PARAM5_X)
-    if is_placed and not is_place(0.0, item.y / E7):
+    if not is_place(0.0, item.y / E7):
         return int(mavlink.MAV_MISSION_INVALID_PARAM6_Y)
-    if is_placed and not isfinite(item.z):  # clients leave what a command does not use without a value
+    if not isfinite(item.z):
         return int(mavlink.MAV_MISSION_INVALID_PARAM7)
     return int(mavlink.MAV_MISSION_ACCEPTED)
 
@@ -105,15 +76,14 @@ class PlanStore:
 
     Attributes:
         plans: The items of each kind.
-        current: The mission's item that is next.
+        ids: The opaque identifier of each plan; 0 where the flavour has none, or the plan no items.
     """
 
     def __init__(self) -> None:
         self.plans: dict[PlanKind, tuple[PlanItem, ...]] = dict.fromkeys(PlanKind, ())
-        self.current = 0
+        self.ids: dict[PlanKind, int] = dict.fromkeys(PlanKind, 0)
 
-    def replace(self, kind: PlanKind, items: tuple[PlanItem, ...]) -> None:
-        """Put a plan in the place of the one of its kind; a new mission starts at its beginning."""
+    def replace(self, kind: PlanKind, items: tuple[PlanItem, ...], plan_id: int = 0) -> None:
+        """Put a plan in the place of the one of its kind."""
         self.plans[kind] = items
-        if kind is PlanKind.MISSION:
-            self.current = 0
+        self.ids[kind] = plan_id

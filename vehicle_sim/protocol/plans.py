@@ -6,31 +6,27 @@ state: every item that is asked for is sent.
 """
 
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import TYPE_CHECKING, Final
 
-from vehicle_sim.autopilot import Mode, Outcome, Severity
-from vehicle_sim.geodesy import ned_offset_m
+from vehicle_sim.autopilot import Severity
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message, mavlink
-from vehicle_sim.protocol.places import GLOBAL_FRAMES, global_place
-from vehicle_sim.protocol.plan_store import MOST_ITEMS, PlanItem, PlanKind, PlanStore, fault
+from vehicle_sim.protocol.mission_items import item_fault
+from vehicle_sim.protocol.missions import CHANGE_HEIGHT, GO_TO, fly_item
+from vehicle_sim.protocol.opaque_ids import plan_id, with_ids
+from vehicle_sim.protocol.places import GLOBAL_FRAMES
+from vehicle_sim.protocol.plan_store import MOST_ITEMS, PlanItem, PlanKind, PlanStore, place_fault
 from vehicle_sim.protocol.streams import NEVER_US
-from vehicle_sim.protocol.units import E7, whole_number
+from vehicle_sim.protocol.units import E7
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from vehicle_sim.protocol.commands import Request
     from vehicle_sim.protocol.host import Host, Sender
     from vehicle_sim.protocol.link import Link
-    from vehicle_sim.protocol.telemetry import Builder
 
 _ALL: Final = mavlink.MAV_MISSION_TYPE_ALL
 _ACCEPTED: Final = mavlink.MAV_MISSION_ACCEPTED
-_GUIDED_GO_TO: Final = 2
-_NO_MISSION: Final = 1
-_MISSION_NOT_STARTED: Final = 2
 _INT32: Final = 2**31
 
 
@@ -57,10 +53,12 @@ class PlanService:
 
     def __init__(self, host: "Host") -> None:
         self._host = host
+        self._is_px4 = host.table.flavour is Flavour.PX4
         self.store = PlanStore()
         self.keepers: dict[PlanKind, Callable[[tuple[PlanItem, ...]], int]] = {}
         self.next_due_us = NEVER_US
         self._upload: _Upload | None = None
+        self._last: tuple[Sender, int, int] | None = None
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_MISSION_COUNT: self.on_count,
             mavlink.MAVLINK_MSG_ID_MISSION_ITEM: self.on_item,
@@ -70,16 +68,8 @@ class PlanService:
             mavlink.MAVLINK_MSG_ID_MISSION_REQUEST: self.on_request,
             mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT: self.on_request,
             mavlink.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: self.on_clear_all,
-            mavlink.MAVLINK_MSG_ID_MISSION_SET_CURRENT: self.on_set_current,
             mavlink.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST: self.on_partial,
             mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST: self.on_partial,
-        }
-        self.commands: Mapping[int, Callable[[Request], Outcome]] = {
-            mavlink.MAV_CMD_MISSION_START: self._start,
-            mavlink.MAV_CMD_DO_SET_MISSION_CURRENT: self._set_current,
-        }
-        self.telemetry: Mapping[int, Builder] = {
-            mavlink.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _host: self._mission_current()
         }
 
     def forget(self, link: "Link") -> None:
@@ -93,9 +83,12 @@ class PlanService:
         if upload is None:
             return
         if now_us - upload.heard_us >= self._host.table.plan_timeout_us:
-            self._host.say(Severity.WARNING, "Mission upload timeout")
-            self._acknowledge(upload.partner, mavlink.MAV_MISSION_OPERATION_CANCELLED, upload.kind)
             self._end_upload()
+            if self._is_px4:
+                self._host.say(Severity.CRITICAL, "Operation timeout")
+            else:
+                self._host.say(Severity.WARNING, "Mission upload timeout")
+                self._acknowledge(upload.partner, mavlink.MAV_MISSION_OPERATION_CANCELLED, upload.kind)
         elif now_us >= upload.ask_again_us:
             self._ask()
 
@@ -107,24 +100,29 @@ class PlanService:
         if kind is None:
             self._acknowledge(sender, mavlink.MAV_MISSION_UNSUPPORTED, message.mission_type)
         elif self._upload is not None and self._upload.partner != sender:
-            self._acknowledge(sender, mavlink.MAV_MISSION_DENIED, kind)
+            self._acknowledge(sender, mavlink.MAV_MISSION_ERROR if self._is_px4 else mavlink.MAV_MISSION_DENIED, kind)
         elif message.count > MOST_ITEMS:
+            if not self._is_px4:
+                self._host.say(Severity.WARNING, f"Only {MOST_ITEMS} items are supported")
             self._acknowledge(sender, mavlink.MAV_MISSION_NO_SPACE, kind)
         elif message.count == 0:
             self._end_upload()
             self._acknowledge(sender, self._keep(kind, ()), kind)
         else:
             self._upload = _Upload(sender, kind, message.count, heard_us=self._host.now_us)
+            self._last = None
             self._ask()
 
     def on_item(self, sender: "Sender", message: Message) -> None:
         """Take the item that was asked for; one that was taken already is asked for no more, others are faults."""
-        if message.current == _GUIDED_GO_TO and self._host.table.flavour is Flavour.ARDUPILOT:
-            self._go_to(sender, message)
+        item = _item(message)
+        if message.current in (GO_TO, CHANGE_HEIGHT) and not self._is_px4:
+            result = fly_item(self._host, item, message.current) if isinstance(item, PlanItem) else item
+            self._acknowledge(sender, result, PlanKind.MISSION)
             return
-        upload, item = self._upload, _item(message)
+        upload = self._upload
         if upload is None or upload.partner != sender or upload.kind != message.mission_type:
-            self._acknowledge(sender, mavlink.MAV_MISSION_ERROR, message.mission_type)
+            self._refuse_item(sender, message)
             return
         upload.heard_us = self._host.now_us
         expected = len(upload.items)
@@ -132,11 +130,14 @@ class PlanService:
             self._ask()  # our last request was lost, or the partner repeats itself
             return
         if message.seq != expected:
-            self._acknowledge(sender, mavlink.MAV_MISSION_INVALID_SEQUENCE, upload.kind)
+            if not self._is_px4:  # PX4 waits for the right one
+                self._acknowledge(sender, mavlink.MAV_MISSION_INVALID_SEQUENCE, upload.kind)
             return
-        result = mavlink.MAV_MISSION_INVALID if item is None else fault(upload.kind, item)
-        if item is None or result != _ACCEPTED:
+        result = self._fault(upload.kind, item) if isinstance(item, PlanItem) else item
+        if not isinstance(item, PlanItem) or result != _ACCEPTED:
             self._end_upload()
+            if self._is_px4:
+                self._host.say(Severity.CRITICAL, "IGN MISSION_ITEM: Invalid item")
             self._acknowledge(sender, result, upload.kind)
             return
         upload.items.append(item)
@@ -144,7 +145,28 @@ class PlanService:
             self._ask()
             return
         self._end_upload()
-        self._acknowledge(sender, self._keep(upload.kind, tuple(upload.items)), upload.kind)
+        result = self._keep(upload.kind, tuple(upload.items))
+        self._last = (sender, upload.kind, message.seq) if result == _ACCEPTED else None
+        self._acknowledge(sender, result, upload.kind, named=True)
+
+    def _refuse_item(self, sender: "Sender", message: Message) -> None:
+        """Answer an item that nobody asked for; to PX4 it may be the last one again, whose answer was lost."""
+        if not self._is_px4:
+            other = self._upload is not None and self._upload.partner != sender
+            self._acknowledge(
+                sender, mavlink.MAV_MISSION_DENIED if other else mavlink.MAV_MISSION_ERROR, message.mission_type
+            )
+        elif self._upload is not None and self._upload.partner != sender:
+            self._host.say(Severity.CRITICAL, "REJ. MIS ITEM: partner id mismatch")
+        elif self._last == (sender, message.mission_type, message.seq):
+            self._acknowledge(sender, _ACCEPTED, message.mission_type, named=True)
+        else:
+            self._acknowledge(sender, mavlink.MAV_MISSION_ERROR, message.mission_type)
+
+    def _fault(self, kind: PlanKind, item: PlanItem) -> int:
+        if kind is PlanKind.MISSION:
+            return item_fault(self._host.table.flavour, item)
+        return place_fault(kind, item)
 
     def on_ack(self, sender: "Sender", message: Message) -> None:
         """Close a download, which needs nothing; a refusal by the partner ends its upload."""
@@ -164,9 +186,12 @@ class PlanService:
 
     def _keep(self, kind: PlanKind, items: tuple[PlanItem, ...]) -> int:
         """Store a whole plan if its keeper agrees, and return the MAV_MISSION_RESULT."""
+        name = plan_id(items) if self._is_px4 else 0
+        if items and self._is_px4 and name == self.store.ids[kind]:
+            return int(_ACCEPTED)  # the same again, which changes nothing
         result = self.keepers[kind](items) if kind in self.keepers else int(_ACCEPTED)
         if result == _ACCEPTED:
-            self.store.replace(kind, items)
+            self.store.replace(kind, items, name)
         return result
 
     def _end_upload(self) -> None:
@@ -197,10 +222,16 @@ class PlanService:
         if kind is None:
             self._acknowledge(sender, mavlink.MAV_MISSION_UNSUPPORTED, message.mission_type)
             return
+        if self._upload is not None:
+            if self._is_px4:
+                self._host.say(Severity.INFO, "Mission download request ignored, already active")
+            else:
+                self._acknowledge(sender, mavlink.MAV_MISSION_DENIED, kind)
+            return
         count = mavlink.MAVLink_mission_count_message(
             sender.system_id, sender.component_id, len(self._items(kind)), kind
         )
-        sender.link.send(count)
+        sender.link.send(with_ids(count, self.store.ids[kind]) if self._is_px4 else count)
 
     def on_request(self, sender: "Sender", message: Message) -> None:
         """Send one item, in the form in which it was asked for."""
@@ -212,7 +243,7 @@ class PlanService:
             self._acknowledge(sender, mavlink.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
             return
         item = items[message.seq]
-        current = int(kind is PlanKind.MISSION and message.seq == self.store.current)
+        current = int(kind is PlanKind.MISSION and message.seq == self._host.vehicle.autopilot.mission.current)
         head = (sender.system_id, sender.component_id, message.seq, item.frame, item.command, current)
         if message.get_msgId() == mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT:
             reply = mavlink.MAVLink_mission_item_int_message(
@@ -233,58 +264,29 @@ class PlanService:
         if kind is None and message.mission_type != _ALL:
             self._acknowledge(sender, mavlink.MAV_MISSION_UNSUPPORTED, message.mission_type)
             return
-        if self._upload is not None and self._upload.partner != sender:
-            self._acknowledge(sender, mavlink.MAV_MISSION_DENIED, message.mission_type)
+        flown = not self._is_px4 and self._host.vehicle.autopilot.mission.running
+        if self._upload is not None and self._is_px4:
+            self._host.say(Severity.CRITICAL, "WPM: IGN CLEAR CMD: Busy")
             return
-        self._end_upload()
+        if self._upload is not None or (flown and kind in (None, PlanKind.MISSION)):
+            # ArduPilot does not forget what it is flying.
+            self._acknowledge(sender, mavlink.MAV_MISSION_ERROR, message.mission_type)
+            return
         for cleared in PlanKind if kind is None else (kind,):
             self._keep(cleared, ())
         self._acknowledge(sender, _ACCEPTED, message.mission_type)
-
-    def on_set_current(self, sender: "Sender", message: Message) -> None:
-        """Choose the next item; answered by what is current then."""
-        if message.seq < max(len(self._items(PlanKind.MISSION)), 1):
-            self.store.current = message.seq
-        sender.link.send(self._mission_current())
 
     def on_partial(self, sender: "Sender", message: Message) -> None:
         """Refuse to transfer part of a plan."""
         self._acknowledge(sender, mavlink.MAV_MISSION_UNSUPPORTED, message.mission_type)
 
-    def _go_to(self, sender: "Sender", message: Message) -> None:
-        """Fly there at once: how older ground stations of ArduPilot send a vehicle somewhere in GUIDED."""
-        vehicle, item = self._host.vehicle, _item(message)
-        autopilot, origin = vehicle.autopilot, vehicle.estimate.origin
-        place = None
-        if item is not None:
-            place = global_place(item.x / E7, item.y / E7, item.z, item.frame, autopilot.home)
-        accepted = False
-        if place is not None and origin is not None and autopilot.mode is Mode.GUIDED:
-            accepted = autopilot.reposition(ned_offset_m(origin, place)) is Outcome.ACCEPTED
-        self._acknowledge(sender, _ACCEPTED if accepted else mavlink.MAV_MISSION_ERROR, PlanKind.MISSION)
-
-    def _start(self, _request: "Request") -> Outcome:
-        return self._host.vehicle.autopilot.set_mode(Mode.AUTO)
-
-    def _set_current(self, request: "Request") -> Outcome:
-        seq = whole_number(request.params[0])
-        if seq is None or seq >= len(self._items(PlanKind.MISSION)):
-            return Outcome.DENIED
-        self.store.current = seq
-        return Outcome.ACCEPTED
-
-    def _mission_current(self) -> Message:
-        items = len(self._items(PlanKind.MISSION))
-        has_mission = bool(self.store.plans[PlanKind.MISSION])
-        state = _MISSION_NOT_STARTED if has_mission else _NO_MISSION
-        # Of ArduPilot's count the home position is no part.
-        total = max(items - 1, 0) if self._host.table.home_is_item_0 else items
-        return mavlink.MAVLink_mission_current_message(self.store.current, total, state, 0)
-
-    def _acknowledge(self, sender: "Sender", result: int, mission_type: int) -> None:
-        sender.link.send(
-            mavlink.MAVLink_mission_ack_message(sender.system_id, sender.component_id, int(result), int(mission_type))
-        )
+    def _acknowledge(self, sender: "Sender", result: int, mission_type: int, *, named: bool = False) -> None:
+        """Answer; PX4's answer to a whole plan is `named` after it."""
+        ack = mavlink.MAVLink_mission_ack_message(sender.system_id, sender.component_id, int(result), int(mission_type))
+        kind = _kind(mission_type)
+        if named and self._is_px4 and kind is not None:
+            ack = with_ids(ack, self.store.ids[kind])
+        sender.link.send(ack)
 
 
 # The home position can be read at any time: clients ask for it even where the count is 0, and wait for it.
@@ -298,16 +300,20 @@ def _kind(mission_type: int) -> PlanKind | None:
     return _KINDS.get(mission_type)
 
 
-def _item(message: Message) -> PlanItem | None:
-    """Return the item of either message; None where a number of the float form is none."""
+def _item(message: Message) -> PlanItem | int:
+    """Return the item of either message; a MAV_MISSION_RESULT where a number of the float form is none that fits."""
     if message.get_msgId() == mavlink.MAVLINK_MSG_ID_MISSION_ITEM_INT:
         x, y = message.x, message.y
     else:
         scale = E7 if message.frame in GLOBAL_FRAMES else 1.0
-        if not (isfinite(message.x) and isfinite(message.y)):
-            return None
+        for value, result in (
+            (message.x, mavlink.MAV_MISSION_INVALID_PARAM5_X),
+            (message.y, mavlink.MAV_MISSION_INVALID_PARAM6_Y),
+        ):
+            if not abs(value * scale) < _INT32:
+                return int(result)
         x, y = round(message.x * scale), round(message.y * scale)
-        if max(abs(x), abs(y)) >= _INT32:
-            return None
     params = (message.param1, message.param2, message.param3, message.param4)
-    return PlanItem(message.frame, message.command, message.autocontinue, params, x, y, message.z)
+    return PlanItem(
+        message.frame, message.command, message.autocontinue, params, x, y, message.z, is_current=message.current == 1
+    )
