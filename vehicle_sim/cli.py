@@ -54,7 +54,7 @@ faults:
     accelerometer_bias: x_m_s2, y_m_s2, z_m_s2               gyro_bias: x_rad_s, y_rad_s, z_rad_s
     compass_loss            compass_offset: x_gauss, y_gauss, z_gauss
     baro_loss, baro_stuck   baro_jump: up_m                  baro_drift: up_m_s
-    motor: rotor (1 front right, 2 rear left, 3 front left, 4 rear right), efficiency (0 to 1)
+    motor: rotor (1 front, 2 right, 3 rear, 4 left), efficiency (0 to 1)
     battery: voltage_v (at rest)
     link: drop, duplicate, corrupt, reorder (likelihoods), delay_s, jitter_s; up: 0 or down: 0 spares a direction
   The same by parameter in flight: SIM_GPS1_ENABLE, SIM_ACC1_BIAS_X and so on, as in ArduPilot's simulator.

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 Vector = tuple[float, float, float]
 PartialVector = tuple[float | None, float | None, float | None]
+FourRotors = tuple[float, float, float, float]
 
 GRAVITY_M_S2 = 9.80665
 """Standard gravity, the only gravity there is in the simulation."""

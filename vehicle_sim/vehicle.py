@@ -197,7 +197,7 @@ class Vehicle:
         conditions = self.faults.conditions
         self._wind.steady_ned_m_s = conditions.wind_ned_m_s
         self._wind.set_gusts(conditions.gust_m_s)
-        self._airframe.efficiencies = conditions.efficiencies
+        self._airframe.weaken(conditions.efficiencies)
         self._sensors.suffer(conditions)
         if conditions.resting_v != self._resting_v:
             self._resting_v = conditions.resting_v

@@ -22,8 +22,8 @@ import numpy as np
 from scipy.linalg import expm
 
 from vehicle_sim.dynamics.kinematics import body_rates, specific_force
-from vehicle_sim.dynamics.rotor_weakness import SOUND_ROTORS, Efficiencies, weakened
-from vehicle_sim.signals import GRAVITY_M_S2, Command, Motion, Vector
+from vehicle_sim.dynamics.rotor_weakness import SOUND_ROTORS, weakened
+from vehicle_sim.signals import GRAVITY_M_S2, Command, FourRotors, Motion, Vector
 
 DRAG_PER_S: Final = 0.1
 VERTICAL_DRAG_PER_S: Final = 0.2
@@ -66,15 +66,12 @@ def _clip(value: float, bound: float) -> float:
 
 
 class Hover:
-    """One vehicle, standing at the origin on level ground; `motion` is its true state after the last step.
-
-    `efficiencies` are the thrusts of the four rotors as shares of a sound one's; they may be set at any time.
-    """
+    """One vehicle, standing at the origin on level ground; `motion` is its true state after the last step."""
 
     def __init__(self, *, step_s: float, yaw_rad: float = 0.0) -> None:
         """Stand still, looking to `yaw_rad`."""
         self._step_s = step_s
-        self.efficiencies: Efficiencies = SOUND_ROTORS
+        self._efficiency = SOUND_ROTORS
         phi, gamma = discretise(*horizontal_model(), step_s)
         # Upper triangular: only what is not zero by structure is multiplied.
         self._across = (
@@ -101,10 +98,14 @@ class Hover:
         """Specific thrust that the rotors give now."""
         return self._down[2]
 
+    def weaken(self, efficiency: FourRotors) -> None:
+        """From now on each rotor gives this share, 0 to 1, of the thrust that it is asked for."""
+        self._efficiency = efficiency
+
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step under `command`, held and limited to what the rotors can do."""
-        if self.efficiencies != SOUND_ROTORS:
-            command = weakened(command, self.efficiencies)
+        if self._efficiency != SOUND_ROTORS:
+            command = weakened(command, self._efficiency)
         roll_up, pitch_up, yaw_up = command.angular_acceleration_rad_s2
         roll_up, pitch_up = _clip(roll_up, MOST_ANGULAR_RAD_S2), _clip(pitch_up, MOST_ANGULAR_RAD_S2)
         thrust = min(max(command.thrust_m_s2, 0.0), MOST_THRUST_M_S2)

@@ -3,12 +3,12 @@
 from enum import Enum, auto
 from typing import Final, NamedTuple
 
-from vehicle_sim.dynamics.rotor_weakness import SOUND_ROTORS, Efficiencies
 from vehicle_sim.dynamics.wind import blowing_from
 from vehicle_sim.parameters import ParameterStore
-from vehicle_sim.signals import Vector
+from vehicle_sim.signals import FourRotors, Vector
 
-ROTORS: Final = len(SOUND_ROTORS)
+ROTORS: Final = 4
+_SOUND: Final[FourRotors] = (1.0, 1.0, 1.0, 1.0)
 _NONE: Final[Vector] = (0.0, 0.0, 0.0)
 _GAUSS: Final = 1e-3
 
@@ -26,7 +26,8 @@ class Conditions(NamedTuple):
 
     `gps_glitch` is in degrees of latitude and longitude and metres of altitude; `gps_offset_ned_m` is the same in
     metres. A drift grows as long as it lasts, and its velocity is that of the fix, too: the receiver follows a wrong
-    signal. Biases are in body axes. `resting_v` is what the battery was last said to rest at.
+    signal. Biases are in body axes. Rotors are 1 front, 2 right, 3 rear,
+    4 left. `resting_v` is what the battery was last said to rest at.
     """
 
     wind_ned_m_s: Vector = _NONE
@@ -46,7 +47,7 @@ class Conditions(NamedTuple):
     baro: SensorState = SensorState.WORKING
     baro_offset_m: float = 0.0
     baro_drift_m_s: float = 0.0
-    efficiencies: Efficiencies = SOUND_ROTORS
+    efficiencies: FourRotors = _SOUND
     resting_v: float = 12.6
 
 
