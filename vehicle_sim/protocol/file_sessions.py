@@ -1,8 +1,8 @@
 """Who reads which file: the sessions of MAVLink FTP.
 
-ArduPilot has five, for all clients together; one that has been idle for three seconds gives way to a new one, and
-after twenty its file is closed. PX4 has one for each link, of number 0, which must be ended before another file can
-be opened there (ArduPilot `GCS_FTP.cpp`, PX4 `mavlink_ftp.cpp`).
+ArduPilot has five, for all clients together, of the numbers that the clients ask for; one that has been idle for three
+seconds gives way to a new one, and after twenty its file is closed. PX4 has one for each link, of number 0, which must
+be ended before another file can be opened there (ArduPilot `GCS_FTP.cpp`, PX4 `mavlink_ftp.cpp`).
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 MOST_SESSIONS: Final = 5
 _GIVES_WAY_US: Final = 3_000_000
 _CLOSES_US: Final = 20_000_000
-_NUMBERS: Final = 255
 
 
 class Client(NamedTuple):
@@ -56,7 +55,6 @@ class Sessions:
     def __init__(self, flavour: Flavour) -> None:
         self._is_ardupilot = flavour is Flavour.ARDUPILOT
         self._open: list[Session] = []
-        self._next_number = 1
 
     def __len__(self) -> int:
         return len(self._open)
@@ -73,7 +71,7 @@ class Sessions:
         """
         self._close_idle(now_us)
         if self._is_ardupilot:
-            number = self._number(client, number, now_us)
+            self._make_room(client, number, now_us)
         elif any(session.client.link is client.link for session in self._open):
             raise RefusedError(Nak.NO_SESSIONS_AVAILABLE)
         else:
@@ -124,8 +122,8 @@ class Sessions:
                 return session
         return None
 
-    def _number(self, client: Client, number: int, now_us: int) -> int:
-        """Return the number of a new session, for which an idle one gives way if need be."""
+    def _make_room(self, client: Client, number: int, now_us: int) -> None:
+        """Close an idle session if a new one needs its number or its place."""
         present = self._find(client, number)
         if present is not None:
             if now_us - present.used_us <= _GIVES_WAY_US:
@@ -136,9 +134,6 @@ class Sessions:
             if now_us - oldest.used_us < _GIVES_WAY_US:
                 raise RefusedError(Nak.NO_SESSIONS_AVAILABLE)
             self._open.remove(oldest)
-        if number == 0:
-            number, self._next_number = self._next_number, self._next_number % _NUMBERS + 1
-        return number
 
     def _close_idle(self, now_us: int) -> None:
         if self._is_ardupilot:

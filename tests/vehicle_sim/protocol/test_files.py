@@ -236,14 +236,14 @@ def test_a_request_that_comes_again_is_answered_with_the_same_bytes(client: File
 
 
 def test_sessions_of_ardupilot_are_bounded_and_idle_ones_give_way(ardupilot: FileClient) -> None:
-    sessions = [ardupilot.opened(PACKED)[0] for _ in range(MOST_SESSIONS)]
-    assert len(set(sessions)) == MOST_SESSIONS
-    assert ardupilot.ask(ftp.OPEN, PACKED).error == ftp.NO_SESSION
+    sessions = [ardupilot.ask(ftp.OPEN, PACKED, session=number).session for number in range(MOST_SESSIONS)]
+    assert sessions == list(range(MOST_SESSIONS))
+    assert ardupilot.ask(ftp.OPEN, PACKED, session=9).error == ftp.NO_SESSION
     ardupilot.station.run(2.0)
     for session in sessions[1:]:
         ardupilot.ask(ftp.READ, session=session, size=80)
     ardupilot.station.run(1.5)
-    newest, _ = ardupilot.opened(PACKED)
+    newest = ardupilot.ask(ftp.OPEN, PACKED, session=9).session
     assert ardupilot.ask(ftp.READ, session=sessions[0], size=80).error == ftp.NOT_FOUND
     assert ardupilot.ask(ftp.READ, session=sessions[1], size=80).opcode == ftp.ACK
     ardupilot.station.run(21.0)
