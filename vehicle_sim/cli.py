@@ -113,6 +113,7 @@ def _run(options: argparse.Namespace) -> None:
     from vehicle_sim.faults import NO_FAULTS  # noqa: PLC0415
     from vehicle_sim.fleet import fleet_of  # noqa: PLC0415
     from vehicle_sim.key_file import KeyFile, signing_time  # noqa: PLC0415
+    from vehicle_sim.log_folder import keep_logs  # noqa: PLC0415
     from vehicle_sim.parameter_file import keep_parameters  # noqa: PLC0415
     from vehicle_sim.parameters import Flavour  # noqa: PLC0415
     from vehicle_sim.party import Fleet, Party  # noqa: PLC0415
@@ -151,6 +152,8 @@ def _run(options: argparse.Namespace) -> None:
     )
     if options.parameters is not None:
         keep_parameters(options.parameters, stores[0], _notify)
+    if options.logs is not None:
+        keep_logs(options.logs, endpoints, _notify)
     parties: list[tuple[Party, list[tuple[Address, str, bool]]]] = [
         (endpoint, _links(options, index)) for index, endpoint in enumerate(endpoints)
     ]
@@ -173,6 +176,8 @@ def _run(options: argparse.Namespace) -> None:
         patience = [Patience(options.patience) for _ in endpoints] if options.patience > 0.0 else []
         Server(endpoints, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
     finally:
+        for endpoint in endpoints:
+            endpoint.recorder.finish()
         for port in ports:
             port.close()
 
@@ -323,6 +328,7 @@ def _parser() -> argparse.ArgumentParser:
     vehicle.add_argument(
         "--parameters", type=Path, metavar="FILE", help="keep the parameters in this file (they are forgotten)"
     )
+    vehicle.add_argument("--logs", type=Path, metavar="FOLDER", help="keep the log of each flight there, as .tlog")
     vehicle.add_argument(
         "--set", type=_assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter, repeatable"
     )

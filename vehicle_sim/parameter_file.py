@@ -1,14 +1,12 @@
 """The file that keeps the parameters over restarts: read once at the start, written whole after each change."""
 
-import os
-import tempfile
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 
 from vehicle_sim.errors import ConfigurationError, ParameterError
 from vehicle_sim.parameters import ParameterStore
 from vehicle_sim.parameters.file import MOST_BYTES, as_text, take_text
+from vehicle_sim.whole_file import write_whole
 
 
 def load_parameters(path: Path, store: ParameterStore) -> None:
@@ -40,15 +38,7 @@ def save_parameters(path: Path, store: ParameterStore) -> None:
         ConfigurationError: The file cannot be written.
     """
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(as_text(store))
-            Path(temporary).replace(path)
-        except OSError:
-            with suppress(OSError):
-                Path(temporary).unlink()
-            raise
+        write_whole(path, as_text(store).encode())
     except OSError as error:
         raise ConfigurationError(f"{path}: {error.strerror or error}") from error
 

@@ -14,9 +14,11 @@ from vehicle_sim.protocol.failures import FailureService
 from vehicle_sim.protocol.fences import FenceService
 from vehicle_sim.protocol.files import FileService
 from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
+from vehicle_sim.protocol.flight_log import FlightRecorder
 from vehicle_sim.protocol.host import Sender
 from vehicle_sim.protocol.key_setup import KeySetupService
 from vehicle_sim.protocol.link import Link
+from vehicle_sim.protocol.log_transfer import LogService
 from vehicle_sim.protocol.missions import MissionService
 from vehicle_sim.protocol.mode_list import ModeListService
 from vehicle_sim.protocol.parameters import ParameterService
@@ -52,6 +54,7 @@ class Endpoint:
         component_id: The component id of the autopilot in it.
         signer: Holds its key, if it has one.
         key_setup: Takes another key from a ground station.
+        recorder: Writes the log of each armed period.
         now_us: Vehicle time since boot, in microseconds.
         on_message: Called with each message for the vehicle, and the name of its link, before it is handled.
     """
@@ -102,6 +105,9 @@ class Endpoint:
         self._plans.keepers.update(fences.keepers)
         self._plans.keepers.update(self._missions.keepers)
         self._presence = PresenceService(self)
+        self.recorder = FlightRecorder(self)
+        self._log_transfer = LogService(self, self.recorder)
+        self._files = FileService(self, self.recorder)
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
         commands.handlers.update(mode_list.commands)
@@ -120,7 +126,8 @@ class Endpoint:
             **self._plans.messages,
             **self._missions.messages,
             **time.messages,
-            **FileService(self).messages,
+            **self._log_transfer.messages,
+            **self._files.messages,
             **self.key_setup.messages,
         }
         builders: dict[int, Builder] = {
@@ -185,6 +192,8 @@ class Endpoint:
         self._router.forget(link)
         self._parameters.forget(link)
         self._plans.forget(link)
+        self._log_transfer.forget(link)
+        self._files.forget(link)
 
     def receive(self, link: str, data: bytes) -> int:
         """Handle what came by a link and return how many valid messages it held.
@@ -234,6 +243,8 @@ class Endpoint:
         vehicle.step()
         now_us = self.now_us = vehicle.steps * self._step_us
         self._built.clear()
+        if vehicle.autopilot.armed and not self.recorder.is_recording:
+            self.recorder.begin()
         texts = vehicle.autopilot.texts
         while texts:
             self.say(*texts.popleft())
@@ -246,14 +257,24 @@ class Endpoint:
                     message = self.telemetry(message_id)
                     if message is not None:
                         link.send(message)
+        self.recorder.advance()
+        self._go_on_sending()
+
+    def _go_on_sending(self) -> None:
+        """Send the next part of what is long."""
         if self._parameters.is_listing:
             self._parameters.advance()
-        if self._plans.next_due_us <= now_us:
+        if self._log_transfer.is_sending:
+            self._log_transfer.advance()
+        if self._files.is_sending:
+            self._files.advance()
+        if self._plans.next_due_us <= self.now_us:
             self._plans.advance()
 
     def _reboot(self) -> None:
         """Begin anew: streams as by default, no transfer under way, and the system id that the parameter names."""
         self._reboot_due_us = NEVER_US
+        self.recorder.finish()
         self._parameters.reboot()
         self.vehicle.reboot()
         self.now_us = 0
@@ -264,6 +285,8 @@ class Endpoint:
             link.speak_for(self.system_id)
             self._parameters.forget(link)
             self._plans.forget(link)
+            self._log_transfer.forget(link)
+            self._files.forget(link)
             self._rates.start_defaults(link)
 
     # What the services use.
@@ -280,6 +303,7 @@ class Endpoint:
     def say(self, severity: "Severity", text: str) -> None:
         """Send a text to every link, in chunks where it is long."""
         for message in self._chunker.messages(severity, text):
+            self.recorder.take(message)
             self.broadcast(message)
 
     def telemetry(self, message_id: int) -> "Message | None":

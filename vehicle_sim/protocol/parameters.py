@@ -6,11 +6,11 @@ ArduPilot sends integers as floats of equal value, PX4 sends their bytes in the 
 from math import isfinite
 from struct import pack, unpack
 from typing import TYPE_CHECKING, Final
-from zlib import crc32
 
 from vehicle_sim.autopilot import Outcome, Severity
 from vehicle_sim.errors import ParameterError
 from vehicle_sim.parameters import ParameterKind, ParameterStore
+from vehicle_sim.protocol.checksum import plain_crc32
 from vehicle_sim.protocol.commands import Request
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host, Sender
@@ -160,7 +160,7 @@ class ParameterService:
         for name in store.names:
             is_real = store.definition(name).kind is ParameterKind.REAL32
             value = pack("<f", store[name]) if is_real else pack("<i", int(store[name]))
-            checksum = _plain_crc32(value, _plain_crc32(name.encode("ascii"), checksum))
+            checksum = plain_crc32(value, plain_crc32(name.encode("ascii"), checksum))
         wire = _float_of(pack("<I", checksum))
         kind = mavlink.MAV_PARAM_TYPE_UINT32
         return mavlink.MAVLink_param_value_message(_name_bytes(_HASH), wire, kind, len(store), _NO_INDEX)
@@ -173,8 +173,3 @@ def _name_bytes(name: str) -> bytes:
 
 def _float_of(four_bytes: bytes) -> float:
     return float(unpack("<f", four_bytes)[0])
-
-
-def _plain_crc32(data: bytes, start: int) -> int:
-    """CRC-32 without the customary inversion at both ends, as PX4's `crc32part` computes it."""
-    return crc32(data, start ^ 0xFFFFFFFF) ^ 0xFFFFFFFF

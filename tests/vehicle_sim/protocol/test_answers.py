@@ -1,4 +1,4 @@
-"""Everything that a ground station asks for gets an answer: clocks, texts, files, logs."""
+"""Everything that a ground station asks for gets an answer: clocks, texts, files."""
 
 from struct import pack
 
@@ -32,36 +32,12 @@ def test_ping_is_answered_by_px4_only(flavour: Flavour) -> None:
     assert answers == ([(77, 5, 255, 190)] if flavour is Flavour.PX4 else [])
 
 
-@pytest.mark.parametrize(
-    ("opcode", "answer", "error"),
-    [(1, 128, None), (2, 128, None), (3, 129, 6), (4, 129, 10), (15, 129, 10), (9, 129, 7)],
-)
-def test_files_there_are_none(opcode: int, answer: int, error: int | None) -> None:
-    station = Station(endpoint_of(Flavour.PX4))
-    request = pack("<HBBBBBxI", 65535, 3, opcode, 5, 0, 0, 0) + b"/fs/x"
-    station.send(mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, request.ljust(251, b"\0")))
-    reply = station.last("FILE_TRANSFER_PROTOCOL")
-    assert (reply.target_system, reply.target_component) == (255, 190)
-    payload = bytes(reply.payload)
-    assert payload[:6] == bytes([0, 0, 3, answer, 0 if error is None else 1, opcode])
-    assert error is None or payload[12] == error
-
-
 def test_answers_to_files_are_not_answered() -> None:
     station = Station(endpoint_of(Flavour.PX4))
     for opcode in (128, 129):
         reply = pack("<HBBBBBxI", 1, 3, opcode, 0, 0, 0, 0)
         station.send(mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, reply.ljust(251, b"\0")))
     assert station.heard == []
-
-
-def test_logs_there_are_none() -> None:
-    station = Station(endpoint_of(Flavour.ARDUPILOT))
-    station.send(mavlink.MAVLink_log_request_list_message(1, 1, 0, 65535))
-    assert station.last("LOG_ENTRY").num_logs == 0
-    station.send(mavlink.MAVLink_log_request_data_message(1, 1, 4, 90, 90))
-    data = station.last("LOG_DATA")
-    assert (data.id, data.ofs, data.count) == (4, 90, 0)
 
 
 def test_an_origin_that_is_asked_for_is_told() -> None:

@@ -1,0 +1,169 @@
+"""The files that the vehicle shows: its logs, and ArduPilot's packed parameters. Nothing of the machine is among them.
+
+| autopilot | logs                                                  | besides                                |
+|-----------|-------------------------------------------------------|----------------------------------------|
+| ArduPilot | `/APM/LOGS/00000001.tlog`, the same in `logs`         | `@PARAM/param.pck`, an empty `@SYS`    |
+| PX4       | `/fs/microsd/log/DATE/TIME_NUMBER.tlog`, also in `log` |                                        |
+
+The folders are those of the autopilots; the names end in `.tlog`, for that is what the logs are. Paths are compared
+with names in memory, never given to the operating system.
+"""
+
+from collections.abc import Iterable
+from errno import EINVAL
+from time import gmtime, strftime
+from typing import TYPE_CHECKING, Final, Protocol
+
+from vehicle_sim.parameters import Flavour, ParameterStore
+from vehicle_sim.protocol.packed_parameters import Excerpt, estimated_size, excerpt_of, packed
+
+if TYPE_CHECKING:
+    from vehicle_sim.protocol.flight_log import FlightLog, FlightRecorder
+    from vehicle_sim.protocol.host import Host
+
+_Path = tuple[str, ...]
+_Files = dict[_Path, "FlightLog"]
+_PARAMETERS: Final = ("@PARAM", "param.pck")
+_LOG_FOLDERS: Final[dict[Flavour, _Path]] = {
+    Flavour.ARDUPILOT: ("APM", "LOGS"),
+    Flavour.PX4: ("fs", "microsd", "log"),
+}
+_SHORT: Final = {Flavour.ARDUPILOT: "logs", Flavour.PX4: "log"}
+_SECOND_US: Final = 1_000_000
+
+
+class InvalidReadError(Exception):
+    """A file cannot be read like this.
+
+    Attributes:
+        errno: The system's number for it, as the autopilot tells it.
+    """
+
+    def __init__(self, errno: int) -> None:
+        super().__init__(f"errno {errno}")
+        self.errno = errno
+
+
+class OpenFile(Protocol):
+    """A file that somebody reads; its content does not change under them."""
+
+    @property
+    def told_size(self) -> int:
+        """The size that is told when it is opened, in bytes."""
+        ...
+
+    def read(self, offset: int, count: int) -> bytes:
+        """Return up to `count` bytes (1 to 239) from `offset` on; none at the end and after it.
+
+        Raises:
+            InvalidReadError: It cannot be read like this.
+        """
+        ...
+
+
+class OpenLog:
+    """A log as long as it was when it was opened."""
+
+    def __init__(self, log: "FlightLog") -> None:
+        self._log = log
+        self.told_size = len(log.data)
+
+    def read(self, offset: int, count: int) -> bytes:
+        """Return up to `count` bytes from `offset` on."""
+        return self._log.read(offset, min(offset + count, self.told_size)) if offset < self.told_size else b""
+
+
+class OpenParameters:
+    """The packed parameters as they were at the first read, in blocks of the size of that read."""
+
+    def __init__(self, store: ParameterStore, excerpt: Excerpt) -> None:
+        self._store = store
+        self._excerpt = excerpt
+        self._block_bytes = 0
+        self._data = b""
+        self.told_size = estimated_size(store)
+
+    def read(self, offset: int, count: int) -> bytes:
+        """Return the block at `offset`.
+
+        Raises:
+            InvalidReadError: The blocks are of another size, or there is no such parameter.
+        """
+        if not self._block_bytes:
+            try:
+                self._data = packed(self._store, self._excerpt, count)
+            except ValueError:
+                raise InvalidReadError(EINVAL) from None
+            self._block_bytes = count
+        if count != self._block_bytes:
+            raise InvalidReadError(EINVAL)
+        return self._data[offset : offset + count]
+
+
+class VirtualTree:
+    """Folders and files by their paths."""
+
+    def __init__(self, host: "Host", recorder: "FlightRecorder") -> None:
+        self._host = host
+        self._recorder = recorder
+        self._flavour = host.table.flavour
+
+    def entries(self, path: str) -> list[bytes] | None:
+        """Return what a folder holds, each as `D` and a name or `F`, a name, a tab and a size; None of no folder."""
+        folder, files = self._parts(path), self._logs()
+        if folder is None:
+            return None
+        sizes = {place: len(log.data) for place, log in files.items()}
+        folders: set[_Path] = {(), _LOG_FOLDERS[self._flavour]}
+        if self._flavour is Flavour.ARDUPILOT:
+            sizes[_PARAMETERS] = estimated_size(self._host.vehicle.parameters)
+            folders.add(("@SYS",))
+        folders.update(place[:-1] for place in sizes)
+        folders.update([place[:depth] for place in folders for depth in range(len(place))])
+        if folder not in folders:
+            return None
+        inside = _children(folder, folders)
+        return [f"D{name}".encode() for name in inside] + [
+            f"F{name}\t{sizes[*folder, name]}".encode() for name in _children(folder, sizes)
+        ]
+
+    def open(self, path: str) -> OpenFile | None:
+        """Return a file; None where there is none.
+
+        Raises:
+            InvalidReadError: The question after the name asks for what the file cannot hold.
+        """
+        name, _, query = path.partition("?")
+        place = self._parts(name)
+        if place == _PARAMETERS and self._flavour is Flavour.ARDUPILOT:
+            try:
+                return OpenParameters(self._host.vehicle.parameters, excerpt_of(query))
+            except ValueError:
+                raise InvalidReadError(EINVAL) from None
+        place = self._parts(path)
+        log = None if place is None else self._logs().get(place)
+        return None if log is None else OpenLog(log)
+
+    def _parts(self, path: str) -> _Path | None:
+        parts = tuple(part for part in path.split("/") if part not in ("", "."))
+        if ".." in parts:
+            return None
+        if parts[:1] == (_SHORT[self._flavour],):
+            parts = _LOG_FOLDERS[self._flavour] + parts[1:]
+        return parts
+
+    def _logs(self) -> _Files:
+        folder = _LOG_FOLDERS[self._flavour]
+        if self._flavour is Flavour.ARDUPILOT:
+            return {(*folder, f"{log.number:08d}.tlog"): log for log in self._recorder.logs}
+        files: _Files = {}
+        for log in self._recorder.logs:
+            began = gmtime(log.utc_us // _SECOND_US)
+            name = f"{strftime('%H_%M_%S', began)}_{log.number:03d}.tlog"
+            files[*folder, strftime("%Y-%m-%d", began), name] = log
+        return files
+
+
+def _children(folder: _Path, places: Iterable[_Path]) -> list[str]:
+    """Return the names of what lies directly in a folder."""
+    return sorted(place[-1] for place in places if place and place[:-1] == folder)
