@@ -258,7 +258,7 @@ class Endpoint:
         self.vehicle.reboot()
         self.now_us = 0
         self.system_id = int(self.vehicle.parameters[self.table.system_id_parameter])
-        self._router = Router(self.system_id)
+        self._router = Router(self.system_id, self.component_id)
         self._presence.reboot()
         for link in self._links.values():
             link.speak_for(self.system_id)
