@@ -270,6 +270,13 @@ class Autopilot(Machine):
             return False
         return self.guard.fence.forbids((north, east, down), self._home_ned_m, origin)
 
+    def take_over(self, before: Machine) -> None:
+        """Keep what is stored over a restart of the autopilot `before`: mission, fence and rally points."""
+        if before.mission.items:
+            self.mission.load(before.mission.items)
+        self.guard.fence.load(before.guard.fence.plan)
+        self.rally = before.rally
+
     def heartbeat_from_ground(self, system_id: int, now_s: float) -> None:
         """Note that a ground station lives; ArduPilot counts only the one that its parameter names."""
         if self.settings.ground_system_id in (None, system_id):
