@@ -29,6 +29,9 @@ class Autopilot(Machine):
             text = faults[0].text if faults else "Flight terminated"
             self._say(Severity.CRITICAL, REFUSALS[self.flavour].format(text=text))
             return self._refusal
+        if self.pilot.is_lost(self._now_s):
+            # Who is not there now is not missed later.
+            self.pilot.leave()
         self.armed = True
         self._armed_at_s = self._now_s
         self._has_flown = False

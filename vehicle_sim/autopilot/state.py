@@ -181,6 +181,7 @@ class State:
             self.flying,
             self.intended_mode,
             self._stream_fresh,
+            self.pilot.is_lost(self._now_s),
             self._ground_lost,
             self._battery.level,
             self._wind_ned_m_s,
