@@ -7,6 +7,7 @@ from math import inf, pi
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REFUSALS
+from vehicle_sim.autopilot.attitude_task import Attitude, AttitudeTask
 from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
 from vehicle_sim.autopilot.machine import Machine
 from vehicle_sim.autopilot.mission_items import MissionItem, SpeedAxis
@@ -240,6 +241,20 @@ class Autopilot(Machine):
             self._task = self._guided()
         if isinstance(self._task, GuidedTask):
             self._task.take(setpoint, self._now_s)
+        self._refresh()
+        return True
+
+    def attitude(self, attitude: Attitude) -> bool:
+        """Take an attitude from outside, as `setpoint` takes a setpoint; tell whether it is flown."""
+        self._stream_s = self._now_s
+        self._stream = None
+        if self.mode is not Mode.GUIDED or not self.armed:
+            return False
+        if not isinstance(self._task, AttitudeTask):
+            px4 = self.flavour is Flavour.PX4
+            self._task = AttitudeTask(self._estimate, self.settings, lifts_off=px4, stops=not px4)
+        if isinstance(self._task, AttitudeTask):
+            self._task.follow(attitude, self._now_s, self._estimate)
         self._refresh()
         return True
 

@@ -8,6 +8,7 @@ for datagram in endpoint.outgoing("gcs"): ...
 
 from typing import TYPE_CHECKING
 
+from vehicle_sim.protocol.attitudes import AttitudeService
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
 from vehicle_sim.protocol.failures import FailureService
@@ -115,6 +116,7 @@ class Endpoint:
             **commands.messages,
             **self._rates.messages,
             **SetpointService(self).messages,
+            **AttitudeService(self).messages,
             **StickService(self).messages,
             **self._parameters.messages,
             **self._plans.messages,
