@@ -26,7 +26,7 @@ from vehicle_sim.autopilot.modes import (
     StatusText,
 )
 from vehicle_sim.autopilot.tasks import LevelTask, Task
-from vehicle_sim.battery import Battery
+from vehicle_sim.battery import Battery, BatteryLevel
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
 from vehicle_sim.parameters import Action, Flavour, ParameterStore, flight_settings
 from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
@@ -138,7 +138,7 @@ class State:
             home_known=self.home is not None,
             setpoints_fresh=self._stream_fresh,
             ground_lost=self._ground_lost,
-            battery=self._battery.level,
+            battery=self._battery.level if self.settings.battery_checked else BatteryLevel.OK,
             fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
             outside_fence=self.guard.is_outside,
             mission_flyable=self.mode is not Mode.AUTO or self.mission_fault is None,

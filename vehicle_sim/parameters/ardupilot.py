@@ -28,6 +28,8 @@ ARDUPILOT: Final = (
     Parameter("GUID_TIMEOUT", _REAL, 3, 0.1, 5, "silence of velocity or acceleration setpoints before a stop, s"),
     Parameter("GUID_OPTIONS", _I32, 0, 0, 255, "bit 3: the thrust of attitude targets is thrust, not a climb rate"),
     Parameter("DISARM_DELAY", _I8, 10, 0, 127, "landed and idle for so long: disarm, s; 0 never"),
+    # Of the checks that can be skipped the vehicle has one; position, mode, fence and failsafes are always checked.
+    Parameter("ARMING_SKIPCHK", _I32, 0, -1, 2097151, "checks before arming that are skipped: bit 8 battery; -1 all"),
     Parameter("ARMING_DELAY_SEC", _REAL, 2, 0, 5, "from arming until the motors may lift, s"),
     Parameter("ANGLE_MAX", _I16, 3000, 1000, 8000, "largest tilt, centidegrees"),
     Parameter("ATC_SLEW_YAW", _REAL, 6000, 500, 18000, "largest yaw rate that a mode asks for, centidegrees/s"),

@@ -74,3 +74,25 @@ def test_termination_is_for_good() -> None:
     assert vehicle.autopilot.terminate() is Outcome.ACCEPTED
     run(vehicle, 5.0)
     assert vehicle.autopilot.arm(force=True) is Outcome.FAILED
+
+
+@pytest.mark.parametrize(
+    ("skipped", "outcome"), [(0, Outcome.FAILED), (1 << 8, Outcome.ACCEPTED), (-1, Outcome.ACCEPTED)]
+)
+def test_ardupilot_can_be_told_not_to_look_at_the_battery(skipped: int, outcome: Outcome) -> None:
+    vehicle = booted()
+    vehicle.parameters.set("BATT_CRT_MAH", 4990)
+    vehicle.parameters.set("BATT_FS_CRT_ACT", 0)
+    vehicle.parameters.set("ARMING_SKIPCHK", skipped)
+    vehicle.battery.consumed_mah = 50.0
+    run(vehicle, 0.5)
+    vehicle.autopilot.set_mode(Mode.GUIDED)
+    assert vehicle.autopilot.arm() is outcome
+    assert ("Arm: Battery 1 below minimum arming voltage" in said(vehicle)) is (outcome is Outcome.FAILED)
+
+
+def test_the_mode_is_looked_at_whatever_is_skipped() -> None:
+    vehicle = booted()
+    vehicle.parameters.set("ARMING_SKIPCHK", -1)
+    vehicle.autopilot.set_mode(Mode.LAND)
+    assert vehicle.autopilot.arm() is Outcome.FAILED
