@@ -9,13 +9,27 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from math import atan2, degrees, hypot, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, NoReturn
 
 from vehicle_sim.addresses import LISTENING, Address, parse_address
 from vehicle_sim.errors import ConfigurationError, ParameterError
 from vehicle_sim.fleet_options import LINKS_HELP, add_fleet_options
+from vehicle_sim.option_values import (
+    HOME_FIELDS,
+    address,
+    assignment,
+    connect_address,
+    home,
+    listen_address,
+    not_negative,
+    patience,
+    seed,
+    speed,
+    system_id,
+    whole,
+    wind,
+)
 
 if TYPE_CHECKING:
     from vehicle_sim.faults import Schedule
@@ -26,8 +40,6 @@ _DEFAULT_LISTEN: Final = {"ardupilot": "tcpin:127.0.0.1:5760", "px4": "udpin:127
 _DEFAULT_CONNECT: Final = {"ardupilot": (), "px4": ("udpout:127.0.0.1:14540",)}
 _PORT_STEPS: Final = {"ardupilot": 10, "px4": 1}
 _USAGE_ERROR: Final = 2
-_FASTEST: Final = 1000.0
-_MOST_PATIENT_S: Final = 60.0
 _DIGITS: Final = frozenset("0123456789.")
 
 _DESCRIPTION: Final = """\
@@ -125,7 +137,7 @@ def _run(options: argparse.Namespace) -> None:
 
     flavour = Flavour(options.flavour)
     speed_m_s, from_deg = options.wind
-    place = {} if options.home is None else dict(zip(_HOME_FIELDS, options.home, strict=True))
+    place = {} if options.home is None else dict(zip(HOME_FIELDS, options.home, strict=True))
     config = VehicleConfig(
         seed=options.seed,
         flavour=flavour,
@@ -220,9 +232,6 @@ def _schedule(path: str) -> "Schedule":
     return read_schedule(content, path)
 
 
-_HOME_FIELDS: Final = ("home_lat_deg", "home_lon_deg", "home_alt_m")
-
-
 def _check_signing(address: Address, *, has_key: bool) -> None:
     if address.signing is not None and address.signing != "off" and not has_key:
         raise ConfigurationError(f"{address}: without --signing-key FILE there is no key to sign with")
@@ -314,40 +323,40 @@ def _parser() -> argparse.ArgumentParser:
         default="hover",
         help="linearised about hover, or the full quadrotor with its rotors (hover)",
     )
-    vehicle.add_argument("--seed", type=_seed, default=1, metavar="N", help="seed of all noise and gusts (1)")
+    vehicle.add_argument("--seed", type=seed, default=1, metavar="N", help="seed of all noise and gusts (1)")
     vehicle.add_argument(
-        "--wind", type=_wind, default=(0.0, 0.0), metavar="WIND", help="NORTH,EAST or SPEED@FROM_DEGREES in m/s (calm)"
+        "--wind", type=wind, default=(0.0, 0.0), metavar="WIND", help="NORTH,EAST or SPEED@FROM_DEGREES in m/s (calm)"
     )
     vehicle.add_argument(
-        "--gusts", type=_not_negative, default=0.0, metavar="M_S", help="standard deviation of gusts, m/s (0)"
+        "--gusts", type=not_negative, default=0.0, metavar="M_S", help="standard deviation of gusts, m/s (0)"
     )
     vehicle.add_argument("--faults", metavar="FILE", help="what goes wrong and when: a YAML file, see below")
     vehicle.add_argument(
-        "--home", type=_home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"
+        "--home", type=home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"
     )
     vehicle.add_argument(
         "--parameters", type=Path, metavar="FILE", help="keep the parameters in this file (they are forgotten)"
     )
     vehicle.add_argument("--logs", type=Path, metavar="FOLDER", help="keep the log of each flight there, as .tlog")
     vehicle.add_argument(
-        "--set", type=_assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter, repeatable"
+        "--set", type=assignment, action="append", default=[], metavar="NAME=VALUE", help="a parameter, repeatable"
     )
     vehicle.add_argument(
-        "--system-id", "--sysid", dest="sysid", type=_system_id, metavar="N", help="MAVLink system id, 1 to 255 (1)"
+        "--system-id", "--sysid", dest="sysid", type=system_id, metavar="N", help="MAVLink system id, 1 to 255 (1)"
     )
-    vehicle.add_argument("--speed", type=_speed, default=1.0, metavar="N", help="multiples of real time (1)")
+    vehicle.add_argument("--speed", type=speed, default=1.0, metavar="N", help="multiples of real time (1)")
     vehicle.add_argument(
         "--patience",
-        type=_patience,
+        type=patience,
         default=0.0,
         metavar="SECONDS",
         help="above real time: how long a late client is waited for (0)",
     )
-    add_fleet_options(parser, whole=_whole, number=_not_negative, address=_address)
+    add_fleet_options(parser, whole=whole, number=not_negative, address=address)
     links = parser.add_argument_group("links")
     links.add_argument(
         "--listen",
-        type=_listen_address,
+        type=listen_address,
         action="append",
         default=[],
         metavar="ADDRESS",
@@ -355,7 +364,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     links.add_argument(
         "--connect",
-        type=_connect_address,
+        type=connect_address,
         action="append",
         default=[],
         metavar="ADDRESS",
@@ -363,7 +372,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     station = links.add_mutually_exclusive_group()
     station.add_argument(
-        "--ground-station", type=_address, metavar="ADDRESS", help=f"where the ground station is ({_GROUND_STATION})"
+        "--ground-station", type=address, metavar="ADDRESS", help=f"where the ground station is ({_GROUND_STATION})"
     )
     station.add_argument("--no-ground-station", action="store_true", help="do not look for a ground station")
     process = parser.add_argument_group("process")
@@ -381,98 +390,3 @@ def _parser() -> argparse.ArgumentParser:
     )
     process.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     return parser
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-    if not isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
-def _not_negative(text: str) -> float:
-    value = _number(text)
-    if value < 0.0:
-        raise argparse.ArgumentTypeError(f"{text} is negative")
-    return value
-
-
-def _speed(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value <= _FASTEST:
-        raise argparse.ArgumentTypeError(f"the speed lies in (0, {_FASTEST:g}], {text} does not")
-    return value
-
-
-def _patience(text: str) -> float:
-    value = _not_negative(text)
-    if value > _MOST_PATIENT_S:
-        raise argparse.ArgumentTypeError(f"patience ends at {_MOST_PATIENT_S:g} s, {text} does not")
-    return value
-
-
-def _whole(text: str, low: int, high: int) -> int:
-    if not (text.isascii() and text.isdigit() and low <= int(text) <= high):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {low} to {high}")
-    return int(text)
-
-
-def _seed(text: str) -> int:
-    return _whole(text, 0, 2**32 - 1)
-
-
-def _system_id(text: str) -> int:
-    return _whole(text, 1, 255)
-
-
-def _assignment(text: str) -> tuple[str, str]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not (name and equals and value):
-        raise argparse.ArgumentTypeError(f"write NAME=VALUE, not {text!r}")
-    return name, value
-
-
-def _wind(text: str) -> tuple[float, float]:
-    """Return speed in m/s and the direction in degrees that the wind blows from."""
-    speed_text, at, from_text = text.partition("@")
-    if at:
-        return _not_negative(speed_text), _number(from_text) % 360.0
-    north_text, comma, east_text = text.partition(",")
-    if not comma:
-        raise argparse.ArgumentTypeError(f"write NORTH,EAST or SPEED@FROM_DEGREES, not {text!r}")
-    north, east = _number(north_text), _number(east_text)
-    return hypot(north, east), degrees(atan2(-east, -north)) % 360.0
-
-
-def _home(text: str) -> tuple[float, float, float]:
-    parts = text.split(",")
-    if len(parts) != len(_HOME_FIELDS):
-        raise argparse.ArgumentTypeError(f"write LAT,LON,ALT, not {text!r}")
-    lat_deg, lon_deg, alt_m = (_number(part) for part in parts)
-    return lat_deg, lon_deg, alt_m
-
-
-def _address(text: str) -> Address:
-    try:
-        return parse_address(text)
-    except ConfigurationError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _listen_address(text: str) -> Address:
-    address = _address(text)
-    if address.scheme not in LISTENING:
-        raise argparse.ArgumentTypeError(
-            f"{address} does not listen; write it with --connect, or udpin:, tcpin: or pty:"
-        )
-    return address
-
-
-def _connect_address(text: str) -> Address:
-    address = _address(text)
-    if address.scheme in LISTENING:
-        raise argparse.ArgumentTypeError(f"{address} listens; write it with --listen, or udpout:, tcp: or serial:")
-    return address

@@ -172,6 +172,8 @@ class Controller:
 
     def _thrust(self, estimate: Estimate, setpoint: Setpoint, guidance: Guidance) -> float:
         """Return the specific thrust that the down axis asks for."""
+        if setpoint.thrust_m_s2 is not None:
+            return setpoint.thrust_m_s2
         limits = guidance.limits
         place, speed, push = (
             setpoint.position_ned_m[2],

@@ -164,6 +164,7 @@ class Setpoint:
     """What to fly: each axis of each quantity asked for or left free (None); relative to the estimator's origin.
 
     `lean_ne_rad`, where it is given, is flown instead of the horizontal axes: how far thrust leans to north and east.
+    `thrust_m_s2`, where it is given, is flown instead of the down axis: specific thrust along body up.
 
     Raises:
         ValueError: A component that is asked for is not finite.
@@ -175,12 +176,13 @@ class Setpoint:
     yaw_rad: float | None = None
     yaw_rate_rad_s: float | None = None
     lean_ne_rad: tuple[float, float] | None = None
+    thrust_m_s2: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that no controller can follow."""
         asked = (*self.position_ned_m, *self.velocity_ned_m_s, *self.acceleration_ned_m_s2)
-        lean = self.lean_ne_rad or ()
-        if not all(value is None or isfinite(value) for value in (*asked, self.yaw_rad, self.yaw_rate_rad_s, *lean)):
+        asked += (self.yaw_rad, self.yaw_rate_rad_s, self.thrust_m_s2, *(self.lean_ne_rad or ()))
+        if not all(value is None or isfinite(value) for value in asked):
             raise ValueError("a setpoint's components are finite numbers or absent")
 
     @property

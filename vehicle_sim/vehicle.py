@@ -149,9 +149,14 @@ class Vehicle:
     def reboot(self) -> None:
         """Restart the flight controller: its clock, sensors, estimator and modes begin anew, where the vehicle is.
 
-        What is no software stays as it is (the airframe, the charge of the battery, the wind), and so do parameters.
+        What is no software stays as it is (the airframe, the charge of the battery, the wind, what is wrong with
+        sensors), and so does what is stored: parameters, mission, fence and rally points.
         """
+        before = self.autopilot
         self._boot()
+        self.autopilot.take_over(before)
+        self.faults.reboot()
+        self._suffer()
 
     @property
     def steps(self) -> int:

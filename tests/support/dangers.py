@@ -11,7 +11,7 @@ from vehicle_sim.parameters import Flavour
 from vehicle_sim.sensors import SensorErrors
 
 HEIGHT_M = 12.0
-_HEARTBEAT_STEPS, _SETPOINT_STEPS = 100, 5
+_HEARTBEAT_STEPS, _SETPOINT_STEPS, _STICK_STEPS = 100, 5, 10
 _VELOCITY_ONLY, _POSITION_ONLY = 0xDC7, 0xDF8
 
 
@@ -19,6 +19,7 @@ class Fault(Enum):
     """What can go wrong."""
 
     SETPOINTS = auto()
+    STICKS = auto()
     GROUND = auto()
     BATTERY_LOW = auto()
     BATTERY_CRITICAL = auto()
@@ -31,13 +32,16 @@ class Fault(Enum):
 class Endangered:
     """A hovering vehicle of either flavour in GUIDED or Offboard; a ground station beats and sends setpoints.
 
+    With `sticks` a pilot is at centred sticks, too.
+
     `modes` are the modes since the last `forget`, each with the seconds since then.
     """
 
-    def __init__(self, flavour: Flavour, **parameters: float) -> None:
+    def __init__(self, flavour: Flavour, *, sticks: bool = False, **parameters: float) -> None:
         self.station = Station(endpoint_of(flavour))
         self.vehicle = self.station.endpoint.vehicle
         self.beats = self.streams = True
+        self.sticks = sticks
         self._errors = self.vehicle._sensors._errors
         self.station.take_off(HEIGHT_M)
         for name, value in parameters.items():
@@ -63,6 +67,8 @@ class Endangered:
         for _ in range(round(seconds / vehicle.config.step_s)):
             if self.beats and vehicle.steps % _HEARTBEAT_STEPS == 0:
                 station.send(mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_GCS, 8, 0, 0, 4, 3))
+            if self.sticks and vehicle.steps % _STICK_STEPS == 0:
+                station.send(mavlink.MAVLink_manual_control_message(1, 0, 0, 500, 0, 0))
             if self.streams and vehicle.steps % _SETPOINT_STEPS == 0:
                 if vehicle.autopilot.flavour is Flavour.PX4:
                     station.setpoint(self._place, mask=_POSITION_ONLY)
@@ -109,6 +115,7 @@ class Endangered:
 
 _BEGIN: dict[Fault, Callable[[Endangered], None]] = {
     Fault.SETPOINTS: lambda one: one._stop(streams=False),
+    Fault.STICKS: lambda one: one._stop(sticks=False),
     Fault.GROUND: lambda one: one._stop(beats=False),
     Fault.BATTERY_LOW: lambda one: one._drain_to(0.149),
     Fault.BATTERY_CRITICAL: lambda one: one._drain_to(0.0695),
@@ -120,6 +127,7 @@ _BEGIN: dict[Fault, Callable[[Endangered], None]] = {
 }
 _END: dict[Fault, Callable[[Endangered], None]] = {
     Fault.SETPOINTS: lambda one: one._stop(streams=True),
+    Fault.STICKS: lambda one: one._stop(sticks=True),
     Fault.GROUND: lambda one: one._stop(beats=True),
     Fault.FENCE: lambda one: one._set(FENCE_ALT_MAX=100, GF_MAX_VER_DIST=100),
     Fault.ESTIMATOR: lambda one: one._blind(one._errors),

@@ -62,7 +62,7 @@ def test_a_leg_is_flown_within_the_limits_and_ends(
         task.advance(now_s, ESTIMATE._replace(position_ned_m=task.reference.place))
         north, east, down = task.reference.velocity
         assert hypot(north, east) <= fastest + 0.3
-        assert -flight.climb_m_s - 1.01 <= down <= flight.descent_m_s + 1.01
+        assert -flight.climb_m_s - 0.3 <= down <= flight.descent_m_s + 0.3
         if task.reference.place != end:
             assert hypot(north - before[0], east - before[1]) <= flight.acceleration_m_s2 * TICK_S * 1.01
         before = task.reference.velocity

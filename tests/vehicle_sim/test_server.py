@@ -296,7 +296,7 @@ def test_a_vehicle_that_is_served_restarts_on_request_and_its_peers_keep_their_l
         )
         server.run(50.0, lambda: endpoint.vehicle.time_s < 3.0)
         assert "COMMAND_ACK" in received(peer)
-        server.run(50.0, lambda: endpoint.vehicle.time_s >= 2.0)
+        server.run(50.0, lambda: endpoint.vehicle.time_s >= 3.5)
         assert 2 <= received(peer).count("HEARTBEAT") <= 4
     assert bench.said == []
 

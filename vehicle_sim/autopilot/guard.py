@@ -16,6 +16,7 @@ from vehicle_sim.autopilot.modes import MODES, Failsafe, Mode, Severity, StatusT
 from vehicle_sim.autopilot.tasks import stopping_place
 from vehicle_sim.battery import BatteryLevel
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
+from vehicle_sim.parameters.hand import Stickless
 from vehicle_sim.signals import Estimate, Vector
 
 _DOUBT_S: Final = 1.0
@@ -35,6 +36,7 @@ _HABITS: Final[Mapping[Flavour, Mapping[Failsafe, _Habit]]] = {
     _PX4: {
         Failsafe.BATTERY_LOW: _Habit(ends=True, pauses=True),
         Failsafe.SETPOINTS_LOST: _Habit(ends=True, pauses=False),
+        Failsafe.STICKS_LOST: _Habit(ends=False, pauses=True),
         Failsafe.GROUND_LOST: _Habit(ends=False, pauses=True),
         Failsafe.WIND: _Habit(ends=False, pauses=True),
         Failsafe.FENCE: _Habit(ends=False, pauses=True),
@@ -45,12 +47,21 @@ _HABITS: Final[Mapping[Flavour, Mapping[Failsafe, _Habit]]] = {
 }
 
 
+_STICKLESS: Final[Mapping[Mode, Stickless]] = {
+    Mode.AUTO: Stickless.MISSION,
+    Mode.HOLD: Stickless.HOLD,
+    Mode.TAKEOFF: Stickless.HOLD,
+    Mode.GUIDED: Stickless.GUIDED,
+}
+
+
 class Situation(NamedTuple):
     """What the guard goes by, as of now.
 
     Attributes:
         intended: The mode that the pilot chose last.
         stream_fresh: Whether setpoints come.
+        sticks_lost: Whether a pilot who has been at the sticks is there no more.
         ground_lost: Whether a ground station that has been there is silent.
         wind_ned_m_s: The wind that the vehicle feels.
     """
@@ -60,6 +71,7 @@ class Situation(NamedTuple):
     flying: bool
     intended: Mode
     stream_fresh: bool
+    sticks_lost: bool
     ground_lost: bool
     battery: BatteryLevel
     wind_ned_m_s: Vector
@@ -151,12 +163,7 @@ class Guard:
     def _failures(self, situation: Situation) -> dict[Failsafe, Response]:
         """Return the failures that are present, with the responses that are set for them."""
         settings, flying = self._settings, situation.flying
-        present: dict[Failsafe, Action] = {}
-        if self._flavour is _PX4 and situation.intended is Mode.GUIDED and not situation.stream_fresh:
-            present[Failsafe.SETPOINTS_LOST] = settings.setpoint_loss
-        # Who has been told to land goes on with it.
-        if situation.ground_lost and situation.intended is not Mode.LAND:
-            present[Failsafe.GROUND_LOST] = settings.ground_loss
+        present = self._silences(situation)
         if flying and settings.wind.limit_m_s < inf and _speed(situation) > settings.wind.limit_m_s:
             present[Failsafe.WIND] = settings.wind.action
         if self.is_outside:
@@ -173,6 +180,20 @@ class Guard:
             return {}
         habits = _HABITS[self._flavour]
         return {failsafe: Response(action, *habits[failsafe]) for failsafe, action in present.items()}
+
+    def _silences(self, situation: Situation) -> dict[Failsafe, Action]:
+        """Return who of those that should be heard is not, with what is set for that."""
+        settings, intended = self._settings, situation.intended
+        present: dict[Failsafe, Action] = {}
+        if self._flavour is _PX4 and intended is Mode.GUIDED and not situation.stream_fresh:
+            # Modes by hand are no way out without a pilot.
+            present[Failsafe.SETPOINTS_LOST] = settings.hand.loss if situation.sticks_lost else settings.setpoint_loss
+        if situation.sticks_lost and settings.hand.loss and not _STICKLESS.get(intended, 0) & settings.hand.stickless:
+            present[Failsafe.STICKS_LOST] = settings.hand.loss
+        # Who has been told to land goes on with it.
+        if situation.ground_lost and intended is not Mode.LAND:
+            present[Failsafe.GROUND_LOST] = settings.ground_loss
+        return present
 
     def _fence_action(self) -> Action:
         fence = self._settings.fence

@@ -56,6 +56,11 @@ class Pilot:
         """Return for how long the sticks have been silent, infinity where they were never heard."""
         return inf if self.heard_s is None else now_s - self.heard_s
 
+    def is_lost(self, now_s: float) -> bool:
+        """Whether somebody has been at the sticks and is there no more."""
+        heard_s, hand = self.heard_s, self.hand
+        return heard_s is not None and hand.listens and now_s - heard_s > hand.lost_after_s
+
     def counts(self, now_s: float) -> bool:
         """Whether somebody is at the sticks now: they have been heard lately, and they are listened to."""
         return self.hand.listens and self.silent_s(now_s) <= self.hand.timeout_s

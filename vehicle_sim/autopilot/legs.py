@@ -189,9 +189,11 @@ class CruiseTask(Task):
         off, level_off = hypot(*aside), hypot(aside[0], aside[1])
         back = min(_LINE_PER_S, arrival_speed(off, 0.0, min(horizontal, vertical)) / off) if off else 0.0
         back = min(back, cruise / level_off) if level_off else back
+        back = min(back, self._vertical_limit(-aside[2]) / abs(aside[2])) if aside[2] else back
+        with_it = max(-back * aside[2] * along[2], 0.0) / slope if slope else 0.0
         speed = min(
             (cruise - back * level_off) / level if level else inf,
-            self._vertical_limit(along[2]) / slope if slope else inf,
+            max(self._vertical_limit(along[2]) - with_it, 0.0) / slope if slope else inf,
         )
         braking = min(horizontal / level if level else inf, vertical / slope if slope else inf)
         if self.paused:

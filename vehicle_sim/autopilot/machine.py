@@ -3,179 +3,37 @@
 What may follow what is written in the tables of `modes`. Without a pilot, modes by hand see centred sticks.
 """
 
-from collections import deque
-from dataclasses import replace
 from math import inf
-from typing import Final
 
 from vehicle_sim.autopilot import texts
-from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS, ArmingFault, arming_faults
+from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS
 from vehicle_sim.autopilot.avoidance import within_fence
-from vehicle_sim.autopilot.feasibility import mission_fault
-from vehicle_sim.autopilot.guard import Guard, Situation
-from vehicle_sim.autopilot.hand import HandTask, Pilot
-from vehicle_sim.autopilot.landing import LandDetector
-from vehicle_sim.autopilot.mission import Mission, Progress
+from vehicle_sim.autopilot.guard import Situation
+from vehicle_sim.autopilot.hand import HandTask
+from vehicle_sim.autopilot.mission import Progress
 from vehicle_sim.autopilot.mission_items import SpeedAxis
 from vehicle_sim.autopilot.mission_task import MissionTask
 from vehicle_sim.autopilot.modes import (
     FAILSAFE_MODES,
-    FIRST_MODE,
     KEEPING_PLACE,
-    MODES,
     TRANSITIONS,
     Event,
     Failsafe,
-    LandedState,
     Mode,
-    ModeRule,
     Outcome,
     Severity,
     StatusText,
 )
-from vehicle_sim.autopilot.rally import Destination, RallyPoint, destination
-from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, LevelTask, ReturnTask, TakeoffTask, Task
-from vehicle_sim.battery import Battery
-from vehicle_sim.geodesy import geodetic_at, ned_offset_m
-from vehicle_sim.parameters import Action, FenceType, Flavour, ParameterStore, flight_settings
-from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
-
-_MOST_TEXTS: Final = 64
-_LINGERS_S: Final = 0.5
+from vehicle_sim.autopilot.rally import Destination, destination
+from vehicle_sim.autopilot.state import State
+from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask
+from vehicle_sim.geodesy import ned_offset_m
+from vehicle_sim.parameters import Action, FenceType, Flavour, flight_settings
+from vehicle_sim.signals import Estimate, Guidance, Vector
 
 
-class Machine:
-    """Modes, arming, tasks and failsafes of one vehicle.
-
-    Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `home`,
-    `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps velocities lower than
-    asked), `guard`, `pilot` (who may be at the sticks), and `texts`, a queue whose reader pops what it has taken (old
-    ones drop out of a full queue). To be set: `rally`.
-    """
-
-    def __init__(self, parameters: ParameterStore, battery: Battery, estimate: Estimate) -> None:
-        """Stand on the ground, disarmed, in the first mode of the flavour that `parameters` belong to."""
-        self.flavour = parameters.flavour
-        self.modes = MODES[self.flavour]
-        self.mode = FIRST_MODE[self.flavour]
-        self.armed = False
-        self.flying = False
-        self.terminated = False
-        self.home: Geodetic | None = None
-        self.home_revision = 0
-        self.mission = Mission(self.flavour)
-        self.texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
-        self._parameters = parameters
-        self._revision = parameters.revision
-        self.settings = flight_settings(parameters)
-        self._battery = battery
-        self._estimate = estimate
-        self._now_s = 0.0
-        self._home_locked = False
-        self._home_ned_m: Vector = (0.0, 0.0, 0.0)
-        self._aligned = False
-        self._origin_known = False
-        self._detector = LandDetector()
-        self.guard = Guard(self.flavour, self.settings)
-        self.rally: tuple[RallyPoint, ...] = ()
-        self.intended_mode = self.mode
-        self._wind_ned_m_s: Vector = (0.0, 0.0, 0.0)
-        self._armed_at_s = 0.0
-        self._has_flown = False
-        self._landed_at_s = -inf
-        self._disarmed_at_s = -inf
-        self._reminded_at_s = -inf
-        self._ground_heard_s: float | None = None
-        self._stream_s = -inf
-        self._stream: Setpoint | None = None
-        self._takeoff_height_m: float | None = None
-        self._speeds: dict[SpeedAxis, float] = {}
-        self._yaw_rate_rad_s = inf
-        self._paused: Setpoint | None = None
-        self.pilot = Pilot(self.settings.hand)
-        self._task: Task = LevelTask(estimate)
-        self.slowed = False
-        self.guidance = Guidance(None, self.settings.limits())
-
-    # What can be seen from outside.
-
-    @property
-    def rule(self) -> ModeRule:
-        """The table's row of the present mode."""
-        return self.modes[self.mode]
-
-    @property
-    def target(self) -> Setpoint | None:
-        """The setpoint that is flown now; None while the motors idle."""
-        return self.guidance.setpoint
-
-    @property
-    def failsafe(self) -> Failsafe:
-        """The worst failure that is present."""
-        return self.guard.monitor.present
-
-    @property
-    def in_failsafe(self) -> bool:
-        """Whether the heartbeat calls the state critical."""
-        return self.guard.in_failsafe
-
-    @property
-    def landed_state(self) -> LandedState:
-        """Where the vehicle is between ground and air."""
-        if not self.flying:
-            # ArduPilot says that it lands for a moment after it has landed and disarmed (observed).
-            lingers = self.flavour is Flavour.ARDUPILOT and self._task.landing and not self.armed
-            if lingers and self._now_s - self._disarmed_at_s < _LINGERS_S:
-                return LandedState.LANDING
-            return LandedState.ON_GROUND
-        if self._task.landing:
-            return LandedState.LANDING
-        return LandedState.TAKEOFF if self._task.taking_off else LandedState.IN_AIR
-
-    @property
-    def arming_faults(self) -> tuple[ArmingFault, ...]:
-        """The arming checks that fail now, in the present mode."""
-        return arming_faults(
-            flavour=self.flavour,
-            mode=self.mode,
-            rule=replace(self.rule, armable=self.settings.mission_arms) if self.mode is Mode.AUTO else self.rule,
-            estimate=self._estimate,
-            home_known=self.home is not None,
-            setpoints_fresh=self._stream_fresh,
-            ground_lost=self._ground_lost,
-            battery=self._battery.level,
-            fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
-            outside_fence=self.guard.is_outside,
-            mission_flyable=self.mode is not Mode.AUTO or self.mission_fault is None,
-        )
-
-    @property
-    def ready_to_arm(self) -> bool:
-        """Whether arming would be accepted."""
-        return not self.armed and not self.terminated and not self.arming_faults
-
-    @property
-    def mission_fault(self) -> str | None:
-        """Why the mission cannot be flown now; None if it can. Before there is a home, PX4 does not know."""
-        if not self.mission.present:
-            return "No valid mission available"
-        if self.flavour is Flavour.ARDUPILOT or self.home is None:
-            return None
-        return mission_fault(self.mission.items, self.settings, self.home, landed=not self.flying)
-
-    @property
-    def _stream_fresh(self) -> bool:
-        return self._now_s - self._stream_s <= self.settings.setpoint_timeout_s
-
-    @property
-    def _ground_lost(self) -> bool:
-        heard = self._ground_heard_s
-        acts = self.settings.ground_loss is not Action.NOTHING
-        return acts and heard is not None and self._now_s - heard > self.settings.ground_timeout_s
-
-    @property
-    def _refusal(self) -> Outcome:
-        return Outcome.TEMPORARILY_REJECTED if self.flavour is Flavour.PX4 else Outcome.FAILED
+class Machine(State):
+    """Modes, arming, tasks and failsafes of one vehicle, going on with vehicle time."""
 
     def terminate(self) -> Outcome:
         """End the flight here and now: motors off, for good."""
@@ -215,20 +73,6 @@ class Machine:
         self._refresh()
 
     # Inside.
-
-    def _say(self, severity: Severity, text: str) -> None:
-        self.texts.append(StatusText(severity, text))
-
-    def _here(self) -> Geodetic:
-        origin = self._estimate.origin or Geodetic(0.0, 0.0, 0.0)
-        return geodetic_at(origin, self._estimate.position_ned_m)
-
-    def place_home(self, place: Geodetic) -> None:
-        """Make a place home."""
-        self.home = place
-        self.home_revision += 1
-        if self._estimate.origin is not None:
-            self._home_ned_m = ned_offset_m(self._estimate.origin, place)
 
     def _watch_origin(self) -> None:
         if not self._aligned and self._estimate.status.attitude_ok:
@@ -347,19 +191,6 @@ class Machine:
             due = self._armed_at_s + self.settings.disarm_unflown_s
         if self._now_s >= due:
             self._disarm(texts.DISARMED_BY_LANDING[self.flavour])
-
-    def _situation(self) -> Situation:
-        return Situation(
-            self._now_s,
-            self._estimate,
-            self.flying,
-            self.intended_mode,
-            self._stream_fresh,
-            self._ground_lost,
-            self._battery.level,
-            self._wind_ned_m_s,
-            self._home_ned_m,
-        )
 
     def _choose(self, mode: Mode) -> None:
         """Note the mode that the pilot wants: a failsafe that acts is taken over, one that pauses is called off."""

@@ -76,12 +76,13 @@ class Failsafe(Enum):
     NONE = 0
     BATTERY_LOW = 1
     SETPOINTS_LOST = 2
-    GROUND_LOST = 3
-    WIND = 4
-    FENCE = 5
-    ESTIMATOR = 6
-    BATTERY_CRITICAL = 7
-    BATTERY_EMERGENCY = 8
+    STICKS_LOST = 3
+    GROUND_LOST = 4
+    WIND = 5
+    FENCE = 6
+    ESTIMATOR = 7
+    BATTERY_CRITICAL = 8
+    BATTERY_EMERGENCY = 9
 
 
 class Event(Enum):

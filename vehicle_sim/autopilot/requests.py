@@ -7,6 +7,7 @@ from math import inf, pi
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REFUSALS
+from vehicle_sim.autopilot.attitude_task import Attitude, AttitudeTask
 from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
 from vehicle_sim.autopilot.machine import Machine
 from vehicle_sim.autopilot.mission_items import MissionItem, SpeedAxis
@@ -29,6 +30,9 @@ class Autopilot(Machine):
             text = faults[0].text if faults else "Flight terminated"
             self._say(Severity.CRITICAL, REFUSALS[self.flavour].format(text=text))
             return self._refusal
+        if self.pilot.is_lost(self._now_s):
+            # Who is not there now is not missed later.
+            self.pilot.leave()
         self.armed = True
         self._armed_at_s = self._now_s
         self._has_flown = False
@@ -240,6 +244,20 @@ class Autopilot(Machine):
         self._refresh()
         return True
 
+    def attitude(self, attitude: Attitude) -> bool:
+        """Take an attitude from outside, as `setpoint` takes a setpoint; tell whether it is flown."""
+        self._stream_s = self._now_s
+        self._stream = None
+        if self.mode is not Mode.GUIDED or not self.armed:
+            return False
+        if not isinstance(self._task, AttitudeTask):
+            px4 = self.flavour is Flavour.PX4
+            self._task = AttitudeTask(self._estimate, self.settings, lifts_off=px4, stops=not px4)
+        if isinstance(self._task, AttitudeTask):
+            self._task.follow(attitude, self._now_s, self._estimate)
+        self._refresh()
+        return True
+
     def halt(self) -> None:
         """Stop where the vehicle is: ArduPilot's answer to a setpoint that it cannot fly."""
         if self.mode is Mode.GUIDED and self.armed and isinstance(self._task, GuidedTask):
@@ -269,6 +287,13 @@ class Autopilot(Machine):
         if north is None or east is None or down is None or origin is None:
             return False
         return self.guard.fence.forbids((north, east, down), self._home_ned_m, origin)
+
+    def take_over(self, before: Machine) -> None:
+        """Keep what is stored over a restart of the autopilot `before`: mission, fence and rally points."""
+        if before.mission.items:
+            self.mission.load(before.mission.items)
+        self.guard.fence.load(before.guard.fence.plan)
+        self.rally = before.rally
 
     def heartbeat_from_ground(self, system_id: int, now_s: float) -> None:
         """Note that a ground station lives; ArduPilot counts only the one that its parameter names."""

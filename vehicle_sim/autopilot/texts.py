@@ -46,6 +46,7 @@ LANDED: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
 }
 FAILED: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
     _AP: {
+        Failsafe.STICKS_LOST: StatusText(Severity.WARNING, "Radio Failsafe"),
         Failsafe.GROUND_LOST: StatusText(Severity.WARNING, "GCS Failsafe"),
         Failsafe.BATTERY_LOW: StatusText(Severity.WARNING, "Battery 1 is low"),
         Failsafe.BATTERY_CRITICAL: StatusText(Severity.WARNING, "Battery 1 is critical"),
@@ -54,6 +55,7 @@ FAILED: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
     },
     _PX4: {
         Failsafe.SETPOINTS_LOST: StatusText(Severity.CRITICAL, "Failsafe activated: No offboard signal"),
+        Failsafe.STICKS_LOST: StatusText(Severity.CRITICAL, "Failsafe activated: Manual control lost"),
         Failsafe.GROUND_LOST: StatusText(Severity.CRITICAL, "Failsafe activated: Ground station lost"),
         Failsafe.BATTERY_LOW: StatusText(Severity.WARNING, "Low battery level"),
         Failsafe.BATTERY_CRITICAL: StatusText(Severity.CRITICAL, "Critical battery level"),
@@ -64,6 +66,7 @@ FAILED: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
 }
 OVER: Final[Mapping[Flavour, Mapping[Failsafe, StatusText]]] = {
     _AP: {
+        Failsafe.STICKS_LOST: StatusText(Severity.WARNING, "Radio Failsafe Cleared"),
         Failsafe.GROUND_LOST: StatusText(Severity.WARNING, "GCS Failsafe Cleared"),
         Failsafe.ESTIMATOR: StatusText(Severity.CRITICAL, "EKF Failsafe Cleared"),
         Failsafe.FENCE: StatusText(Severity.NOTICE, "Fence breach cleared"),

@@ -40,6 +40,12 @@ class Faults:
         self._stale = True
         return self._injected.inject(unit, how, instance)
 
+    def reboot(self) -> None:
+        """Count from time 0 again; failures that were set by command are forgotten."""
+        self._began_s = {Since.BOOT: 0.0}
+        self._injected = InjectedFailures()
+        self._stale = True
+
     def advance(self, now_s: float, *, armed: bool, flying: bool) -> bool:
         """Bring `conditions` up to date and return whether they have changed."""
         if armed:

@@ -23,8 +23,13 @@ ARDUPILOT: Final = (
     Parameter("FS_GCS_TIMEOUT", _REAL, 5, 2, 120, "silence of the ground station that counts as its loss, s"),
     Parameter("FS_EKF_ACTION", _I8, 1, 0, 3, "on failure of the estimator: 0 nothing, 1 land, 2 hold height, 3 land"),
     Parameter("FS_EKF_THRESH", _REAL, 0.8, 0, 1, "test ratio of the estimator that counts as its failure"),
+    Parameter("FS_THR_ENABLE", _I8, 1, 0, 7, "on loss of the sticks: 0 nothing, 1 return, 3 land, 7 brake"),
+    Parameter("RC_FS_TIMEOUT", _REAL, 1, 0.5, 10, "silence of sticks that have been there that counts as loss, s"),
     Parameter("GUID_TIMEOUT", _REAL, 3, 0.1, 5, "silence of velocity or acceleration setpoints before a stop, s"),
+    Parameter("GUID_OPTIONS", _I32, 0, 0, 255, "bit 3: the thrust of attitude targets is thrust, not a climb rate"),
     Parameter("DISARM_DELAY", _I8, 10, 0, 127, "landed and idle for so long: disarm, s; 0 never"),
+    # Of the checks that can be skipped the vehicle has one; position, mode, fence and failsafes are always checked.
+    Parameter("ARMING_SKIPCHK", _I32, 0, -1, 2097151, "checks before arming that are skipped: bit 8 battery; -1 all"),
     Parameter("ARMING_DELAY_SEC", _REAL, 2, 0, 5, "from arming until the motors may lift, s"),
     Parameter("ANGLE_MAX", _I16, 3000, 1000, 8000, "largest tilt, centidegrees"),
     Parameter("ATC_SLEW_YAW", _REAL, 6000, 500, 18000, "largest yaw rate that a mode asks for, centidegrees/s"),

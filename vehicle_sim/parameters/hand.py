@@ -1,13 +1,28 @@
 """What the sticks mean: the settings of flight by hand, in SI units."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import IntFlag
 from math import radians
 from typing import Final
 
+from vehicle_sim.parameters.actions import Action
 from vehicle_sim.parameters.store import Flavour, ParameterStore
 
 _JOYSTICK_COUNTS: Final = frozenset((1, 2, 3))
 _HALF_THROTTLE: Final = 500.0
+
+
+class Stickless(IntFlag):
+    """What may be flown without sticks, though they have been there; the values are the bits of PX4's COM_RCL_EXCEPT.
+
+    HOLD covers the take-off, too.
+    """
+
+    NOTHING = 0
+    MISSION = 1
+    HOLD = 2
+    GUIDED = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,6 +39,9 @@ class HandSettings:
         descent_m_s: Descent speed.
         tilt_rad: Lean in modes that do not keep the place.
         turn_rad_s: Yaw rate.
+        lost_after_s: Sticks that have been there and are silent for so long are lost.
+        loss: What their loss leads to.
+        stickless: Where it leads to nothing.
     """
 
     listens: bool
@@ -35,6 +53,9 @@ class HandSettings:
     descent_m_s: float
     tilt_rad: float
     turn_rad_s: float
+    lost_after_s: float
+    loss: Action
+    stickless: Stickless
 
 
 def hand_settings(store: ParameterStore) -> HandSettings:
@@ -50,6 +71,9 @@ def hand_settings(store: ParameterStore) -> HandSettings:
             descent_m_s=store["MPC_Z_VEL_MAX_DN"],
             tilt_rad=radians(store["MPC_MAN_TILT_MAX"]),
             turn_rad_s=radians(store["MPC_MAN_Y_MAX"]),
+            lost_after_s=store["COM_RC_LOSS_T"],
+            loss=_PX4_LOSS.get(int(store["NAV_RCL_ACT"]), Action.NOTHING),
+            stickless=Stickless(int(store["COM_RCL_EXCEPT"])),
         )
     climb_m_s = store["PILOT_SPEED_UP"] / 100.0
     return HandSettings(
@@ -63,8 +87,30 @@ def hand_settings(store: ParameterStore) -> HandSettings:
         descent_m_s=store["PILOT_SPEED_DN"] / 100.0 or climb_m_s,
         tilt_rad=radians(store["ANGLE_MAX"] / 100.0),
         turn_rad_s=radians(store["PILOT_Y_RATE"]),
+        # Without a receiver no input at all is left once the ground station's ends, whether it still counts or not.
+        lost_after_s=store["RC_FS_TIMEOUT"],
+        loss=_ARDUPILOT_LOSS.get(int(store["FS_THR_ENABLE"]), Action.NOTHING),
+        stickless=Stickless.NOTHING,
     )
 
 
 _ARDUPILOT_DEAD_ZONE: Final = 0.04
 """RCn_DZ is 20 of 500 microseconds for roll, pitch and yaw; its channels are not modelled."""
+
+_ARDUPILOT_LOSS: Final[Mapping[int, Action]] = {
+    1: Action.RETURN,
+    2: Action.RETURN,
+    3: Action.LAND,
+    # Without SmartRTL and landing sequences the next best of each chain is flown.
+    4: Action.RETURN,
+    5: Action.LAND,
+    6: Action.RETURN,
+    7: Action.BRAKE,
+}
+_PX4_LOSS: Final[Mapping[int, Action]] = {
+    1: Action.HOLD,
+    2: Action.RETURN,
+    3: Action.LAND,
+    5: Action.TERMINATE,
+    6: Action.DISARM,
+}

@@ -62,6 +62,8 @@ PX4: Final = (
     Parameter("RTL_MIN_DIST", _REAL, 10, 0.5, 100, "closer to home than this: no climb for the return, m"),
     Parameter("COM_RC_IN_MODE", _INT, 3, 0, 4, "sticks by MAVLink count: 1, 2 and 3; they do not: 0 and 4"),
     Parameter("COM_RC_LOSS_T", _REAL, 0.5, 0, 35, "sticks that are silent for so long count no more, s"),
+    Parameter("NAV_RCL_ACT", _INT, 2, 1, 6, "on loss of the sticks: 1 hold, 2 return, 3 land, 5 terminate, 6 disarm"),
+    Parameter("COM_RCL_EXCEPT", _INT, 0, 0, 7, "not in: bit 0 missions, bit 1 Hold and take-off, bit 2 Offboard"),
     Parameter("MPC_HOLD_DZ", _REAL, 0.1, 0, 0.99, "dead zone of the sticks, share"),
     Parameter("MPC_VEL_MANUAL", _REAL, 10, 3, 20, "horizontal speed by full stick in Position mode, m/s"),
     Parameter("MPC_Z_VEL_MAX_UP", _REAL, 3, 0.5, 8, "climb speed by full stick, m/s"),

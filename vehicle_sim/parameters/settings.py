@@ -63,6 +63,7 @@ class FlightSettings:
     battery_critical: Action
     battery_emergency: Action
     battery_thresholds: BatteryThresholds
+    battery_checked: bool
     spool_up_s: float
     disarm_landed_s: float
     disarm_unflown_s: float
@@ -159,6 +160,7 @@ _LOW_BATTERY: Final[Mapping[int, tuple[Action, Action]]] = {
 }
 
 
+_SKIP_BATTERY: Final = 1 << 8
 _ALLOW_ARMING: Final = 1
 _ALLOW_TAKEOFF: Final = 2
 _BOTH_OR_NONE: Final = 4
@@ -208,6 +210,7 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
             critical_share=store["BATT_CRT_MAH"] / capacity_mah,
             emergency_share=0.0,
         ),
+        battery_checked=not int(store["ARMING_SKIPCHK"]) & _SKIP_BATTERY,
         spool_up_s=store["ARMING_DELAY_SEC"],
         disarm_landed_s=_never_unless_positive(store["DISARM_DELAY"]),
         disarm_unflown_s=_never_unless_positive(store["DISARM_DELAY"]),
@@ -279,6 +282,7 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
             critical_share=store["BAT_CRIT_THR"],
             emergency_share=store["BAT_EMERGEN_THR"],
         ),
+        battery_checked=True,
         spool_up_s=store["COM_SPOOLUP_TIME"],
         disarm_landed_s=_never_unless_positive(store["COM_DISARM_LAND"]),
         disarm_unflown_s=_never_unless_positive(store["COM_DISARM_PRFLT"]),

@@ -32,6 +32,8 @@ _INTEGER_LIMITS: Final = {
     ParameterKind.INT32: (-(2**31), 2**31 - 1),
 }
 _LONGEST_NAME: Final = 16
+_LARGEST: Final = 3.4e38
+"""Beyond it there may be no number in single precision."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,11 +79,12 @@ class Parameter:
             least, greatest = _INTEGER_LIMITS[self.kind]
             low, high = max(self.minimum, least), min(self.maximum, greatest)
         else:
-            # A bound that arrives in single precision is still the bound.
-            low, high = min(self.minimum, single(self.minimum)), max(self.maximum, single(self.maximum))
+            # What is stored is compared: a bound that arrives rounded, by wire or by file, is still the bound.
+            low, high = single(self.minimum), single(self.maximum)
+            value = single(value) if abs(value) < _LARGEST else value
         if not low <= value <= high:
             raise ParameterError(f"{self.name} takes {low:g} to {high:g}, not {value:g}")
-        return value if self.is_integer else single(value)
+        return value
 
 
 def single(value: float) -> float:

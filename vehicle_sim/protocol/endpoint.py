@@ -8,6 +8,7 @@ for datagram in endpoint.outgoing("gcs"): ...
 
 from typing import TYPE_CHECKING
 
+from vehicle_sim.protocol.attitudes import AttitudeService
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
 from vehicle_sim.protocol.failures import FailureService
@@ -121,6 +122,7 @@ class Endpoint:
             **commands.messages,
             **self._rates.messages,
             **SetpointService(self).messages,
+            **AttitudeService(self).messages,
             **StickService(self).messages,
             **self._parameters.messages,
             **self._plans.messages,
@@ -279,7 +281,7 @@ class Endpoint:
         self.vehicle.reboot()
         self.now_us = 0
         self.system_id = int(self.vehicle.parameters[self.table.system_id_parameter])
-        self._router = Router(self.system_id)
+        self._router = Router(self.system_id, self.component_id)
         self._presence.reboot()
         for link in self._links.values():
             link.speak_for(self.system_id)

@@ -33,7 +33,8 @@ def frame_of(message: Message, mav: mavlink.MAVLink) -> bytes:
         packer = _packers[kind]
     except KeyError:
         packer = _packers[kind] = _packer(kind)
-    if packer is None or mav.signing.sign_outgoing:
+    # A message that packs in a way of its own carries more than its class knows.
+    if packer is None or mav.signing.sign_outgoing or "_pack" in vars(message):
         return bytes(message.pack(mav))
     fields_of, pack, extra = packer
     # A payload keeps its first byte, even if all of it is zero.

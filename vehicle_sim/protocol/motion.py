@@ -172,7 +172,8 @@ def position_target_local_ned(host: Host) -> Message | None:
     if target is None:
         return None
     if host.table.flavour is Flavour.ARDUPILOT:
-        if autopilot.mode is not Mode.GUIDED:
+        # By attitude there is no place or velocity to tell.
+        if autopilot.mode is not Mode.GUIDED or target.lean_ne_rad is not None:
             return None
         mask, absent = type_mask(target), 0.0
     else:

@@ -76,6 +76,8 @@ class PlanService:
         """Give up what was under way on a link that is gone."""
         if self._upload is not None and self._upload.partner.link is link:
             self._end_upload()
+        if self._last is not None and self._last[0].link is link:
+            self._last = None
 
     def advance(self) -> None:
         """Ask again for an item that did not come, or give the upload up."""

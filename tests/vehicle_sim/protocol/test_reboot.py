@@ -3,11 +3,20 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.bare_vehicle import run
 from tests.support.station import Station, endpoint_of
-from vehicle_sim.autopilot import Mode
+from vehicle_sim.autopilot import Mode, Outcome, Progress
+from vehicle_sim.autopilot.geofence import FencePlan
 from vehicle_sim.autopilot.modes import FIRST_MODE
+from vehicle_sim.faults import Schedule
+from vehicle_sim.faults.conditions import SensorState
+from vehicle_sim.faults.schedule import ScheduledFault, Since
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.endpoint import Endpoint
 from vehicle_sim.protocol.flavour import Rates
+from vehicle_sim.protocol.signing import Signer
+from vehicle_sim.signals import Geodetic
+from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
 ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
 REBOOT = mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
@@ -167,3 +176,120 @@ def test_parameters_are_not_reset_while_armed(flavour: Flavour) -> None:
     assert station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == ACCEPTED
     refused = mavlink.MAV_RESULT_TEMPORARILY_REJECTED if flavour is Flavour.PX4 else mavlink.MAV_RESULT_FAILED
     assert station.command(mavlink.MAV_CMD_PREFLIGHT_STORAGE, 2) == refused
+
+
+@BOTH
+def test_component_and_key_outlast_it(flavour: Flavour) -> None:
+    key = bytes(range(32))
+    vehicle = Vehicle(VehicleConfig(flavour=flavour))
+    endpoint = Endpoint(vehicle, flavour, component_id=7, signer=Signer(key))
+    station = Station(endpoint)
+    station.mav.signing.secret_key, station.mav.signing.sign_outgoing = key, True
+    station.mav.signing.timestamp = 1
+    station.run(1.0)
+    assert station.command(REBOOT, 1, component=7) == ACCEPTED
+    signed_before = endpoint.signer.timestamp
+    station.wait_until(lambda: 0 < endpoint.now_us < 100_000, within_s=1.0)
+    station.forget()
+    assert station.command(mavlink.MAV_CMD_RUN_PREARM_CHECKS, component=7) != -1
+    # What claims to come from the vehicle itself is an echo, and nothing else is.
+    for component, answered in ((7, False), (1, True)):
+        other = Station(endpoint, str(component), system_id=1, component_id=component)
+        other.mav.signing.secret_key, other.mav.signing.sign_outgoing = key, True
+        other.mav.signing.timestamp, other.mav.signing.link_id = 1, component
+        assert (other.command(mavlink.MAV_CMD_RUN_PREARM_CHECKS, component=7) != -1) is answered
+    assert {message.get_srcComponent() for message in station.heard} == {7}
+    assert endpoint.signer.key == key
+    assert endpoint.signer.timestamp > signed_before
+    station.mav.signing.sign_outgoing = False
+    assert station.command(mavlink.MAV_CMD_RUN_PREARM_CHECKS, component=7) == -1
+
+
+def upload(station: Station, kind: int, items: list[tuple[int, float, int, float]]) -> None:
+    """Upload items of command, first parameter, distance to the north (1e-7 degrees) and height."""
+    station.send(mavlink.MAVLink_mission_count_message(1, 1, len(items), kind))
+    for seq, (command, first, north, up) in enumerate(items):
+        place = (473_977_420 + north, 85_455_940, up)
+        station.send(
+            mavlink.MAVLink_mission_item_int_message(1, 1, seq, 6, command, 0, 1, first, 0, 0, 0, *place, kind)
+        )
+    assert station.last("MISSION_ACK").type == mavlink.MAV_MISSION_ACCEPTED
+
+
+def downloaded(station: Station, kind: int) -> list[dict[str, object]]:
+    station.forget()
+    station.send(mavlink.MAVLink_mission_request_list_message(1, 1, kind))
+    for seq in range(station.last("MISSION_COUNT").count):
+        station.send(mavlink.MAVLink_mission_request_int_message(1, 1, seq, kind))
+    return [message.to_dict() | {"current": 0} for message in station.of("MISSION_ITEM_INT")]
+
+
+@BOTH
+def test_plans_outlast_it_in_the_store_and_in_the_autopilot_and_begin_anew(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.wait_for_position()
+    # Item 0 of ArduPilot's mission is home, which is where it stands now.
+    first = 1 if flavour is Flavour.ARDUPILOT else 0
+    waypoints = [(22, 0.0, 0, 10.0), (16, 0.0, 2000, 10.0), (16, 0.0, 3000, 10.0), (16, 0.0, 4000, 10.0)]
+    upload(station, mavlink.MAV_MISSION_TYPE_MISSION, [*waypoints[:first], *waypoints])
+    circle = mavlink.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION
+    upload(station, mavlink.MAV_MISSION_TYPE_FENCE, [(circle, 90.0, 0, 0.0)])
+    upload(station, mavlink.MAV_MISSION_TYPE_RALLY, [(mavlink.MAV_CMD_NAV_RALLY_POINT, 0.0, 3000, 20.0)])
+    before = station.endpoint.vehicle.autopilot
+    before.set_home(Geodetic(47.398, 8.5456, 490.0))
+    assert before.mission.set_current(3)
+    plans = [downloaded(station, kind) for kind in range(3)]
+    reboot(station)
+    autopilot = station.endpoint.vehicle.autopilot
+    assert autopilot is not before
+    assert autopilot.mission.items == before.mission.items != ()
+    assert autopilot.guard.fence.plan == before.guard.fence.plan != FencePlan()
+    assert autopilot.rally == before.rally != ()
+    assert (autopilot.mission.current, autopilot.mission.progress) == (0, Progress.NOT_STARTED)
+    assert autopilot.home is None
+    station.wait_for_position()
+    again = [downloaded(station, kind) for kind in range(3)]
+    assert again[0][first:] == plans[0][first:]
+    assert again[1:] == plans[1:]
+    assert autopilot.set_mode(Mode.AUTO) is Outcome.ACCEPTED
+    if flavour is Flavour.PX4:
+        assert autopilot.start_mission() is Outcome.ACCEPTED
+    else:
+        autopilot.set_mode(Mode.GUIDED)
+        assert autopilot.arm() is Outcome.ACCEPTED
+        assert autopilot.start_mission() is Outcome.ACCEPTED
+    station.wait_until(lambda: station.height_m() > 8.0, within_s=30.0)
+
+
+@BOTH
+def test_an_upload_and_the_pilots_sticks_do_not_outlast_it(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.run(1.0)
+    station.send(mavlink.MAVLink_manual_control_message(1, 1000, 0, 500, 0, 0))
+    station.send(mavlink.MAVLink_mission_count_message(1, 1, 3, 0))
+    reboot(station)
+    station.forget()
+    station.run(10.0)
+    assert not station.of("MISSION_REQUEST") + station.of("MISSION_REQUEST_INT") + station.of("MISSION_ACK")
+    assert station.endpoint.vehicle.autopilot.pilot.heard_s is None
+
+
+@BOTH
+def test_a_receiver_that_is_lost_stays_lost_and_times_of_faults_count_anew(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.run(1.0)
+    station.endpoint.vehicle.parameters.set("SIM_GPS1_ENABLE", 0)
+    station.run(1.0)
+    reboot(station)
+    station.run(20.0)
+    assert not station.endpoint.vehicle.estimate.status.position_ok
+
+    late = ScheduledFault(kind="gps_loss", values={}, at_s=5.0, since=Since.BOOT)
+    vehicle = Vehicle(VehicleConfig(flavour=flavour, faults=Schedule((late,))))
+    run(vehicle, 6.0)
+    seen = [vehicle.faults.conditions.gps]
+    vehicle.reboot()
+    for seconds in (1.0, 5.0):
+        run(vehicle, seconds)
+        seen.append(vehicle.faults.conditions.gps)
+    assert [gps is SensorState.SILENT for gps in seen] == [True, False, True]

@@ -102,6 +102,9 @@ def test_without_a_place_to_keep_a_stick_leans_and_a_stick_let_go_levels_and_dri
 @BOTH
 def test_sticks_that_fall_silent_count_as_let_go(flavour: Flavour) -> None:
     station = by_hand(flavour, Mode.POSITION)
+    without_failsafe = {"FS_THR_ENABLE": 0} if flavour is Flavour.ARDUPILOT else {"NAV_RCL_ACT": 1}
+    for name, value in without_failsafe.items():
+        station.endpoint.vehicle.parameters.set(name, value)
     hold_sticks(station, 5.0, x=1000)
     assert speed_m_s(station) > 3.0
     timeout_s = station.endpoint.vehicle.autopilot.settings.hand.timeout_s

@@ -1,0 +1,98 @@
+"""Arming and disarming of the bare vehicle, as timelines."""
+
+import pytest
+
+from tests.support.bare_vehicle import booted, hovering, run, said, wait_until
+from vehicle_sim.autopilot import ArmingReason, LandedState, Mode, Outcome
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.vehicle import Vehicle, VehicleConfig
+
+AP, PX4 = Flavour.ARDUPILOT, Flavour.PX4
+BOTH = pytest.mark.parametrize("flavour", [AP, PX4])
+
+
+@BOTH
+def test_arming_is_refused_until_the_estimator_is_ready(flavour: Flavour) -> None:
+    vehicle = Vehicle(VehicleConfig(flavour=flavour))
+    autopilot = vehicle.autopilot
+    if flavour is AP:
+        autopilot.set_mode(Mode.GUIDED)
+    refusal = {AP: Outcome.FAILED, PX4: Outcome.TEMPORARILY_REJECTED}[flavour]
+    assert autopilot.arm() is refusal
+    run(vehicle, 5.0)
+    said(vehicle)
+    assert autopilot.arm() is refusal
+    assert ArmingReason.NO_POSITION in [fault.reason for fault in autopilot.arming_faults]
+    assert said(vehicle) == [
+        {AP: "Arm: Need Position Estimate", PX4: "Arming denied: Resolve system health failures first"}[flavour]
+    ]
+    run(vehicle, 6.0)
+    assert autopilot.ready_to_arm
+    assert autopilot.arm() is Outcome.ACCEPTED
+    assert autopilot.arm() is Outcome.ACCEPTED
+
+
+def test_the_reason_is_repeated_every_half_minute() -> None:
+    vehicle = Vehicle(VehicleConfig())
+    vehicle.autopilot.set_mode(Mode.RETURN)
+    run(vehicle, 65.0)
+    assert [text for text in said(vehicle) if text.startswith("PreArm")] == [
+        "PreArm: Gyros not calibrated",
+        "PreArm: RTL mode not armable",
+        "PreArm: RTL mode not armable",
+    ]
+
+
+@pytest.mark.parametrize("mode", [Mode.RETURN, Mode.LAND, Mode.BRAKE])
+def test_modes_of_the_way_down_cannot_be_armed_in(mode: Mode) -> None:
+    vehicle = booted()
+    vehicle.autopilot.set_mode(mode)
+    assert vehicle.autopilot.arm() is Outcome.FAILED
+    assert vehicle.autopilot.arm(force=True) is Outcome.ACCEPTED
+
+
+@BOTH
+def test_armed_and_idle_it_disarms_by_itself(flavour: Flavour) -> None:
+    vehicle = booted(flavour)
+    assert vehicle.autopilot.arm() is Outcome.ACCEPTED
+    started_s = vehicle.time_s
+    assert wait_until(vehicle, lambda v: not v.autopilot.armed, within_s=12.0) - started_s == pytest.approx(10, abs=0.1)
+    assert vehicle.truth.position_ned_m == (0.0, 0.0, 0.0)
+
+
+@BOTH
+def test_in_the_air_only_force_disarms_and_then_it_falls(flavour: Flavour) -> None:
+    vehicle = hovering(flavour)
+    assert vehicle.autopilot.disarm() is {AP: Outcome.FAILED, PX4: Outcome.TEMPORARILY_REJECTED}[flavour]
+    assert vehicle.autopilot.disarm(force=True) is Outcome.ACCEPTED
+    wait_until(vehicle, lambda v: v.truth.on_ground, within_s=5.0)
+    wait_until(vehicle, lambda v: v.autopilot.landed_state is LandedState.ON_GROUND, within_s=5.0)
+
+
+def test_termination_is_for_good() -> None:
+    vehicle = hovering()
+    assert vehicle.autopilot.terminate() is Outcome.ACCEPTED
+    run(vehicle, 5.0)
+    assert vehicle.autopilot.arm(force=True) is Outcome.FAILED
+
+
+@pytest.mark.parametrize(
+    ("skipped", "outcome"), [(0, Outcome.FAILED), (1 << 8, Outcome.ACCEPTED), (-1, Outcome.ACCEPTED)]
+)
+def test_ardupilot_can_be_told_not_to_look_at_the_battery(skipped: int, outcome: Outcome) -> None:
+    vehicle = booted()
+    vehicle.parameters.set("BATT_CRT_MAH", 4990)
+    vehicle.parameters.set("BATT_FS_CRT_ACT", 0)
+    vehicle.parameters.set("ARMING_SKIPCHK", skipped)
+    vehicle.battery.consumed_mah = 50.0
+    run(vehicle, 0.5)
+    vehicle.autopilot.set_mode(Mode.GUIDED)
+    assert vehicle.autopilot.arm() is outcome
+    assert ("Arm: Battery 1 below minimum arming voltage" in said(vehicle)) is (outcome is Outcome.FAILED)
+
+
+def test_the_mode_is_looked_at_whatever_is_skipped() -> None:
+    vehicle = booted()
+    vehicle.parameters.set("ARMING_SKIPCHK", -1)
+    vehicle.autopilot.set_mode(Mode.LAND)
+    assert vehicle.autopilot.arm() is Outcome.FAILED
