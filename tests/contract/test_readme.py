@@ -12,6 +12,7 @@ from mission.cli.arguments import build_parser, with_negative_wind
 from mission.spec.loader import parse_mission
 from tests.support.commands import ROOT
 from vehicle_sim.cli import main as vehicle_sim
+from vehicle_sim.faults import read_schedule
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 KNOWN = ("mission", "vehicle-sim", "python", "ruff", "mypy", "lint-imports", "mavproxy.py", ".ci/run")
@@ -85,8 +86,11 @@ def test_a_command_of_python_installs_an_extra_or_runs_the_tests(words: list[str
 
 
 @pytest.mark.parametrize("text", fenced("yaml"))
-def test_a_mission_in_the_readme_is_sound(text: str) -> None:
-    assert parse_mission(text.encode(), "README").regions
+def test_an_example_in_the_readme_is_sound(text: str) -> None:
+    if text.startswith("faults:"):
+        assert read_schedule(text.encode()).faults
+    else:
+        assert parse_mission(text.encode(), "README").regions
 
 
 def test_names_of_files_are_those_of_the_tree() -> None:

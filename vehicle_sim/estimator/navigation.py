@@ -9,6 +9,7 @@ PX4's filters bear), and a fix older than the horizon comes too late.
 """
 
 from collections import deque
+from collections.abc import Iterable
 from math import sqrt
 from typing import Final, NamedTuple
 
@@ -76,6 +77,26 @@ class Levelling(NamedTuple):
 _LEVEL: Final = Levelling(0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0))
 
 
+Pushed = tuple[float, float, float, float, float, float]
+"""Position and velocity (NED) that measured accelerations have added since the horizon."""
+
+_UNPUSHED: Final[Pushed] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def _carried(pushed: Pushed, accelerations: Iterable[Vector], step_s: float) -> Pushed:
+    """Return what has been added after further steps, each of constant acceleration."""
+    half = 0.5 * step_s * step_s
+    p_n, p_e, p_d, v_n, v_e, v_d = pushed
+    for a_n, a_e, a_d in accelerations:
+        p_n += v_n * step_s + a_n * half
+        p_e += v_e * step_s + a_e * half
+        p_d += v_d * step_s + a_d * half
+        v_n += a_n * step_s
+        v_e += a_e * step_s
+        v_d += a_d * step_s
+    return p_n, p_e, p_d, v_n, v_e, v_d
+
+
 class NavigationFilter:
     """The running filter of one vehicle.
 
@@ -119,7 +140,7 @@ class NavigationFilter:
         }
         # Mean after the last update, as plain numbers, and what acceleration has added since.
         self._mean = [0.0] * STATES
-        self._pushed = [0.0] * 6
+        self._pushed = _UNPUSHED
         self._filter = KalmanFilter(dim_x=STATES, dim_z=_ROWS, dim_u=6)
         self._filter.x = np.zeros((STATES, 1))
         self._filter.P = first_covariance(tuning, attitude_rad)
@@ -150,7 +171,7 @@ class NavigationFilter:
             None where no measurement was due. Else what has been taken out of the state, for the caller to level by:
             the prediction is the same whether the filter or the attitude holds it.
         """
-        self._push(acceleration_ned_m_s2)
+        self._pushed = _carried(self._pushed, (acceleration_ned_m_s2,), self._step_s)
         kept, step_s = self._kept, self._step_s
         kept.append(acceleration_ned_m_s2)
         self._attitudes.append(attitude_rad)
@@ -167,14 +188,6 @@ class NavigationFilter:
         if limit - self._horizon >= _LONGEST_EPOCH_STEPS:
             return self._close(limit, None, None)
         return None
-
-    def _push(self, acceleration_ned_m_s2: Vector) -> None:
-        """Carry the sums of the accelerations kept on by one more."""
-        dt, pushed = self._step_s, self._pushed
-        half = 0.5 * dt * dt
-        for axis, a in enumerate(acceleration_ned_m_s2):
-            pushed[axis] += pushed[axis + 3] * dt + a * half
-            pushed[axis + 3] += a * dt
 
     def _take(self, until: int, gps: GpsReading | None) -> Levelling:
         """Take the measurements up to step `until`, in order; the fix is the last of them."""
@@ -211,7 +224,7 @@ class NavigationFilter:
         """Move the horizon to step `until` and take the measurements of that time."""
         kalman, steps, kept = self._filter, until - self._horizon, self._kept
         self._horizon = until
-        self._sum(kept[:steps])
+        self._pushed = _carried(_UNPUSHED, kept[:steps], self._step_s)
         f, q = self._process.epoch(steps, self._attitudes[steps // 2], self._pushed)
         kalman.predict(u=np.array(self._pushed).reshape(6, 1), B=self._process.input, F=f, Q=q)
         if gps is not None or baro is not None:
@@ -232,13 +245,8 @@ class NavigationFilter:
         wrong_n, wrong_e, wrong_d = (from_body(self._attitude_rad) @ bias + (north, east, 0.0)).tolist()
         self._kept = [(a - wrong_n, b - wrong_e, c - wrong_d) for a, b, c in self._kept[steps:]]
         del self._attitudes[:steps]
-        self._sum(self._kept)
+        self._pushed = _carried(_UNPUSHED, self._kept, self._step_s)
         return levelling
-
-    def _sum(self, accelerations: list[Vector]) -> None:
-        self._pushed = [0.0] * 6
-        for acceleration in accelerations:
-            self._push(acceleration)
 
     def _measurement_model(self, *, gps: bool, baro: bool) -> tuple[Matrix, Matrix]:
         """Return H (7, 18) and R (7, 7); the rows of a sensor that has nothing new are zero and tell nothing."""

@@ -17,6 +17,7 @@ The slow error of the GPS is a state because it cannot be averaged away: without
 that it does not have. The barometer's error is a random walk, relative to what it showed at the start.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, exp, sin
 from typing import Final
@@ -110,7 +111,7 @@ class Process:
         self.input = np.zeros((STATES, 6))
         self.input[:6, :6] = np.eye(6)
 
-    def epoch(self, steps: int, attitude_rad: Vector, pushed: list[float]) -> tuple[Matrix, Matrix]:
+    def epoch(self, steps: int, attitude_rad: Vector, pushed: Sequence[float]) -> tuple[Matrix, Matrix]:
         """Return F (18, 18) and Q (18, 18).
 
         Args:

@@ -8,6 +8,7 @@ from vehicle_sim.parameters import ParameterStore
 from vehicle_sim.signals import FourRotors, Vector
 
 ROTORS: Final = 4
+_SOUND: Final[FourRotors] = (1.0, 1.0, 1.0, 1.0)
 _NONE: Final[Vector] = (0.0, 0.0, 0.0)
 _GAUSS: Final = 1e-3
 
@@ -25,7 +26,8 @@ class Conditions(NamedTuple):
 
     `gps_glitch` is in degrees of latitude and longitude and metres of altitude; `gps_offset_ned_m` is the same in
     metres. A drift grows as long as it lasts, and its velocity is that of the fix, too: the receiver follows a wrong
-    signal. Biases are in body axes. `resting_v` is what the battery was last said to rest at.
+    signal. Biases are in body axes. Rotors are 1 front, 2 right, 3 rear,
+    4 left. `resting_v` is what the battery was last said to rest at.
     """
 
     wind_ned_m_s: Vector = _NONE
@@ -45,7 +47,7 @@ class Conditions(NamedTuple):
     baro: SensorState = SensorState.WORKING
     baro_offset_m: float = 0.0
     baro_drift_m_s: float = 0.0
-    efficiencies: FourRotors = (1.0, 1.0, 1.0, 1.0)
+    efficiencies: FourRotors = _SOUND
     resting_v: float = 12.6
 
 

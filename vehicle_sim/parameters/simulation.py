@@ -33,9 +33,7 @@ _WORLD: Final = (
     Parameter("SIM_BARO_FREEZE", _I8, 0, 0, 1, "whether the barometer repeats its last reading"),
     Parameter("SIM_BARO_GLITCH", _REAL, 0, -1000, 1000, "error of the barometric altitude, m"),
     Parameter("SIM_BARO_DRIFT", _REAL, 0, -10, 10, "growth of the error of the barometric altitude, m/s"),
-    Parameter(
-        "SIM_ENGINE_FAIL", _I32, 0, 0, 15, "weak motors, one bit each: 1 front right, 2 rear left, 4 front left, 8"
-    ),
+    Parameter("SIM_ENGINE_FAIL", _I32, 0, 0, 15, "weak motors, one bit each: 1 front, 2 right, 4 rear, 8 left"),
     Parameter("SIM_ENGINE_MUL", _REAL, 0, 0, 1, "thrust of the weak motors as a share of a sound one's"),
     Parameter(
         "SIM_BATT_VOLTAGE", _REAL, 12.6, 0, 12.6, "resting voltage; a change sets the charge that belongs to it, V"
