@@ -68,7 +68,7 @@ class Locator:
         found = self._tree.query(shapely.Point(point_m), predicate="dwithin", distance=self.closeness_m)
         return np.sort(np.asarray(found, dtype=np.int64))
 
-    def crossed(self, p_m: Place, q_m: Place) -> tuple[tuple[int, float], ...]:
+    def crossed(self, p_m: Place, q_m: Place, *, likely: int = OUTSIDE) -> tuple[tuple[int, float], ...]:
         """The triangles that the segment from p to q runs through, in order.
 
         A triangle counts where the segment has a part of positive length in it; one that is only touched, at a
@@ -79,14 +79,18 @@ class Locator:
         Args:
             p_m: Start, finite.
             q_m: End, finite.
+            likely: A triangle to look into before all others are searched; the result does not depend on it.
 
         Returns:
             Pairs of a triangle and the fraction of the segment at which it is entered; the first fraction is 0.
         """
+        # The common case of a monitor, without a search: both ends well inside the triangle of the last report.
+        if likely != OUTSIDE and self._well_inside(likely, p_m, q_m):
+            return ((likely, 0.0),)
         if tuple(p_m) == tuple(q_m):
             return ((int(self.triangle_at(np.array([p_m]))[0]), 0.0),)
         candidates = np.sort(self._tree.query(shapely.LineString((p_m, q_m)), predicate="intersects"))
-        # The common case of a monitor, without rational numbers: both ends well inside one triangle.
+        # And without rational numbers: both ends well inside another triangle.
         if len(candidates) == 1 and self._well_inside(int(candidates[0]), p_m, q_m):
             return ((int(candidates[0]), 0.0),)
         parts = self._parts(candidates, p_m, q_m)

@@ -114,14 +114,15 @@ def _known_frames(data: bytes) -> tuple[list[bytes], bytes]:
         if end - at < header:
             break
         size = header + data[at + 1] + _CHECKSUM
+        flags = data[at + 2] if magic == _V2 else 0
         if magic == _V2:
-            size += TRAILER if data[at + 2] & _SIGNED else 0
+            size += TRAILER if flags & _SIGNED else 0
             number = data[at + 7] | data[at + 8] << 8 | data[at + 9] << 16
         else:
             number = data[at + 5]
         if end - at < size:
             break
-        if number in _KNOWN:
+        if number in _KNOWN and not flags & ~_SIGNED:
             kept.append(data[at : at + size])
         at += size
     return kept, data[at:]
@@ -138,7 +139,6 @@ class Codec:
         if signatures is not None:
             self._mav.signing.secret_key, self._mav.signing.sign_outgoing = signatures.key, True
         self._reader = mavlink.MAVLink(None)  # without the key: what it is given has been judged
-        self._reader.robust_parsing = True  # noise is skipped instead of raised
         self._rest = b""
 
     @property
@@ -152,10 +152,13 @@ class Codec:
         if self._signatures is not None:
             frames = [frame for frame in frames if self._signatures.take(frame)]
         received = []
-        for message in (self._reader.parse_buffer(b"".join(frames)) if frames else None) or ():
-            reader = _READERS.get(message.get_type())  # of a damaged frame, that is BAD_DATA
-            if reader is not None:
-                received.append(Received(message.get_srcSystem(), message.get_srcComponent(), reader(message)))
+        for frame in frames:
+            try:
+                message = self._reader.decode(bytearray(frame))
+            except mavlink.MAVError:
+                continue  # damaged
+            body = _READERS[message.get_type()](message)
+            received.append(Received(message.get_srcSystem(), message.get_srcComponent(), body))
         return received
 
     def heartbeat(self) -> bytes:

@@ -115,7 +115,8 @@ class Monitor:
         if not all(map(math.isfinite, (t_s, *place))) or (self._last is not None and t_s <= self._last[0]):
             return False
         before, start = self._last or (t_s, place)
-        for triangle, fraction in self._locator.crossed(start, place):
+        likely = self._visits[-1].triangle if self._visits else OUTSIDE
+        for triangle, fraction in self._locator.crossed(start, place, likely=likely):
             at = (start[0] + fraction * (place[0] - start[0]), start[1] + fraction * (place[1] - start[1]))
             self._enter(triangle, before + fraction * (t_s - before), at)
         self._last = (t_s, place)

@@ -123,7 +123,7 @@ def _file_name(text: str) -> str:
 
 def _line(values: Mapping[str, object]) -> bytes:
     try:
-        text = json.dumps(values, allow_nan=False, default=_plain, separators=(",", ":"))
+        text = _ENCODER.encode(values)
     except ValueError:  # something in it is not finite: rare, so only then is every value looked at
         text = json.dumps(_finite(values), allow_nan=False, separators=(",", ":"))
     return text.encode("ascii") + b"\n"
@@ -141,6 +141,9 @@ def _plain(value: object) -> object:
     if to_list is None:
         raise TypeError(f"a record cannot hold {type(value).__name__}")
     return to_list()
+
+
+_ENCODER = json.JSONEncoder(allow_nan=False, default=_plain, separators=(",", ":"))
 
 
 def _finite(value: object) -> object:

@@ -35,7 +35,7 @@ def test_wrapped_angles_look_the_same_way(angle: float) -> None:
     assert np.allclose((np.cos(wrap(angle)), np.sin(wrap(angle))), (np.cos(angle), np.sin(angle)))
 
 
-@pytest.mark.parametrize("tau_s", [0.8, 1.5, 5.0])
+@pytest.mark.parametrize("tau_s", [0.8, 1.5, pytest.param(5.0, marks=pytest.mark.long)])
 def test_a_small_error_dies_out_critically_damped(tau_s: float) -> None:
     """The error of Eq. 12, in the limit where attitude is fast and nothing saturates; drag damps a little more."""
     flight = Flight(TrackingGains(tau_s=tau_s, observer_s=None))

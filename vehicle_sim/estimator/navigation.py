@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from filterpy.kalman import KalmanFilter
 
+from vehicle_sim.estimator.innovation import normalised_square
 from vehicle_sim.estimator.process import (
     STATES,
     A,
@@ -277,12 +278,11 @@ class NavigationFilter:
         if gps is not None and gps.hdop != _SHARP:
             r = r.copy()
             r[:3, :3] *= (gps.hdop / _SHARP) ** 2  # few satellites, and the receiver says so
-        innovation = z - h @ kalman.x
-        spread = h @ kalman.P @ h.T + r
+        innovation = (z - h @ kalman.x)[:, 0].tolist()
+        spread = (h @ kalman.P @ h.T + r).tolist()
         refused = []
         for index, rows in groups:
-            y, s = innovation[rows], spread[rows, rows]
-            nis = float(y[0, 0] ** 2 / s[0, 0]) if y.size == 1 else float((y.T @ np.linalg.inv(s) @ y)[0, 0])
+            nis = normalised_square(innovation[rows], [row[rows] for row in spread[rows]])
             self.ratios[index] = sqrt(nis / _GATES[index])
             if nis > _GATES[index]:
                 refused.append(rows)

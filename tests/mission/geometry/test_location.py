@@ -100,6 +100,18 @@ def test_walks_along_edges_take_the_lower_index() -> None:
         assert triangle == beside[0]
 
 
+@given(lattice, lattice, st.integers(-1, GRID.partition.size - 1))
+@settings(max_examples=150, deadline=None)
+def test_a_walk_does_not_depend_on_the_triangle_that_is_looked_into_first(
+    p: tuple[float, float], q: tuple[float, float], likely: int
+) -> None:
+    assert GRID.crossed(p, q, likely=likely) == GRID.crossed(p, q)
+    middle = ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2)
+    (here, _), *_ = GRID.crossed(middle, middle)
+    nearby = (middle[0] + 1e-3, middle[1] + 2e-3)
+    assert GRID.crossed(middle, nearby, likely=here) == GRID.crossed(middle, nearby)
+
+
 @given(lattice, lattice)
 @settings(max_examples=150, deadline=None)
 def test_each_part_of_a_walk_lies_where_it_says(p: tuple[float, float], q: tuple[float, float]) -> None:

@@ -37,6 +37,13 @@ _MESSAGES = st.one_of(
     st.builds(mavlink.MAVLink_mission_count_message, _BYTE, _BYTE, _WORD, _BYTE),
     st.builds(mavlink.MAVLink_attitude_message, st.integers(0, 2**32 - 1), *[st.floats(width=32)] * 6),
     st.builds(mavlink.MAVLink_timesync_message, *[st.integers(-(2**63), 2**63 - 1)] * 2),
+    st.builds(
+        mavlink.MAVLink_actuator_output_status_message,
+        st.integers(0, 2**64 - 1),
+        st.integers(0, 2**32 - 1),
+        st.lists(st.floats(width=32), min_size=32, max_size=32),
+    ),
+    st.builds(mavlink.MAVLink_v2_extension_message, *[_BYTE] * 3, _WORD, st.lists(_BYTE, min_size=249, max_size=249)),
     st.builds(mavlink.MAVLink_statustext_message, _BYTE, st.binary(max_size=50)),
 )
 
