@@ -48,7 +48,7 @@ def test_every_setting_depends_on_some_parameter_alone(flavour: Flavour) -> None
         choices = definition.is_integer and definition.maximum < 10
         values = range(int(definition.minimum), int(definition.maximum) + 1) if choices else ()
         seen = set()
-        for value in (definition.minimum, definition.maximum, *values):
+        for value in (definition.minimum, definition.default, definition.maximum, *values):
             store = default_parameters(flavour)
             store.set(name, value)
             seen.add(flight_settings(store))

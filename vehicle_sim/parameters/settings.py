@@ -52,6 +52,7 @@ class FlightSettings:
     ground_system_id: int | None
     setpoint_timeout_s: float
     setpoint_loss: Action
+    thrust_climbs: bool
     ground_timeout_s: float
     ground_loss: Action
     estimator_loss: Action
@@ -160,6 +161,7 @@ _LOW_BATTERY: Final[Mapping[int, tuple[Action, Action]]] = {
 }
 
 
+_THRUST_AS_THRUST: Final = 1 << 3
 _SKIP_BATTERY: Final = 1 << 8
 _ALLOW_ARMING: Final = 1
 _ALLOW_TAKEOFF: Final = 2
@@ -191,6 +193,7 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         ground_system_id=int(store["MAV_GCS_SYSID"]),
         setpoint_timeout_s=store["GUID_TIMEOUT"],
         setpoint_loss=Action.NOTHING,
+        thrust_climbs=not int(store["GUID_OPTIONS"]) & _THRUST_AS_THRUST,
         ground_timeout_s=store["FS_GCS_TIMEOUT"],
         ground_loss=_GROUND_LOSS.get(int(store["FS_GCS_ENABLE"]), Action.NOTHING),
         estimator_loss=_ESTIMATOR_LOSS.get(int(store["FS_EKF_ACTION"]), Action.NOTHING),
@@ -262,6 +265,7 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         ground_system_id=None,
         setpoint_timeout_s=store["COM_OF_LOSS_T"],
         setpoint_loss=_OFFBOARD_LOSS[int(store["COM_OBL_RC_ACT"])],
+        thrust_climbs=False,
         ground_timeout_s=store["COM_DL_LOSS_T"],
         ground_loss=_DATA_LINK_LOSS.get(int(store["NAV_DLL_ACT"]), Action.NOTHING),
         # Without a position none of Return's legs can be flown: what is left of its chain is to land.

@@ -29,7 +29,6 @@ _THRUST_BODY: Final = 32
 """ATTITUDE_TARGET_TYPEMASK_THRUST_BODY_SET; like the field itself it is younger than the dialect of pymavlink."""
 _NO_THRUST: Final = mavlink.ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE
 _NO_ATTITUDE: Final = mavlink.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
-_THRUST_IS_THRUST: Final = 8
 _UNIT: Final = 1e-3
 _WITH_BODY_THRUST: Final = 51
 
@@ -57,13 +56,12 @@ class AttitudeService:
             return
         attitude = None if mask & _NO_ATTITUDE else _euler(q)
         rates = (message.body_roll_rate, message.body_pitch_rate, message.body_yaw_rate)
-        if int(self._host.vehicle.parameters["GUID_OPTIONS"]) & _THRUST_IS_THRUST:
-            thrust_m_s2 = _share(message.thrust) * MOST_THRUST_M_S2
-            climb_m_s = None
-        else:
-            settings, thrust_m_s2 = autopilot.settings, None
+        settings, climb_m_s, thrust_m_s2 = autopilot.settings, None, None
+        if settings.thrust_climbs:
             stick = 2.0 * _share(message.thrust) - 1.0
             climb_m_s = stick * (settings.climb_m_s if stick > 0.0 else settings.descent_m_s)
+        else:
+            thrust_m_s2 = _share(message.thrust) * MOST_THRUST_M_S2
         autopilot.attitude(
             Attitude(attitude, None if ignored else rates, turns_on=True, climb_m_s=climb_m_s, thrust_m_s2=thrust_m_s2)
         )
