@@ -32,7 +32,7 @@ _SCHEMES = {
     **{scheme.value: scheme for scheme in Scheme},
 }
 _LISTENING = frozenset((Scheme.UDP_IN, Scheme.TCP_IN))
-_DEVICE = re.compile(r"(?P<device>/[^:,]+|COM[0-9]+)(?:[:,](?P<baud>[0-9]+))?", re.IGNORECASE)
+_DEVICE = re.compile(r"(?P<device>/[^:,/][^:,]*|COM[0-9]+)(?:[:,](?P<baud>[0-9]+))?", re.IGNORECASE)
 _ENDPOINT = re.compile(r"(?:\[(?P<six>[0-9A-Fa-f:.%\w]+)\]|(?P<host>[^:\[\]/?#]*)):(?P<port>[0-9]{1,5})/?")
 
 

@@ -12,13 +12,8 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from shutil import rmtree
 
-import pytest
-
 VERSIONS = {3: "mavsdk>=3.17,<4", 4: "mavsdk>=4,<5"}
 """The requirement of each major version."""
-
-NEWEST = [pytest.param(version, marks=() if version == max(VERSIONS) else pytest.mark.long) for version in VERSIONS]
-"""The versions for a test that the newest takes always, and the others in long campaigns."""
 
 _PATIENCE_S = 300.0
 _WHOLE = "whole"

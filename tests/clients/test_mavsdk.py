@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.clients.environments import NEWEST, VERSIONS
+from tests.clients.environments import VERSIONS
 from tests.clients.scenarios import HEIGHT_M, LAT_DEG, RATES, REAL, STREAMS, WHOLE
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert {name for name in px4_only if name in facts} == (px4_only if is_px4 else set())
 
 
-@pytest.mark.parametrize("version", NEWEST)
+@pytest.mark.parametrize("version", VERSIONS)
 def test_parameters_plans_and_arming(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "configure")
     is_px4 = flavour == "px4"
@@ -115,7 +115,7 @@ def test_parameters_plans_and_arming(play: "Play", version: int, flavour: str) -
     assert facts["arm after termination"] == ("COMMAND_DENIED" if is_px4 else "FAILED")
 
 
-@pytest.mark.parametrize("version", NEWEST)
+@pytest.mark.parametrize("version", VERSIONS)
 def test_action_and_offboard(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "fly")
     assert not failures(facts)

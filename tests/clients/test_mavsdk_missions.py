@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.clients.environments import NEWEST
+from tests.clients.environments import VERSIONS
 
 if TYPE_CHECKING:
     from tests.clients.conftest import Play
 
 pytestmark = [
     pytest.mark.timeout(400),  # the first test of a machine installs the clients
-    pytest.mark.parametrize("version", NEWEST),
+    pytest.mark.parametrize("version", VERSIONS),
 ]
 
 

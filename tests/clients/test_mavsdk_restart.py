@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.clients.environments import NEWEST
+from tests.clients.environments import VERSIONS
 
 if TYPE_CHECKING:
     from tests.clients.conftest import Play
 
 
 @pytest.mark.timeout(400)  # the first test of a machine installs the clients
-@pytest.mark.parametrize("version", NEWEST)
+@pytest.mark.parametrize("version", VERSIONS)
 @pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 def test_a_restart(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "restart")

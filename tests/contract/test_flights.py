@@ -14,14 +14,9 @@ from tests.support.lockstep import LockstepVehicle, vehicle_of
 
 # The paper's mission takes a quarter of an hour of vehicle time and is flown by the closed-loop tests.
 FLOWN = [file for file in sorted(MISSIONS.glob("*.yaml")) if file.stem != "paper"]
-LONG = {"patrol", "pairs"}
-"""The closed-loop tests fly in each run what these show: laps, and an automaton of its own."""
 
 
-@pytest.mark.parametrize(
-    "file",
-    [pytest.param(file, id=file.stem, marks=pytest.mark.long if file.stem in LONG else ()) for file in FLOWN],
-)
+@pytest.mark.parametrize("file", FLOWN, ids=lambda file: file.stem)
 def test_a_mission_is_achieved(file: Path) -> None:
     plan = plan_mission(load_mission(file))
     home = home_for(plan.spec)
