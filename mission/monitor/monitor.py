@@ -163,10 +163,6 @@ class Monitor:
         """How far the automaton of the specification has come."""
         return self._watch.progress
 
-    def ask_laps(self, laps: int) -> None:
-        """Say how many laps are to be flown, where that has changed."""
-        self._laps_asked = laps
-
     @property
     def laps(self) -> int:
         """How often the loop of a recurrent run has been flown; 0 without one."""

@@ -112,7 +112,7 @@ class FlightPlan:
         lap = self.trajectory.lap
         return self.curve if lap is None else JoinedCurve(self.curve.legs[: lap + 1])
 
-    @property
+    @cached_property
     def system(self) -> TransitionSystem:
         """T of this domain, its restricted triangles closed, with the mission's costs."""
         weights = transition_weights(self.partition, self.spec.search.cost, self.spec.flight.speed_m_s)

@@ -141,6 +141,13 @@ class Product:
         return Graph(rows[there], begins, weights[there])
 
 
+def mark_bits(automaton: CompiledGeneralised) -> IntArray:
+    """The marks of A's transitions as bits, (N,); the first bit of each where A has no acceptance set."""
+    if not automaton.sets:
+        return np.ones(len(automaton.sources), dtype=np.int64)
+    return np.asarray(automaton.marks @ (np.int64(1) << np.arange(automaton.sets, dtype=np.int64)))
+
+
 def _choices(automaton: CompiledGeneralised, letters: int) -> tuple[Codes, IntArray]:
     """A's transitions as functions, (R, Q, letters): where each of at most R choices leads to, and its marks."""
     keys = automaton.sources * letters + automaton.letters
@@ -151,8 +158,7 @@ def _choices(automaton: CompiledGeneralised, letters: int) -> tuple[Codes, IntAr
     choices = np.full(shape, ABSENT, dtype=np.int32)
     choices[rank, keys] = automaton.targets[order]
     marks = np.zeros(shape, dtype=np.int64)
-    bits = np.int64(1) << np.arange(automaton.sets, dtype=np.int64)
-    marks[rank, keys] = (automaton.marks @ bits)[order] if automaton.sets else 1
+    marks[rank, keys] = mark_bits(automaton)[order]
     return choices.reshape(-1, automaton.states, letters), marks.reshape(-1, automaton.states, letters)
 
 

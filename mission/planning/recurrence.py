@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.planning.product import Product
+from mission.logic.automaton import CompiledGeneralised
+from mission.planning.product import Product, mark_bits
 from mission.planning.sweeps import Codes, Graph
 
 
@@ -66,13 +67,13 @@ def recurrent(graph: Graph, marks: IntArray, all_marks: int) -> BoolArray:
 
 def recurrent_automaton_states(product: Product) -> BoolArray:
     """Whether each state of A lies on a loop, of any letters, that bears all marks, (Q,)."""
-    automaton = product.automaton
-    bits = np.int64(1) << np.arange(automaton.sets, dtype=np.int64)
-    marks = automaton.marks @ bits if automaton.sets else np.ones(len(automaton.sources), dtype=np.int64)
-    # The rows are ordered by source, as the edges of a graph are.
+    return recurrent(automaton_graph(product.automaton), mark_bits(product.automaton), product.all_marks)
+
+
+def automaton_graph(automaton: CompiledGeneralised) -> Graph:
+    """A as a graph, an edge for each transition in their order, which is by source as that of a graph's edges is."""
     begins = np.searchsorted(automaton.sources, np.arange(automaton.states + 1)).astype(np.int32)
-    graph = Graph(automaton.targets.astype(np.int32), begins, 1.0)
-    return recurrent(graph, marks, product.all_marks)
+    return Graph(automaton.targets.astype(np.int32), begins, 1.0)
 
 
 def recurrent_candidates(product: Product) -> IntArray:

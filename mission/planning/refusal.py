@@ -8,8 +8,7 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from mission.geometry.arrays import IntArray
 from mission.planning.product import Product
-from mission.planning.recurrence import recurrent_automaton_states
-from mission.planning.sweeps import Graph
+from mission.planning.recurrence import automaton_graph, recurrent_automaton_states
 from mission.planning.transition_system import TransitionSystem
 
 
@@ -68,8 +67,5 @@ def _connected(system: TransitionSystem, start: int) -> IntArray:
 
 def _accepts_anything(product: Product) -> bool:
     """Whether an initial state leads to one that may recur, the letters in any order."""
-    automaton = product.automaton
-    begins = np.searchsorted(automaton.sources, np.arange(automaton.states + 1)).astype(np.int32)
-    graph = Graph(automaton.targets.astype(np.int32), begins, 1.0)
-    reached = np.isfinite(graph.distances(automaton.initial))
+    reached = np.isfinite(automaton_graph(product.automaton).distances(product.automaton.initial))
     return bool((reached & recurrent_automaton_states(product)).any())

@@ -19,11 +19,12 @@ from mission.plan import FlightPlan
 from mission.report.record import FlightRecord
 from tests.support.faults import schedule_of
 from tests.support.lockstep import LockstepVehicle, vehicle_of
-from tests.support.small_missions import plan_of
+from tests.support.small_missions import FLOWN_BRISKLY, plan_of
 from vehicle_sim.autopilot import Mode
 
 WALL = Polygon([(18, 0), (22, 0), (22, 8), (18, 8)])
-ROUND_THE_WALL = """\
+ROUND_THE_WALL = (
+    """\
 name: Round the wall
 domain:
   boundary: [[0, 0], [18, 0], [22, 0], [40, 0], [40, 30], [0, 30]]
@@ -35,17 +36,9 @@ mission:
   formula: F (goal & F G home) & G !wall
 start:
   position_m: [9, 8]
-flight:
-  speed_m_s: 4.0
-  altitude_m: 6
-  final_stay_s: 2
-  time_constant_s: 1.0
-  disturbance_m_s2: 0.5
-limits:
-  speed_m_s: 6.0
-  acceleration_m_s2: 2.5
-  tilt_deg: 25
 """
+    + FLOWN_BRISKLY
+)
 START_M = (9.0, 8.0)
 
 

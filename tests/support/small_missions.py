@@ -3,7 +3,22 @@
 from mission.plan import FlightPlan, plan_mission
 from mission.spec.loader import parse_mission
 
-SMALL = """\
+FLOWN_BRISKLY = """\
+flight:
+  speed_m_s: 4.0
+  altitude_m: 6
+  final_stay_s: 2
+  time_constant_s: 1.0
+  disturbance_m_s2: 0.5
+limits:
+  speed_m_s: 6.0
+  acceleration_m_s2: 2.5
+  tilt_deg: 25
+"""
+"""How a small mission is flown."""
+
+SMALL = (
+    """\
 name: Small round
 domain:
   boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
@@ -16,17 +31,9 @@ mission:
   formula: F (goal & F G home) & G !pond
 start:
   position_m: [9, 8]
-flight:
-  speed_m_s: 4.0
-  altitude_m: 6
-  final_stay_s: 2
-  time_constant_s: 1.0
-  disturbance_m_s2: 0.5
-limits:
-  speed_m_s: 6.0
-  acceleration_m_s2: 2.5
-  tilt_deg: 25
 """
+    + FLOWN_BRISKLY
+)
 
 ROUNDS = """\
 name: Small rounds
