@@ -7,7 +7,8 @@ from typing import Final, NamedTuple
 from vehicle_sim.autopilot import Autopilot
 from vehicle_sim.battery import Battery
 from vehicle_sim.clock import StepClock
-from vehicle_sim.controller import Controller, TrackingGains
+from vehicle_sim.control.controller import Controller, TrackingGains
+from vehicle_sim.control.rotor_control import RotorControl
 from vehicle_sim.dynamics.airframe import Airframe, Dynamics
 from vehicle_sim.dynamics.hover import DRAG_PER_S, MOST_THRUST_M_S2, Hover
 from vehicle_sim.dynamics.quadrotor import Quadrotor
@@ -19,7 +20,6 @@ from vehicle_sim.faults import NO_FAULTS, Faults, Schedule
 from vehicle_sim.geodesy import geodetic_at
 from vehicle_sim.noise import Normals
 from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters
-from vehicle_sim.rotor_control import RotorControl
 from vehicle_sim.sensors import SensorErrors, Sensors
 from vehicle_sim.signals import (
     BaroReading,

@@ -7,11 +7,11 @@ from pathlib import Path
 from mission.cli.inputs import write_named
 from mission.cli.screen import count, out
 from mission.errors import Fault, SpecError
-from mission.logic.automaton import BuchiAutomaton
-from mission.logic.formula import Formula
-from mission.logic.hoa import to_hoa
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate, translate_generalised
+from mission.logic.automata.automaton import BuchiAutomaton
+from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import Formula
+from mission.logic.hoa.text import to_hoa
 
 _PICTURES = (".pdf", ".png", ".svg")
 

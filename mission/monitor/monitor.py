@@ -15,8 +15,8 @@ import numpy as np
 from mission.geometry.arrays import BoolArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
-from mission.logic.automaton import CompiledAutomaton
-from mission.logic.word import LassoWord
+from mission.logic.automata.automaton import CompiledAutomaton
+from mission.logic.formula.word import LassoWord
 from mission.monitor.laps import LapCounter
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics

@@ -13,8 +13,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from mission.logic.automaton import CompiledAutomaton, states_with_nonempty_language
-from mission.logic.components import strong_components
+from mission.logic.automata.automaton import CompiledAutomaton, states_with_nonempty_language
+from mission.logic.automata.components import strong_components
 
 
 class Verdict(StrEnum):

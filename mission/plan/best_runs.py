@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from mission.errors import SearchSizeError
-from mission.logic.automaton import compile_generalised, compile_to_alphabet
+from mission.logic.automata.automaton import compile_generalised, compile_to_alphabet
 from mission.plan.specification import Specification
 from mission.planning.objective import Objective
 from mission.planning.product import Product

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from mission.errors import AutomatonSizeError
-from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
-from mission.logic.conversion import with_accepting_states
-from mission.logic.formula import Formula, Operator, negation, postorder
-from mission.logic.stutter import tells_repeats_apart
-from mission.logic.translate import translate
-from mission.logic.word import Letter
+from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.automata.conversion import with_accepting_states
+from mission.logic.automata.stutter import tells_repeats_apart
+from mission.logic.automata.translate import translate
+from mission.logic.formula.syntax import Formula, Operator, negation, postorder
+from mission.logic.formula.word import Letter
 from mission.plan.diagnosis import conjuncts
 from mission.plan.missing_letters import violated_by_first
 from mission.plan.specification import Specification

@@ -7,8 +7,8 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from mission.geometry.arrays import BoolArray, IntArray
-from mission.logic.automaton import CompiledAutomaton
-from mission.logic.word import LassoWord, Letter
+from mission.logic.automata.automaton import CompiledAutomaton
+from mission.logic.formula.word import LassoWord, Letter
 from mission.planning.sweeps import Codes
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics

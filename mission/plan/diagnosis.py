@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 
 from mission.geometry.arrays import BoolArray
-from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
-from mission.logic.formula import (
+from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.formula.syntax import (
     TRUE,
     Formula,
     Operator,
@@ -26,7 +26,7 @@ from mission.logic.formula import (
     postorder,
     proposition,
 )
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan.coarse_map import CoarseMap
 from mission.plan.core import Core, smallest_core
 from mission.plan.missing_letters import (

@@ -7,9 +7,9 @@ from mission.geometry.arrays import BoolArray, IntArray
 from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
-from mission.logic.formula import TRUE, Formula
-from mission.logic.safety import safety_of
+from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.automata.safety import safety_of
+from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions
 from mission.plan.costs import transition_weights
 from mission.plan.homeward import Homeward, ends_of_flight

@@ -7,13 +7,13 @@ from typing import Final
 
 import numpy as np
 
-from mission.logic.automaton import (
+from mission.logic.automata.automaton import (
     BuchiAutomaton,
     CompiledAutomaton,
     compile_to_alphabet,
     states_with_nonempty_language,
 )
-from mission.logic.word import Letter
+from mission.logic.formula.word import Letter
 
 _MOST_TOGETHER: Final = 4
 _MAX_CANDIDATES: Final = 500

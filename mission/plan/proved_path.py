@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mission.errors import NoPlanError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automaton import CompiledGeneralised
+from mission.logic.automata.automaton import CompiledGeneralised
 from mission.plan.flight_plan import tube_of
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
 from mission.plan.visits import earnest_visits

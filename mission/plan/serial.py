@@ -15,7 +15,7 @@ from mission.errors import Fault, GeometryError, SpecError
 from mission.geometry.arrays import IntArray
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automaton import BuchiAutomaton
+from mission.logic.automata.automaton import BuchiAutomaton
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.homeward import Homeward
 from mission.plan.specification import of_mission

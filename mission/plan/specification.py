@@ -8,15 +8,15 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from mission.logic.automaton import BuchiAutomaton, GeneralisedBuchi
-from mission.logic.combination import intersection, union
-from mission.logic.complement import complement
-from mission.logic.conversion import with_accepting_states, with_marked_transitions
-from mission.logic.formula import TRUE, Formula, negation
-from mission.logic.rewriting import simplified
-from mission.logic.translate import translate, translate_generalised
-from mission.logic.weak import is_obligation
-from mission.logic.word import LassoWord, Letter, satisfies
+from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
+from mission.logic.automata.combination import intersection, union
+from mission.logic.automata.complement import complement
+from mission.logic.automata.conversion import with_accepting_states, with_marked_transitions
+from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.automata.weak import is_obligation
+from mission.logic.formula.rewriting import simplified
+from mission.logic.formula.syntax import TRUE, Formula, negation
+from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.plan.tasks import formula_of
 from mission.spec.model import MissionSpec, NamedAutomaton
 

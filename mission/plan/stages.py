@@ -6,7 +6,7 @@ import numpy as np
 
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.geometry.location import OUTSIDE, Locator
-from mission.logic.automaton import BuchiAutomaton, compile_to_alphabet
+from mission.logic.automata.automaton import BuchiAutomaton, compile_to_alphabet
 from mission.plan.best_runs import best_runs, objective_of
 from mission.plan.costs import transition_weights
 from mission.plan.explained import explained

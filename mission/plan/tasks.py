@@ -11,8 +11,8 @@ from fractions import Fraction
 from itertools import combinations
 
 from mission.errors import NoPlanError
-from mission.logic.formula import Formula, conjunction
-from mission.logic.parser import parse_formula
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import Formula, conjunction
 from mission.spec.model import MissionSpec
 from mission.spec.tasks import task_formula, task_text
 

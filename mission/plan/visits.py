@@ -8,7 +8,7 @@ import numpy as np
 
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automaton import CompiledGeneralised
+from mission.logic.automata.automaton import CompiledGeneralised
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, RegionKind, Semantics
 

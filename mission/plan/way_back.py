@@ -5,8 +5,8 @@ from functools import partial
 
 from mission.errors import AutomatonSizeError, NoPlanError
 from mission.geometry.arrays import BoolArray
-from mission.logic.automaton import CompiledAutomaton, generalised
-from mission.logic.safety import safety_of
+from mission.logic.automata.automaton import CompiledAutomaton, generalised
+from mission.logic.automata.safety import safety_of
 from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward, ends_of_flight, ways_back
 from mission.plan.proved_path import PathPlanner

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.logic.automaton import CompiledAutomaton, CompiledGeneralised, generalised
+from mission.logic.automata.automaton import CompiledAutomaton, CompiledGeneralised, generalised
 from mission.planning.sweeps import Codes, Graph
 from mission.planning.transition_system import CONTROLS, TransitionSystem
 from mission.spec.model import Semantics

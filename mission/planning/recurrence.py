@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.logic.automaton import CompiledGeneralised
+from mission.logic.automata.automaton import CompiledGeneralised
 from mission.planning.product import Product, mark_bits
 from mission.planning.sweeps import Codes, Graph
 

@@ -4,8 +4,8 @@ import re
 from typing import Any
 
 from mission.errors import FormulaSyntaxError
-from mission.logic.formula import propositions
-from mission.logic.parser import parse_formula
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import propositions
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.model import Point, Region, RegionKind

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from mission.geometry.geodesy import LatLon
 
 if TYPE_CHECKING:  # the command line reads these values before it loads a library
-    from mission.logic.automaton import GeneralisedBuchi
+    from mission.logic.automata.automaton import GeneralisedBuchi
 
 Point = tuple[float, float]
 
@@ -170,7 +170,7 @@ class Limits:
 
 
 class TaskKind(StrEnum):
-    """What a task asks for, by its key in the file; the meaning of each is in ``mission.logic.patterns``."""
+    """What a task asks for, by its key in the file; the meaning of each is in ``mission.logic.formula.patterns``."""
 
     VISIT = "visit"
     SEQUENCED_VISIT = "sequenced_visit"

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 from mission.errors import Fault, SpecError
-from mission.logic.hoa import parse_generalised
+from mission.logic.hoa.text import parse_generalised
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.model import NamedAutomaton
 

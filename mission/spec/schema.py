@@ -7,7 +7,7 @@ What no schema can say (a formula that parses, a start inside the domain, edges 
 from copy import deepcopy
 from typing import Any, Final
 
-from mission.logic.parser import MAX_LENGTH
+from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 

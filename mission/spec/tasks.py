@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
-from mission.logic import patterns
-from mission.logic.formula import Formula
+from mission.logic.formula import patterns
+from mission.logic.formula.syntax import Formula
 from mission.spec.model import Region, RegionKind, Task, TaskKind, TaskMode
 
 Data = dict[str, Any]

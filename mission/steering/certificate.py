@@ -24,7 +24,7 @@ import numpy as np
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_floats
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automaton import CompiledAutomaton
+from mission.logic.automata.automaton import CompiledAutomaton
 from mission.spec.model import Point, Semantics
 from mission.steering.enclosure import (
     Contacts,

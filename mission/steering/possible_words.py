@@ -32,7 +32,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from mission.geometry.arrays import BoolArray, IntArray
-from mission.logic.automaton import CompiledAutomaton
+from mission.logic.automata.automaton import CompiledAutomaton
 from mission.spec.model import Semantics
 
 Node = tuple[int, int, int]  # layer, triangle, automaton state

@@ -13,9 +13,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from mission.logic.automaton import compile_to_alphabet
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.translate import translate
+from mission.logic.formula.parser import parse_formula
 from mission.plan.best_runs import best_runs
 from mission.plan.specification import Specification
 from mission.planning.objective import Objective

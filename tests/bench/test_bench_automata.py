@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from mission.logic.translate import translate
+from mission.logic.automata.translate import translate
 from tests.support.formulas import measured_formulas
 from tests.support.measuring import timed
 

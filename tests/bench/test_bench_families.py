@@ -12,9 +12,9 @@ from random import Random
 import pytest
 
 from mission.errors import AutomatonSizeError
-from mission.logic.formula import Formula, negation
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate, translate_generalised
+from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import Formula, negation
 from tests.support.families import ETESSAMI_HOLZMANN, FAMILIES, SOMENZI_BLOEM
 from tests.support.formulas import random_formula
 from tests.support.measuring import timed

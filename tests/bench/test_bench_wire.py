@@ -9,17 +9,17 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.support.station import Station, endpoint_of
-from vehicle_sim.addresses import parse_address
 from vehicle_sim.autopilot import LandedState, Mode, Outcome
 from vehicle_sim.clock import WallClock
-from vehicle_sim.fleet import fleet_of
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.party import Fleet
-from vehicle_sim.ports import open_port
 from vehicle_sim.protocol.flavour import Rates
 from vehicle_sim.protocol.link import Link
 from vehicle_sim.protocol.signing import Signer
-from vehicle_sim.server import Server
+from vehicle_sim.server.addresses import parse_address
+from vehicle_sim.server.fleet import fleet_of
+from vehicle_sim.server.party import Fleet
+from vehicle_sim.server.ports import open_port
+from vehicle_sim.server.server import Server
 from vehicle_sim.vehicle import VehicleConfig
 
 pytestmark = pytest.mark.bench

@@ -5,7 +5,7 @@ import io
 import pytest
 
 from mission.fly import FlightResult, fly
-from mission.logic.word import LassoWord, Letter, satisfies
+from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from mission.spec.loader import parse_mission

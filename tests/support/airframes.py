@@ -1,11 +1,11 @@
 """Controller and airframe with nothing between them: what the vehicle flies like with perfect sensors."""
 
-from vehicle_sim.controller import Controller, TrackingGains
+from vehicle_sim.control.controller import Controller, TrackingGains
+from vehicle_sim.control.rotor_control import RotorControl
 from vehicle_sim.dynamics.airframe import Airframe, Dynamics
 from vehicle_sim.dynamics.hover import Hover
 from vehicle_sim.dynamics.quadrotor import Quadrotor
 from vehicle_sim.estimator.estimator import _NOTHING
-from vehicle_sim.rotor_control import RotorControl
 from vehicle_sim.signals import Command, Estimate, FourRotors, Guidance, Limits, Motion, Setpoint, Vector
 
 STEP_S = 0.01

@@ -2,9 +2,9 @@
 
 from random import Random
 
-from mission.logic.automaton import GeneralisedBuchi, MarkedEdge
-from mission.logic.guards import Guard
-from mission.logic.word import LassoWord, Letter
+from mission.logic.automata.automaton import GeneralisedBuchi, MarkedEdge
+from mission.logic.automata.guards import Guard
+from mission.logic.formula.word import LassoWord, Letter
 
 NAMES = ("a", "b")
 LETTERS: tuple[Letter, ...] = (frozenset(), frozenset("a"), frozenset("b"), frozenset("ab"))

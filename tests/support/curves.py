@@ -8,10 +8,10 @@ from mission.geometry.arrays import BoolArray
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.automaton import CompiledAutomaton, compile_to_alphabet
-from mission.logic.formula import negation
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.automata.automaton import CompiledAutomaton, compile_to_alphabet
+from mission.logic.automata.translate import translate
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import negation
 from mission.planning.run import Run
 from mission.steering.path import SteeringPath, build_path
 from tests.support.domains import PAPER_NODES

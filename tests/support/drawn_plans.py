@@ -11,7 +11,7 @@ import numpy as np
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.simplices import Partition
-from mission.logic.parser import parse_formula
+from mission.logic.formula.parser import parse_formula
 from mission.plan import FlightPlan, trajectory_of
 from mission.plan.specification import Specification
 from mission.planning.run import Run

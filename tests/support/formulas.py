@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-from mission.logic.formula import (
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import (
     FALSE,
     TRUE,
     Formula,
@@ -23,8 +24,7 @@ from mission.logic.formula import (
     until,
     weak_until,
 )
-from mission.logic.parser import parse_formula
-from mission.logic.word import LassoWord, Letter
+from mission.logic.formula.word import LassoWord, Letter
 
 GOLDEN = Path(__file__).parents[1] / "golden" / "logic"
 _UNARY = (negation, following, eventually, always)

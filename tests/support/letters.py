@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from mission.logic.automaton import CompiledAutomaton, CompiledGeneralised
-from mission.logic.word import LassoWord, Letter
+from mission.logic.automata.automaton import CompiledAutomaton, CompiledGeneralised
+from mission.logic.formula.word import LassoWord, Letter
 
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]

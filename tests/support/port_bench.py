@@ -6,10 +6,10 @@ import socket
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.support.station import endpoint_of
-from vehicle_sim.addresses import parse_address
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.ports import Port, open_port
 from vehicle_sim.protocol.flavour import Rates
+from vehicle_sim.server.addresses import parse_address
+from vehicle_sim.server.ports import Port, open_port
 
 
 class Bench:

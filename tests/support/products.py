@@ -7,7 +7,7 @@ from itertools import product as tuples
 
 import numpy as np
 
-from mission.logic.automaton import CompiledGeneralised
+from mission.logic.automata.automaton import CompiledGeneralised
 from mission.planning.objective import Objective
 from mission.planning.transition_system import TransitionSystem
 

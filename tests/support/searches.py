@@ -12,8 +12,8 @@ import numpy as np
 from mission.geometry.regions import label_triangles
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.automaton import CompiledGeneralised, compile_generalised, compile_to_alphabet, generalised
-from mission.logic.parser import parse_formula
+from mission.logic.automata.automaton import CompiledGeneralised, compile_generalised, compile_to_alphabet, generalised
+from mission.logic.formula.parser import parse_formula
 from mission.plan.costs import transition_weights
 from mission.plan.specification import Specification
 from mission.planning.product import Product

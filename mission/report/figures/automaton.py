@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from mission.errors import AutomatonSizeError
 from mission.geometry.arrays import FloatArray
-from mission.logic.automaton import BuchiAutomaton, Edge
+from mission.logic.automata.automaton import BuchiAutomaton, Edge
 from mission.plan import FlightPlan
 from mission.report.figures.arrows import draw_arrows
 from mission.report.figures.automaton_layout import DISC_PT, Arrangement, Part, arranged

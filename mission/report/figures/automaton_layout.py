@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray
-from mission.logic.automaton import Edge
+from mission.logic.automata.automaton import Edge
 from mission.report.figures.arrows import between_discs, bowed
 from mission.report.figures.canvas import text_size_em
 from mission.report.figures.fitting import boxes_at

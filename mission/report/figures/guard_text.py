@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from mission.logic.guards import Cube, Guard
+from mission.logic.automata.guards import Cube, Guard
 from mission.report.figures.canvas import plain
 
 LONGEST_LINE = 24

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from mission.cli import main
-from mission.logic.hoa import parse_generalised, parse_hoa
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate, translate_generalised
+from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.formula.parser import parse_formula
+from mission.logic.hoa.text import parse_generalised, parse_hoa
 
 FORMULA = "F (S1 & F R) & G !K1"
 

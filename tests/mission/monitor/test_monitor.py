@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.geometry.location import Locator
-from mission.logic.parser import parse_formula
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.monitor import Monitor, ViolationKind
 from mission.monitor.verdict import Verdict
 from mission.spec.model import Semantics

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mission.errors import SpecError
-from mission.logic.parser import parse_formula
+from mission.logic.formula.parser import parse_formula
 from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.plan.best_runs import best_runs
 from mission.plan.costs import run_costs, transition_weights

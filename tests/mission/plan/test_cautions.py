@@ -2,7 +2,7 @@
 
 import pytest
 
-from mission.logic.parser import parse_formula
+from mission.logic.formula.parser import parse_formula
 from mission.plan.cautions import cautions
 from mission.plan.specification import Specification
 from mission.spec.model import Semantics

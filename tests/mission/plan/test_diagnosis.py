@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError
-from mission.logic.automaton import compile_to_alphabet
-from mission.logic.formula import Formula, always, conjunction, eventually, negation, proposition
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.translate import translate
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import Formula, always, conjunction, eventually, negation, proposition
 from mission.plan.coarse_map import CoarseMap
 from mission.plan.diagnosis import Cause, Part, conjuncts, diagnose, parts_of
 from mission.planning.product import Product

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mission.logic.safety import safety_of
+from mission.logic.automata.safety import safety_of
 from mission.plan import (
     FlightPlan,
     certify_again,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mission.errors import FormulaSyntaxError, NoPlanError, SpecError
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.spec.loader import load_mission
 from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing

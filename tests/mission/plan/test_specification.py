@@ -7,12 +7,12 @@ from random import Random
 import pytest
 
 from mission.errors import AutomatonSizeError, NoPlanError
-from mission.logic import complement as complement_module
-from mission.logic.formula import TRUE
-from mission.logic.hoa import to_hoa
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate_generalised
-from mission.logic.word import LassoWord, Letter
+from mission.logic.automata import complement as complement_module
+from mission.logic.automata.translate import translate_generalised
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import TRUE
+from mission.logic.formula.word import LassoWord, Letter
+from mission.logic.hoa.text import to_hoa
 from mission.monitor.monitor import Monitor
 from mission.monitor.verdict import FormulaWatch, Verdict
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_mission, plan_to_json

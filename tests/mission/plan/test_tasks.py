@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError, SpecError
-from mission.logic.formula import Formula, conjunction, eventually, propositions
-from mission.logic.parser import parse_formula
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import Formula, conjunction, eventually, propositions
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan import FlightPlan, formula_of, plan_from_json, plan_mission, plan_to_json
 from mission.plan.tasks import dropped_tasks
 from mission.spec.loader import load_mission, parse_mission

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.logic.automaton import CompiledAutomaton, CompiledGeneralised
+from mission.logic.automata.automaton import CompiledAutomaton, CompiledGeneralised
 from mission.planning.product import Product
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics

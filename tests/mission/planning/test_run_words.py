@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from mission.errors import NoPlanError
 from mission.geometry.regions import label_triangles
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.automaton import compile_to_alphabet
-from mission.logic.formula import negation
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.translate import translate
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import negation
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.planning.product import Product
 from mission.planning.run import Run
 from mission.planning.search import search

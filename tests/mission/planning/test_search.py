@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from mission.errors import NoPlanError
 from mission.geometry.regions import Labelling
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.automaton import CompiledAutomaton, compile_to_alphabet
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.automata.automaton import CompiledAutomaton, compile_to_alphabet
+from mission.logic.automata.translate import translate
+from mission.logic.formula.parser import parse_formula
 from mission.planning.objective import Objective
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search

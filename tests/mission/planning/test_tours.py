@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError, SearchSizeError
-from mission.logic.automaton import compile_generalised, compile_to_alphabet
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate, translate_generalised
+from mission.logic.automata.automaton import compile_generalised, compile_to_alphabet
+from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.formula.parser import parse_formula
 from mission.planning.objective import Objective
 from mission.planning.product import Product
 from mission.planning.search import search

@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 
 from mission.errors import AutomatonSizeError
 from mission.geometry.arrays import FloatArray
-from mission.logic.parser import parse_formula
-from mission.logic.translate import translate
+from mission.logic.automata.translate import translate
+from mission.logic.formula.parser import parse_formula
 from mission.plan import FlightPlan
 from mission.report.figures import PICTURES, save_all
 from mission.report.figures.automaton import automaton, automaton_of_formula, states_along

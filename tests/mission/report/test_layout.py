@@ -8,7 +8,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.logic.guards import Guard
+from mission.logic.automata.guards import Guard
 from mission.report.figures.arrows import between_discs, bowed
 from mission.report.figures.fitting import largest_boxes, place_names, towards_incentres
 from mission.report.figures.guard_text import keyed, shortened, written

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from mission.errors import SpecError
-from mission.logic.automaton import GeneralisedBuchi
+from mission.logic.automata.automaton import GeneralisedBuchi
 from mission.spec.document import document_of
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import MissionSpec, TaskKind

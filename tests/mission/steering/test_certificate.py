@@ -14,8 +14,8 @@ from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.parser import parse_formula
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Extension, Semantics
 from mission.steering.certificate import Certificate, certify
 from mission.steering.joined import JoinedCurve

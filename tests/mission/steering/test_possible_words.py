@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.logic.parser import parse_formula
-from mission.logic.word import LassoWord, satisfies
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Semantics
 from mission.steering.possible_words import Layers, Violations
 from tests.support.curves import refuting

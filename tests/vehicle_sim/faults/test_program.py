@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from mission.errors import SpecError
 from mission.fly import BundledVehicle, VehicleOptions
 from tests.support.vehicle_program import running
-from tests.vehicle_sim.test_cli import port_of
+from tests.vehicle_sim.cli.test_cli import port_of
 from vehicle_sim import cli
 
 BROKEN = "faults:\n- {fault: gps_los}\n- {fault: motor, rotor: 9, efficiency: 1}\n"

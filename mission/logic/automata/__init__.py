@@ -1,0 +1,1 @@
+"""Automata on infinite words: translation of formulas, reduction, and complements."""

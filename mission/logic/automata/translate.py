@@ -1,0 +1,220 @@
+"""From formulas to small Büchi automata.
+
+An obligation has a smallest deterministic automaton, which is found directly. For every other formula there are
+candidates: the tableau made small by simulation, and, where one exists on the structure of what can remain of the
+formula, a deterministic automaton. Each is brought to accepting states in several ways, and the smallest result wins;
+among those of one size a deterministic one, then the one with fewest edges. Nothing depends on chance, on hashes or on
+time.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import islice, permutations
+from typing import Final, TypeVar
+
+from mission.errors import AutomatonSizeError
+from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
+from mission.logic.automata.degeneralisation import degeneralised, with_few_mixed_states
+from mission.logic.automata.deterministic import accepting_like
+from mission.logic.automata.diagrams import Diagram, Diagrams, TooLargeError
+from mission.logic.automata.progression import Progression
+from mission.logic.automata.simulation import reduced
+from mission.logic.automata.structure import Structure, pruned, state_based, transition_based
+from mission.logic.automata.tableau import Tableau
+from mission.logic.automata.weak import is_obligation, refined, renamed, weak_structure
+from mission.logic.formula.rewriting import simplified
+from mission.logic.formula.syntax import Formula, negation, proposition_order
+
+MAX_STATES: Final = 20_000
+"""States of an automaton under construction at which the translation gives up."""
+
+MAX_DEPTH: Final = 200
+"""Depth of a formula that is translated."""
+
+MAX_PROPOSITIONS: Final = 100
+"""Propositions of a formula that is translated."""
+
+_GROWTH: Final = 1_000_000  # nodes of diagrams for what is necessary
+_GROWTH_OF_EXTRAS: Final = 200_000  # and for each attempt at something smaller
+_WORK: Final = 20_000_000  # comparisons of clauses in a tableau that is necessary
+_WORK_OF_EXTRAS: Final = 2_000_000
+_LIMIT_OF_EXTRAS: Final = 1_000  # states of automata that serve only to find a smaller one
+_LIMIT_OF_PRODUCTS: Final = 10_000
+_LARGE: Final = 16  # states of a minimal automaton from which on a nondeterministic one may be worth while
+_CYCLES: Final = 400
+_FEW_SETS: Final = 3  # acceptance sets of which all orders are tried
+
+_T = TypeVar("_T")
+
+
+def translate(formula: Formula) -> BuchiAutomaton:
+    """A Büchi automaton that accepts exactly the words that satisfy ``formula``.
+
+    Raises:
+        AutomatonSizeError: The formula or its automaton is too large to be built.
+    """
+    return _Translation(formula).state_based()
+
+
+def translate_generalised(formula: Formula) -> GeneralisedBuchi:
+    """The same as a generalised Büchi automaton with marked transitions, often much smaller.
+
+    Raises:
+        AutomatonSizeError: The formula or its automaton is too large to be built.
+    """
+    return _Translation(formula).generalised()
+
+
+@dataclass
+class _Translation:
+    """The translation of one formula, over one pool of diagrams."""
+
+    formula: Formula
+
+    def __post_init__(self) -> None:
+        self._names = proposition_order(self.formula)
+        if self.formula.depth > MAX_DEPTH:
+            raise AutomatonSizeError(f"the formula is nested deeper than {MAX_DEPTH}")
+        if len(self._names) > MAX_PROPOSITIONS:
+            raise AutomatonSizeError(f"the formula has more than {MAX_PROPOSITIONS} propositions")
+        self._short = simplified(self.formula)
+
+    def state_based(self) -> BuchiAutomaton:
+        best: tuple[tuple[int, bool, int], Structure] | None = None
+        for candidate in self._candidates():
+            if best is not None and candidate.size > best[0][0]:
+                continue
+            candidate.diagrams.allow(_GROWTH)
+            with suppress(TooLargeError):
+                for form in _state_based_forms(candidate):
+                    rank = (form.size, not form.deterministic, form.edge_count)
+                    if best is None or rank < best[0]:
+                        best = rank, form
+        if best is None:
+            raise _too_large()
+        try:
+            best[1].diagrams.allow(_GROWTH)
+            return state_based(best[1])
+        except TooLargeError as error:
+            raise _too_large() from error
+
+    def generalised(self) -> GeneralisedBuchi:
+        candidates = self._candidates()
+        if not candidates:
+            raise _too_large()
+        best = min(candidates, key=lambda candidate: (candidate.size, candidate.sets, candidate.edge_count))
+        try:
+            best.diagrams.allow(_GROWTH)
+            return transition_based(best)
+        except TooLargeError as error:
+            raise _too_large() from error
+
+    def _candidates(self) -> list[Structure]:
+        """Small generalised automata of the formula, smallest first; none where all would be too large."""
+        found = self._obligation() if is_obligation(self._short) else self._general()
+        return sorted(found, key=lambda structure: structure.size)
+
+    def _obligation(self) -> Iterator[Structure]:
+        diagrams = Diagrams()
+        diagrams.allow(_GROWTH)
+        limit = MAX_STATES
+        with suppress(TooLargeError):
+            progression = Progression(diagrams, self._names)
+            minimal = pruned(weak_structure(progression, diagrams, self._names, self._short, MAX_STATES))
+            yield minimal
+            if minimal.size < _LARGE:
+                return
+            limit = minimal.size // 2
+        # A nondeterministic automaton can be exponentially smaller, as for F (a & X X X X b).
+        diagrams = Diagrams()
+        diagrams.allow(_GROWTH_OF_EXTRAS)
+        with suppress(TooLargeError):
+            yield self._tableau(diagrams, self._short, limit, _WORK_OF_EXTRAS)
+
+    def _general(self) -> Iterator[Structure]:
+        diagrams = Diagrams()
+        diagrams.allow(_GROWTH)
+        with suppress(TooLargeError):
+            positive = self._tableau(diagrams, self._short, MAX_STATES, _WORK)
+            yield positive
+            if positive.size > 1:
+                diagrams.allow(_GROWTH_OF_EXTRAS)
+                deterministic = self._deterministic(positive)
+                if deterministic is not None:
+                    yield deterministic
+
+    def _tableau(self, diagrams: Diagrams, formula: Formula, limit: int, work: int) -> Structure:
+        return reduced(Tableau(diagrams, self._names, work).structure(formula, limit))
+
+    def _deterministic(self, positive: Structure) -> Structure | None:
+        """A deterministic automaton on a structure of what can remain of the formula, if one is found."""
+        diagrams = positive.diagrams
+        negative = self._tableau(diagrams, simplified(negation(self._short)), _LIMIT_OF_EXTRAS, _WORK_OF_EXTRAS)
+        progression = Progression(diagrams, self._names)
+        states, rows = progression.explore(progression.state(self._short), _LIMIT_OF_EXTRAS)
+        for classes in _guesses(progression, diagrams, states, rows):
+            first: dict[int, int] = {}
+            for state, number in enumerate(classes):
+                first.setdefault(number, state)
+            if positive.deterministic and len(first) >= max(positive.size, _LARGE):
+                return None  # what was found is as small, and the more states the more this costs
+            merged = renamed(diagrams, [rows[state] for state in first.values()], classes)
+            found = accepting_like(merged, positive, negative, _LIMIT_OF_PRODUCTS)
+            if found is not None:
+                return reduced(found)
+        return None
+
+
+def _too_large() -> AutomatonSizeError:
+    return AutomatonSizeError(f"the automaton of the formula has more than {MAX_STATES} states or too many letters")
+
+
+def _guesses(
+    progression: Progression, diagrams: Diagrams, states: Sequence[Diagram], rows: Sequence[Diagram]
+) -> Iterator[list[int]]:
+    """Classes of states that may be of one language each, from few to many.
+
+    States of one class agree on all words that repeat some short cycles, whatever comes before these.
+    """
+    letters = list(dict.fromkeys(cube[0] for row in rows for cube, _ in islice(diagrams.paths(row), _CYCLES)))
+    budget = max(8, min(_CYCLES, 100_000 // len(states)))
+    singles = [(letter,) for letter in _spread(letters, budget)]
+    pairs = list(permutations(_spread(letters, 16), 2))
+    known = 0
+    for cycles in (singles, singles + _spread(pairs, budget)):
+        truths = [progression.truth_on_cycle(cycle) for cycle in cycles]
+        agreed = [tuple(diagrams.evaluate(state, truth) for truth in truths) for state in states]
+        classes = refined(diagrams, rows, agreed)
+        if max(classes) > known:
+            known = max(classes)
+            yield classes
+    if len(states) > known + 1:
+        yield list(range(len(states)))
+
+
+def _spread(values: Sequence[_T], number: int) -> list[_T]:
+    """At most ``number`` of the values, evenly spread over them."""
+    step = max(1, -(-len(values) // number))
+    return list(values[::step])
+
+
+def _state_based_forms(structure: Structure) -> Iterator[Structure]:
+    """Equivalent structures whose states accept, found in several ways."""
+    if structure.accepting_by_state:
+        yield structure
+        if structure.deterministic:
+            return
+    ascending = tuple(range(structure.sets))
+    orders = [ascending]
+    if structure.size < _LARGE:
+        orders = list(permutations(ascending)) if structure.sets <= _FEW_SETS else [ascending, ascending[::-1]]
+    for order in orders:
+        current = structure
+        if structure.sets != 1:
+            current = reduced(degeneralised(structure, order))
+            yield current
+        if current.sets == 1:
+            states = range(current.size)
+            for chosen in (states, states[::-1]) if current.size < _LARGE else (states,):
+                yield reduced(degeneralised(with_few_mixed_states(current, chosen), (0,)))

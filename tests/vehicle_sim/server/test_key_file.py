@@ -1,0 +1,94 @@
+"""Key files of the vehicle, and what is kept beside them."""
+
+import hashlib
+import os
+from pathlib import Path
+
+import pytest
+
+from vehicle_sim.errors import ConfigurationError
+from vehicle_sim.server.fleet import fleet_of
+from vehicle_sim.server.key_file import KeyFile, key_of, signing_time
+from vehicle_sim.vehicle import VehicleConfig
+
+KEY = bytes(range(32))
+
+
+@pytest.mark.parametrize(
+    ("content", "key"),
+    [
+        (KEY, KEY),
+        (KEY.hex().encode(), KEY),
+        (KEY.hex().upper().encode() + b"\r\n", KEY),
+        (b"open sesame\n", hashlib.sha256(b"open sesame").digest()),
+        (b"thirty-one letters and an end..\n", hashlib.sha256(b"thirty-one letters and an end..").digest()),
+    ],
+)
+def test_contents(content: bytes, key: bytes) -> None:
+    assert key_of(content) == key
+
+
+@pytest.mark.parametrize("content", [b"", b"\n", KEY[:31], bytes(32), b"0" * 64, b"two\nlines\n", b"\xff" * 33])
+def test_what_is_no_key_says_what_to_write(content: bytes) -> None:
+    with pytest.raises(ValueError, match=r"32 bytes|zeros"):
+        key_of(content)
+
+
+def key_file(folder: Path, mode: int = 0o600) -> tuple[Path, list[str]]:
+    path = folder / "key"
+    path.write_bytes(KEY)
+    path.chmod(mode)
+    return path, []
+
+
+def test_faults_are_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match="No such file"):
+        KeyFile(tmp_path / "none", lambda _sentence: None)
+    path, _ = key_file(tmp_path)
+    path.write_bytes(b"")
+    with pytest.raises(ConfigurationError, match="passphrase"):
+        KeyFile(path, lambda _sentence: None)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="permissions are POSIX")
+@pytest.mark.parametrize(("mode", "told"), [(0o600, False), (0o640, True), (0o604, True)])
+def test_a_key_that_others_can_read_is_told_of(tmp_path: Path, mode: int, *, told: bool) -> None:
+    path, said = key_file(tmp_path, mode)
+    KeyFile(path, said.append)
+    assert bool(said) == told
+
+
+def test_no_timestamp_is_used_twice_over_restarts(tmp_path: Path) -> None:
+    path, said = key_file(tmp_path)
+    given: list[int] = []
+    for _ in range(3):
+        file = KeyFile(path, said.append)
+        endpoints = fleet_of(VehicleConfig(), count=2, spacing_m=5.0, system_id=1, key_file=file, now=lambda: 10)
+        given += [endpoints[0].signer.next_timestamp() for _ in range(4)]
+        assert file.timestamp(1, 1) >= given[-1]
+        assert file.timestamp(2, 1) == 0  # each for itself
+    assert given == sorted(set(given))
+    assert said == []
+    (tmp_path / "key.timestamp.1.1").write_text("soon")
+    with pytest.raises(ConfigurationError, match="delete it"):
+        fleet_of(VehicleConfig(), count=1, spacing_m=5.0, system_id=1, key_file=KeyFile(path, said.append))
+
+
+def test_another_key_is_kept_whole_and_for_its_owner(tmp_path: Path) -> None:
+    path, said = key_file(tmp_path)
+    (endpoint,) = fleet_of(
+        VehicleConfig(), count=1, spacing_m=5.0, system_id=1, key_file=KeyFile(path, said.append), notify=said.append
+    )
+    assert endpoint.key_setup.on_key is not None
+    endpoint.key_setup.on_key(KEY[::-1])
+    assert KeyFile(path, said.append).key == KEY[::-1]
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert "kept in the key file" in said[-1]
+    endpoint.key_setup.on_key(None)
+    assert "ended signing" in said[-1]
+    assert KeyFile(path, said.append).key == KEY[::-1]
+
+
+def test_the_time_of_signing_counts_from_2015() -> None:
+    years = signing_time() / 100_000 / 86_400 / 365.25
+    assert 9.0 < years < 60.0
