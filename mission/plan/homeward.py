@@ -2,10 +2,10 @@
 
 The vehicle returns to a region of kind ``home``, or to the triangle in which it started where there is none, on the
 shortest way in T on which nothing is violated: whatever number of laps was flown, neither the word up to the landing
-nor any of its prefixes is bad (``mission.logic.automata.safety``), and no more is the word that goes on by staying there.
-So the verdict "nothing was violated so far" holds to the end, although a formula that asks for laps for ever is satisfied by
-no flight that ends. The way is found with the words that the tube around the laps may have spelled, and it is proved
-like every other path, with the automaton of the bad prefixes in the place of that of the negated formula.
+nor any of its prefixes is bad (``mission.logic.automata.safety``), and no more is the word that goes on by staying
+there. So the verdict "nothing was violated so far" holds to the end, although a formula that asks for laps for ever is
+satisfied by no flight that ends. The way is found with the words that the tube around the laps may have spelled, and it
+is proved like every other path, with the automaton of the bad prefixes in the place of that of the negated formula.
 """
 
 from collections.abc import Iterator, Mapping
