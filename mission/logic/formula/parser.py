@@ -1,8 +1,8 @@
 """The text form of formulas, read.
 
-Binding, from the loosest to the tightest: ``->`` and ``<->`` (to the right), ``xor``, ``|``, ``&``, the binary
-``U R W M`` (to the right), the prefix operators ``! X F G``. Other spellings of the same operators are read too (see
-``_SYMBOLS``), ``V`` as ``R``, and ``1`` and ``0`` as the constants.
+Binding, from the loosest to the tightest, as in Spot: ``->`` and ``<->`` (to the right), ``|``, ``xor``, ``&``, the
+binary ``U R W M`` (to the right), the prefix operators ``! X F G``. Other spellings of the same operators are read too
+(see ``_SYMBOLS``), ``V`` as ``R``, and ``1`` and ``0`` as the constants.
 
 A word is as long as it can be, and is read by the first of these rules that fits:
 
@@ -28,6 +28,7 @@ from mission.logic.formula.syntax import (
     STRENGTH,
     TRUE,
     UNARY,
+    XOR_STRENGTH,
     Formula,
     Operator,
     conjunction,
@@ -80,7 +81,6 @@ _TOKEN: Final = re.compile(
     r"(?P<symbol><->|<=>|->|=>|<>|\[\]|&&|\|\||/\\|\\/|[!~¬□◇○&∧|∨→↔^⊕()])"
 )
 _SHORT_OPERAND: Final = re.compile(r"([FGX]+)([A-Za-z][0-9]*)")
-_XOR_STRENGTH: Final = 2
 _EXPECTED_OPERAND: Final = "a proposition, true, false, ! F G X or ( is expected here"
 _EXPECTED_OPERATOR: Final = "an operator such as & | -> U or the end is expected here"
 
@@ -182,7 +182,7 @@ class _Parser:
             operator = _BINARY_WORDS[word]
             self._infix(operator, STRENGTH[operator], column)
         elif word == "xor":
-            self._infix(None, _XOR_STRENGTH, column)
+            self._infix(None, XOR_STRENGTH, column)
         elif word[0] in _BINARY_WORDS and len(word) > 1:
             hint = f"{_EXPECTED_OPERATOR}; for the operator {word[0]} write {word[0]} {word[1:]}"
             raise self._error(f"no operator stands between an operand and {word}", column, hint)
@@ -210,7 +210,7 @@ class _Parser:
         elif symbol == ")":
             self._close(column)
         elif symbol in ("^", "⊕"):
-            self._infix(None, _XOR_STRENGTH, column)
+            self._infix(None, XOR_STRENGTH, column)
         elif _SYMBOLS[symbol] in UNARY:
             if not self._wants_operand:
                 raise self._error(f"no operator stands between an operand and {symbol}", column, _EXPECTED_OPERATOR)

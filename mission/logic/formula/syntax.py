@@ -56,11 +56,13 @@ TEMPORAL: Final = frozenset(
     }
 )
 
-# How tightly an operator binds; the same number on both sides of one that associates to the right.
+# How tightly an operator binds; the same number on both sides of one that associates to the right. The order is the
+# one of Spot's grammar, in which exclusive or, that no node stands for, comes between `|` and `&`.
+XOR_STRENGTH: Final = 3
 STRENGTH: Final = {
     Operator.IMPLIES: 1,
     Operator.IFF: 1,
-    Operator.OR: 3,
+    Operator.OR: 2,
     Operator.AND: 4,
     Operator.UNTIL: 5,
     Operator.RELEASE: 5,

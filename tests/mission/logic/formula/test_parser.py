@@ -28,7 +28,7 @@ from tests.support.formulas import measured_formulas, random_formula
         ("!(a U b)", "!(a U b)"),
         ("X F G a M b W c", "X F G a M (b W c)"),
         ("a xor b xor c", "!(!(a <-> b) <-> c)"),
-        ("a ^ b | c", "!(a <-> b | c)"),
+        ("a ^ b | c", "!(a <-> b) | c"),
         ("1 & 0 | true & false", "true & false | true & false"),
         ("a_1.b & _x", "a_1.b & _x"),
         ('F "no fly zone" & "F"', 'F "no fly zone" & "F"'),
