@@ -105,7 +105,7 @@ def build_parser() -> argparse.ArgumentParser:
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
     plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
 
-    verify = commands.add_parser("verify", help="prove a written plan again, from the plan alone")
+    verify = commands.add_parser("verify", help="prove a written plan again, and compare it with its mission")
     verify.add_argument("plan", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
 
     fly = commands.add_parser(

@@ -34,8 +34,8 @@ def planned(file: str, run: int | None = None, laps: int | Literal["until_stoppe
         raise SpecError(faults, file) from error
 
 
-def read_plan(file: Path) -> FlightPlan:
-    """Read a plan that was written to a file.
+def read_plan(file: Path) -> tuple[FlightPlan, str]:
+    """Read a plan that was written to a file, and the text of it.
 
     Raises:
         SpecError: There is no such plan; its source is the file.
@@ -45,7 +45,8 @@ def read_plan(file: Path) -> FlightPlan:
             content = stream.read(_MOST_OF_A_PLAN + 1)
         if len(content) > _MOST_OF_A_PLAN:
             raise bad_file(file, "is too large for a plan", "name a file that 'mission plan --out' wrote")
-        return plan_from_json(content.decode("utf-8"))
+        text = content.decode("utf-8")
+        return plan_from_json(text), text
     except (AttributeError, OverflowError) as error:
         raise bad_file(file, f"is not a plan: {error}", "name a file that 'mission plan --out' wrote") from error
     except UnicodeDecodeError as error:

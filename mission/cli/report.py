@@ -40,7 +40,7 @@ def write_again(folder: Path, *, pictures: bool) -> None:
     missing = [name for name in (PLAN_FILE, MISSION_FILE, RECORD_FILE) if not (folder / name).is_file()]
     if missing:
         raise bad_file(folder, f"this is not the folder of a flight: it has no {', no '.join(missing)}", _HINT)
-    plan = read_plan(folder / PLAN_FILE)
+    plan, _ = read_plan(folder / PLAN_FILE)
     try:
         mission_text = (folder / MISSION_FILE).read_bytes().decode("utf-8-sig", "replace")
         record = read_record(folder / RECORD_FILE)

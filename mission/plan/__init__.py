@@ -1,5 +1,6 @@
 """From a mission to a flight plan: the pure stages, composed; and the plan as JSON."""
 
+from mission.plan.comparison import difference
 from mission.plan.flight_plan import FlightPlan, certify_again, certify_homeward_again, prover_of
 from mission.plan.proved_path import trajectory_of
 from mission.plan.serial import plan_from_json, plan_to_json
@@ -11,6 +12,7 @@ __all__ = [
     "FlightPlan",
     "certify_again",
     "certify_homeward_again",
+    "difference",
     "formula_of",
     "plan_from_json",
     "plan_mission",
