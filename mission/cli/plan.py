@@ -10,7 +10,7 @@ from pathlib import Path
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
-from mission.plan.costs import UNIT, run_costs
+from mission.plan.costs import MEASURED, UNIT, run_costs
 from mission.planning.run import Run
 from mission.spec.model import Cost
 from mission.spec.tasks import task_text
@@ -86,6 +86,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "product_states_reachable": plan.product_states_reachable,
         "shortest_runs": plan.shortest_runs,
         "cost": str(plan.spec.search.cost),
+        "cost_measures": MEASURED[plan.spec.search.cost],
         "costs": dict(
             zip(("prefix", "suffix"), run_costs(plan.system.weights, plan.run, plan.spec.search.cost), strict=True)
         ),
@@ -174,7 +175,8 @@ def _costs(plan: FlightPlan) -> str:
     if cost is Cost.TRANSITIONS:
         return f", of {count(plan.run.cost, 'transition')} each"
     unit, _ = UNIT[cost]
-    return f" by {cost}: {prefix:.1f} {unit} up to the loop, {suffix:.1f} {unit} round it (number {plan.run_index})"
+    found = f"{prefix:.1f} {unit} up to the loop, {suffix:.1f} {unit} round it (number {plan.run_index})"
+    return f" by {cost}: {found}\n               ({MEASURED[cost]}; what is flown is the path below)"
 
 
 def _duration(trajectory: Trajectory) -> str:

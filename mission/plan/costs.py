@@ -16,6 +16,13 @@ from mission.steering.facet_control import exit_velocities
 UNIT = {Cost.TRANSITIONS: ("", 1.0), Cost.DISTANCE: ("m", 1e-3), Cost.TIME: ("s", 1e-3)}
 """Of each cost the unit in which people read it, and how much of it the whole number 1 stands for."""
 
+MEASURED = {
+    Cost.TRANSITIONS: "triangles that are entered, and stays",
+    Cost.DISTANCE: "metres from incentre to incentre through the middles of the edges between",
+    Cost.TIME: "seconds that the fields take at most to leave their triangles",
+}
+"""What each cost counts; the path that is flown is smoother, and another run's may come out shorter."""
+
 
 def transition_weights(partition: Partition, cost: Cost, speed_m_s: float) -> IntArray:
     """The costs of all controls, shape (M, 4), at least 1: ones, millimetres or milliseconds.
