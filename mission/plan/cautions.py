@@ -8,9 +8,9 @@ from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, 
 from mission.logic.automata.conversion import with_accepting_states
 from mission.logic.automata.stutter import tells_repeats_apart
 from mission.logic.automata.translate import translate
+from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.syntax import Formula, Operator, negation, postorder
 from mission.logic.formula.word import Letter
-from mission.plan.diagnosis import conjuncts
 from mission.plan.missing_letters import violated_by_first
 from mission.plan.specification import Specification
 from mission.spec.model import NamedAutomaton, Semantics

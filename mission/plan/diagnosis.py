@@ -16,6 +16,7 @@ import numpy as np
 
 from mission.geometry.arrays import BoolArray
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.syntax import (
     TRUE,
     Formula,
@@ -117,12 +118,6 @@ class Part:
         if self.restricted:
             return f"{self.restricted} is restricted: it is never entered"
         return f"{self.written}" + (f"  ({self.origin})" if self.origin else "")
-
-
-def conjuncts(formula: Formula) -> tuple[Formula, ...]:
-    """The conjuncts of a formula, each once, in the order of writing; a formula that is no conjunction is its own."""
-    operands = formula.operands if formula.operator is Operator.AND else (formula,)
-    return tuple(dict.fromkeys(operand for operand in operands if operand is not TRUE))
 
 
 def parts_of(

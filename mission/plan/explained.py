@@ -5,7 +5,8 @@ import numpy as np
 from mission.errors import AutomatonSizeError, NoPlanError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.plan.diagnosis import conjuncts, diagnose
+from mission.logic.formula.conjuncts import conjuncts
+from mission.plan.diagnosis import diagnose
 from mission.plan.tasks import formula_of
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import MissionSpec, RegionKind

@@ -12,10 +12,11 @@ from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.automata.combination import intersection, union
 from mission.logic.automata.complement import complement
 from mission.logic.automata.conversion import with_accepting_states, with_marked_transitions
+from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import translate, translate_generalised
 from mission.logic.automata.weak import is_obligation
 from mission.logic.formula.rewriting import simplified
-from mission.logic.formula.syntax import TRUE, Formula, negation
+from mission.logic.formula.syntax import TRUE, Formula
 from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.plan.tasks import formula_of
 from mission.spec.model import MissionSpec, NamedAutomaton
@@ -49,8 +50,8 @@ class Specification:
     def refutation(self) -> BuchiAutomaton:
         """One of the words that do not satisfy it; with a given automaton, among those over the letters of the map."""
         if self.outside is None:
-            return translate(negation(self.formula))
-        return self.outside if self.formula is TRUE else union(self.outside, translate(negation(self.formula)))
+            return refutation(self.formula)
+        return self.outside if self.formula is TRUE else union(self.outside, refutation(self.formula))
 
     @cached_property
     def generalised(self) -> GeneralisedBuchi:

@@ -44,14 +44,19 @@ def intersection(left: GeneralisedBuchi, right: GeneralisedBuchi) -> Generalised
     return GeneralisedBuchi(names, len(queue), initial, left.sets + right.sets, tuple(edges))
 
 
-def union(left: BuchiAutomaton, right: BuchiAutomaton) -> BuchiAutomaton:
-    """An automaton of the words that one of the two accepts, at least: the two side by side."""
-    names = tuple(dict.fromkeys((*left.propositions, *right.propositions)))
-    moved = tuple(state + left.size for state in right.initial)
-    edges = [Edge(edge.source, over(names, edge.guard), edge.target) for edge in left.edges]
-    edges += [Edge(edge.source + left.size, over(names, edge.guard), edge.target + left.size) for edge in right.edges]
-    accepting = left.accepting | {state + left.size for state in right.accepting}
-    return BuchiAutomaton(names, left.size + right.size, left.initial + moved, accepting, tuple(edges))
+def union(*automata: BuchiAutomaton) -> BuchiAutomaton:
+    """An automaton of the words that one of these accepts, at least: all of them side by side."""
+    names = tuple(dict.fromkeys(name for automaton in automata for name in automaton.propositions))
+    initial: list[int] = []
+    accepting: list[int] = []
+    edges: list[Edge] = []
+    size = 0
+    for part in automata:
+        initial += [size + state for state in part.initial]
+        accepting += [size + state for state in part.accepting]
+        edges += [Edge(size + edge.source, over(names, edge.guard), size + edge.target) for edge in part.edges]
+        size += part.size
+    return BuchiAutomaton(names, size, tuple(initial), frozenset(accepting), tuple(edges))
 
 
 def over(names: tuple[str, ...], guard: Guard) -> Guard:

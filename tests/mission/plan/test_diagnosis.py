@@ -13,7 +13,7 @@ from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import Formula, always, conjunction, eventually, negation, proposition
 from mission.plan.coarse_map import CoarseMap
-from mission.plan.diagnosis import Cause, Part, conjuncts, diagnose, parts_of
+from mission.plan.diagnosis import Cause, Part, diagnose, parts_of
 from mission.planning.product import Product
 from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
@@ -143,11 +143,6 @@ def test_the_paper_does_not_read_the_label_of_the_start() -> None:
     found = diagnose(parse_formula("G !a"), system, (), 0, Semantics.STANDARD)
     assert found is not None
     assert found.cause is Cause.START
-
-
-def test_conjuncts_are_listed_once_and_true_is_none() -> None:
-    assert [str(c) for c in conjuncts(parse_formula("F a & (G b & F a) & true"))] == ["F a", "G b"]
-    assert conjuncts(parse_formula("F a | G b")) == (parse_formula("F a | G b"),)
 
 
 def test_a_restricted_region_that_a_conjunct_forbids_is_one_part() -> None:

@@ -14,6 +14,8 @@ from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.refutation import refutation
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Extension, Semantics
@@ -296,3 +298,26 @@ def test_without_a_tube_the_proof_decides(seed: int) -> None:
         assert (certificate.where_s is None) == (certificate.where_m is None) == certificate.holds
         for t, u in pairwise(certificate.counterexample):
             assert set(partition.triangles[t]) & set(partition.triangles[u])
+
+
+@pytest.mark.parametrize("by_m", [(0.0, 0.0), (0.3, -0.2), (-0.9, 0.6), (1.5, 1.5)])
+@pytest.mark.parametrize("formula", [PAPER_FORMULA, f"{PAPER_FORMULA} & F G R & G (S1 -> F R)", "F S1 & G !R"])
+def test_a_proof_conjunct_by_conjunct_is_one_of_the_whole(formula: str, by_m: tuple[float, float]) -> None:
+    curve = JoinedCurve((moved(fit_fourier(paper_path(), 28, Extension.ODD), by_m),))
+    labels = paper_labelling()
+    whole, apart = (
+        certify(
+            curve,
+            paper_partition(),
+            labels,
+            refutation=machine,
+            semantics=Semantics.STANDARD,
+            restricted=marked(paper_partition(), ()),
+            tube_m=0.1,
+        )
+        for machine in (
+            refuting(formula, labels.letters),
+            compile_to_alphabet(refutation(parse_formula(formula)), labels.letters),
+        )
+    )
+    assert (apart.holds, apart.possible) == (whole.holds, whole.possible)

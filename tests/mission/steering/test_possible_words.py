@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.refutation import refutation
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Semantics
@@ -141,3 +143,22 @@ def test_flights_that_one_can_follow_by_hand(
         semantics=Semantics.STANDARD,
     )
     assert violations.exists() != holds
+
+
+@given(
+    flights(),
+    st.lists(st.integers(0, 2), min_size=6, max_size=6),
+    st.sampled_from(Semantics),
+    st.lists(st.sampled_from(FORMULAS), min_size=2, max_size=4, unique=True),
+)
+@settings(deadline=None, max_examples=100)
+def test_conjuncts_are_violated_exactly_where_their_conjunction_is(
+    layers: Layers, letter_of: list[int], semantics: Semantics, texts: list[str]
+) -> None:
+    text = " & ".join(f"({text})" for text in texts)
+    machines = (refuting(text, LETTERS), compile_to_alphabet(refutation(parse_formula(text)), LETTERS))
+    whole, apart = (
+        Violations(layers, corners=STRIP, letter_of=np.array(letter_of), refutation=machine, semantics=semantics)
+        for machine in machines
+    )
+    assert apart.exists() == whole.exists()
