@@ -2,13 +2,15 @@
 
 Binding, from the loosest to the tightest, as in Spot: ``->`` and ``<->`` (to the right), ``|``, ``xor``, ``&``, the
 binary ``U R W M`` (to the right), the prefix operators ``! X F G``. Other spellings of the same operators are read too
-(see ``_SYMBOLS``), ``V`` as ``R``, and ``1`` and ``0`` as the constants.
+(``spellings``: signs, words, LaTeX), ``V`` as ``R``, and ``1`` and ``0`` as the constants.
 
 A word is as long as it can be, and is read by the first of these rules that fits:
 
-1. It stands in double quotes, or among the ``propositions`` that the caller knows: a proposition.
-2. It stands where an operator must follow an operand: ``U``, ``R``, ``W``, ``M``, ``V`` or ``xor``. Where an operand is
-   expected they are propositions like any other (``F R`` speaks of a region R, ``R R R`` of it twice).
+1. It stands in double quotes, or where an operand is expected and among the ``propositions`` that the caller knows: a
+   proposition.
+2. It is a word of English that names an operator or a constant, in capitals or not (``not``, ``until``, ``always``), or
+   stands where an operator must follow an operand: ``U``, ``R``, ``W``, ``M`` or ``V``. Where an operand is expected
+   these letters are propositions like any other (``F R`` speaks of a region R, ``R R R`` of it twice).
 3. It is made of the letters F, G and X alone: so many prefix operators (``GF a``).
 4. Some letters F, G, X in front of a known proposition: prefix operators and the longest such proposition.
 5. The same in front of one letter and its digits (``Fp0``, ``XFp1``, ``GFa``, ``FS1``): prefix operators too.
@@ -16,15 +18,27 @@ A word is as long as it can be, and is read by the first of these rules that fit
 """
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
 from mission.errors import FormulaSyntaxError
+from mission.logic.formula.spellings import (
+    COMMANDS,
+    INFIX_LETTERS,
+    KNOWN_OPERATORS,
+    MISTAKEN,
+    PREFIX_LETTERS,
+    SIGNS,
+    SPACES,
+    WORDS,
+    Meaning,
+    Sign,
+    folded,
+    named,
+)
 from mission.logic.formula.syntax import (
     CHAINS,
     FALSE,
-    RESERVED,
     STRENGTH,
     TRUE,
     UNARY,
@@ -44,43 +58,19 @@ MAX_LENGTH: Final = 65_536
 MAX_DEPTH: Final = 400
 """How deep operators may be nested; as many parentheses again may stand around them."""
 
-_BINARY_WORDS: Final = {
-    "U": Operator.UNTIL,
-    "R": Operator.RELEASE,
-    "V": Operator.RELEASE,
-    "W": Operator.WEAK_UNTIL,
-    "M": Operator.STRONG_RELEASE,
-}
-_PREFIX_WORDS: Final = {"F": Operator.EVENTUALLY, "G": Operator.ALWAYS, "X": Operator.NEXT}
-_SYMBOLS: Final[dict[str, Operator]] = {
-    "!": Operator.NOT,
-    "~": Operator.NOT,
-    "¬": Operator.NOT,
-    "[]": Operator.ALWAYS,
-    "□": Operator.ALWAYS,
-    "<>": Operator.EVENTUALLY,
-    "◇": Operator.EVENTUALLY,
-    "○": Operator.NEXT,
-    "&": Operator.AND,
-    "&&": Operator.AND,
-    "/\\": Operator.AND,
-    "∧": Operator.AND,
-    "|": Operator.OR,
-    "||": Operator.OR,
-    "\\/": Operator.OR,
-    "∨": Operator.OR,
-    "->": Operator.IMPLIES,
-    "=>": Operator.IMPLIES,
-    "→": Operator.IMPLIES,
-    "<->": Operator.IFF,
-    "<=>": Operator.IFF,
-    "↔": Operator.IFF,
-}
+_WORD: Final = "[A-Za-z_][A-Za-z0-9_.]*"
+_STYLES: Final = r"\\(?:math(?:cal|bf|rm|sf|it|tt|bb|frak|scr|ord|bin|rel|op)|text(?:bf|rm|sf|it|tt)?|operatorname)"
 _TOKEN: Final = re.compile(
-    r'(?P<space>[ \t\r\n]+)|(?P<word>[A-Za-z_][A-Za-z0-9_.]*)|(?P<number>[0-9][A-Za-z0-9_.]*)|"(?P<quoted>[^"\r\n]*)"|'
-    r"(?P<symbol><->|<=>|->|=>|<>|\[\]|&&|\|\||/\\|\\/|[!~¬□◇○&∧|∨→↔^⊕()])"
+    rf"(?P<space>[ \t\r\n\ufe0e\ufe0f]+|\\[ ,;:]|\\(?:{'|'.join(SPACES)})(?![A-Za-z]))|(?P<word>{_WORD})|"
+    rf'(?P<number>[0-9][A-Za-z0-9_.]*)|"(?P<quoted>[^"\r\n]*)"|'
+    rf"{_STYLES} *(?:\{{ *(?P<styled>{_WORD}) *\}}|(?<![A-Za-z])(?P<letter>[A-Za-z]))|\\(?P<command>[A-Za-z]+)|"
+    rf"(?P<sign>{'|'.join(map(re.escape, sorted(SIGNS, key=len, reverse=True)))})"
 )
 _SHORT_OPERAND: Final = re.compile(r"([FGX]+)([A-Za-z][0-9]*)")
+_BINARY_STRENGTH: Final[dict[Meaning, int]] = {
+    Sign.XOR: XOR_STRENGTH,
+    **{operator: strength for operator, strength in STRENGTH.items() if operator not in UNARY},
+}
 _EXPECTED_OPERAND: Final = "a proposition, true, false, ! F G X or ( is expected here"
 _EXPECTED_OPERATOR: Final = "an operator such as & | -> U or the end is expected here"
 
@@ -89,11 +79,12 @@ _EXPECTED_OPERATOR: Final = "an operator such as & | -> U or the end is expected
 class _Pending:
     """An operator or an open parenthesis that still waits for operands.
 
-    ``operator`` is None for a parenthesis and for ``xor``; ``strength`` is 0 for a parenthesis, which nothing outbids.
+    ``strength`` is 0 for a parenthesis, which nothing outbids; ``spelling`` is what the text says.
     """
 
-    operator: Operator | None
+    meaning: Meaning
     strength: int
+    spelling: str
     column: int
     arity: int
 
@@ -128,16 +119,26 @@ class _Parser:
 
     def parse(self) -> Formula:
         position = 0
-        readers = {"word": self._word, "quoted": self._quoted, "number": self._number, "symbol": self._symbol}
-        while position < len(self._text):
-            column = position + 1
-            token = _TOKEN.match(self._text, position)
+        text = folded(self._text)
+        readers = {
+            "word": self._word,
+            "styled": self._word,
+            "letter": self._word,
+            "quoted": self._quoted,
+            "number": self._number,
+            "command": self._command,
+            "sign": self._sign,
+        }
+        while position < len(text):
+            token = _TOKEN.match(text, position)
             if token is None:
-                raise self._unreadable(column)
-            position = token.end()
-            kind = token.lastgroup
+                raise self._unreadable(position + 1)
+            kind = str(token.lastgroup)
             if kind in readers:
-                readers[kind](token.group(kind), column)
+                # A name in quotes is taken as it stands.
+                source = self._text if kind == "quoted" else text
+                readers[kind](source[slice(*token.span(kind))], position + 1)
+            position = token.end()
         end = len(self._text.rstrip()) + 1
         if self._wants_operand:
             if not self._pending:
@@ -151,20 +152,23 @@ class _Parser:
         return formula
 
     def _word(self, word: str, column: int) -> None:
-        if not self._wants_operand:
-            self._infix_word(word, column)
-        elif word in self._known:
-            self._operand(proposition(self._checked(word, column)), column)
-        elif word in ("true", "false"):
-            self._operand(TRUE if word == "true" else FALSE, column)
-        elif word == "xor":
-            raise self._error("xor has no left operand", column, _EXPECTED_OPERAND)
+        if self._wants_operand and word in self._known:
+            self._operand(proposition(self._checked(word, column)))
+            return
+        meaning = WORDS.get(word.lower()) or (None if self._wants_operand else INFIX_LETTERS.get(word))
+        if meaning is not None:
+            self._meant(meaning, word, column)
+        elif not self._wants_operand:
+            hint = _EXPECTED_OPERATOR
+            if word[0] in INFIX_LETTERS:
+                hint += f"; for the operator {word[0]} write {word[0]} {word[1:]}"
+            raise self._error(f"no operator stands between an operand and {word}", column, hint)
         else:
             prefix, rest = self._split(word)
             for offset, letter in enumerate(prefix):
-                self._prefix(_PREFIX_WORDS[letter], column + offset)
+                self._meant(PREFIX_LETTERS[letter], letter, column + offset)
             if rest:
-                self._operand(proposition(self._checked(rest, column + len(prefix))), column)
+                self._operand(proposition(self._checked(rest, column + len(prefix))))
 
     def _split(self, word: str) -> tuple[str, str]:
         """The prefix operators that a word begins with, and the proposition after them (rules 3 to 6)."""
@@ -177,22 +181,10 @@ class _Parser:
         short = _SHORT_OPERAND.fullmatch(word)
         return (short.group(1), short.group(2)) if short else ("", word)
 
-    def _infix_word(self, word: str, column: int) -> None:
-        if word in _BINARY_WORDS:
-            operator = _BINARY_WORDS[word]
-            self._infix(operator, STRENGTH[operator], column)
-        elif word == "xor":
-            self._infix(None, XOR_STRENGTH, column)
-        elif word[0] in _BINARY_WORDS and len(word) > 1:
-            hint = f"{_EXPECTED_OPERATOR}; for the operator {word[0]} write {word[0]} {word[1:]}"
-            raise self._error(f"no operator stands between an operand and {word}", column, hint)
-        else:
-            raise self._error(f"no operator stands between an operand and {word}", column, _EXPECTED_OPERATOR)
-
     def _quoted(self, name: str, column: int) -> None:
         if not self._wants_operand:
             raise self._error(f'no operator stands between an operand and "{name}"', column, _EXPECTED_OPERATOR)
-        self._operand(proposition(self._checked(name, column)), column)
+        self._operand(proposition(self._checked(name, column)))
 
     def _number(self, digits: str, column: int) -> None:
         if digits not in ("0", "1"):
@@ -200,23 +192,31 @@ class _Parser:
             raise self._error(f"{digits} is neither a constant nor a name", column, hint)
         if not self._wants_operand:
             raise self._error(f"no operator stands between an operand and {digits}", column, _EXPECTED_OPERATOR)
-        self._operand(TRUE if digits == "1" else FALSE, column)
+        self._operand(TRUE if digits == "1" else FALSE)
 
-    def _symbol(self, symbol: str, column: int) -> None:
-        if symbol == "(":
-            if not self._wants_operand:
-                raise self._error("no operator stands between an operand and (", column, _EXPECTED_OPERATOR)
-            self._push(_Pending(None, 0, column, 0))
-        elif symbol == ")":
+    def _sign(self, sign: str, column: int) -> None:
+        self._meant(SIGNS[sign], sign, column)
+
+    def _command(self, command: str, column: int) -> None:
+        if command not in COMMANDS:
+            hint = f"the operators are {KNOWN_OPERATORS}; a region stands by its name alone"
+            raise self._error(f"the command \\{command} has no meaning in a formula", column, hint)
+        self._meant(COMMANDS[command], f"\\{command}", column)
+
+    def _meant(self, meaning: Meaning, spelling: str, column: int) -> None:
+        """Take what a spelling means in."""
+        if meaning is Sign.CLOSE:
             self._close(column)
-        elif symbol in ("^", "⊕"):
-            self._infix(None, XOR_STRENGTH, column)
-        elif _SYMBOLS[symbol] in UNARY:
-            if not self._wants_operand:
-                raise self._error(f"no operator stands between an operand and {symbol}", column, _EXPECTED_OPERATOR)
-            self._prefix(_SYMBOLS[symbol], column)
+        elif meaning in _BINARY_STRENGTH:
+            self._infix(meaning, spelling, column)
+        elif not self._wants_operand:
+            raise self._error(f"no operator stands between an operand and {spelling}", column, _EXPECTED_OPERATOR)
+        elif meaning is Sign.OPEN:
+            self._push(_Pending(meaning, 0, spelling, column, 0))
+        elif meaning is Operator.TRUE or meaning is Operator.FALSE:
+            self._operand(Formula(meaning))
         else:
-            self._infix(_SYMBOLS[symbol], STRENGTH[_SYMBOLS[symbol]], column)
+            self._push(_Pending(meaning, STRENGTH[Operator(meaning)], spelling, column, 1))
 
     def _close(self, column: int) -> None:
         if self._wants_operand:
@@ -229,29 +229,24 @@ class _Parser:
             raise self._error("this parenthesis closes nothing", column, "take it away, or add a (")
         self._pending.pop()
 
-    def _operand(self, formula: Formula, column: int) -> None:
-        if not self._wants_operand:
-            raise self._error(f"no operator stands before {formula}", column, _EXPECTED_OPERATOR)
+    def _operand(self, formula: Formula) -> None:
         self._values.append(formula)
         self._wants_operand = False
 
-    def _prefix(self, operator: Operator, column: int) -> None:
-        self._push(_Pending(operator, STRENGTH[operator], column, 1))
-
-    def _infix(self, operator: Operator | None, strength: int, column: int) -> None:
+    def _infix(self, meaning: Meaning, spelling: str, column: int) -> None:
         if self._wants_operand:
-            name = operator.value if operator else "xor"
-            raise self._error(f"{name} has no left operand", column, _EXPECTED_OPERAND)
+            raise self._error(f"{spelling} has no left operand", column, _EXPECTED_OPERAND + _quoting(spelling))
+        strength = _BINARY_STRENGTH[meaning]
         while self._pending and self._pending[-1].strength > strength:
             self._reduce()
         self._wants_operand = True
         top = self._pending[-1] if self._pending else None
-        if top is not None and operator in CHAINS and top.operator is operator:
+        if top is not None and meaning in CHAINS and top.meaning is meaning:
             top.arity += 1
             return
-        if top is not None and operator is None and top.strength == strength:
+        if top is not None and meaning is Sign.XOR and top.strength == strength:
             self._reduce()
-        self._push(_Pending(operator, strength, column, 2))
+        self._push(_Pending(meaning, strength, spelling, column, 2))
 
     def _push(self, pending: _Pending) -> None:
         self._pending.append(pending)
@@ -262,7 +257,7 @@ class _Parser:
         pending = self._pending.pop()
         operands = tuple(self._values[-pending.arity :])
         del self._values[-pending.arity :]
-        formula = _builder(pending.operator)(operands)
+        formula = _built(pending.meaning, operands)
         if formula.depth > MAX_DEPTH:
             raise self._too_deep(pending.column)
         self._values.append(formula)
@@ -278,8 +273,9 @@ class _Parser:
         character = self._text[column - 1]
         if character == '"':
             return self._error("this quote is never closed", column, 'add a "')
-        hint = _EXPECTED_OPERAND if self._wants_operand else _EXPECTED_OPERATOR
-        return self._error(f"the character {character!r} has no meaning in a formula", column, hint)
+        expected = _EXPECTED_OPERAND if self._wants_operand else _EXPECTED_OPERATOR
+        hint = MISTAKEN.get(folded(character), expected)
+        return self._error(f"the character {named(character)} has no meaning in a formula", column, hint)
 
     def _too_deep(self, column: int) -> FormulaSyntaxError:
         hint = "use fewer parentheses and operators inside each other"
@@ -288,21 +284,24 @@ class _Parser:
     def _lacking(self, pending: _Pending, column: int) -> FormulaSyntaxError:
         if pending.strength == 0:
             return self._error("the parenthesis is empty", column, _EXPECTED_OPERAND)
-        name = pending.operator.value if pending.operator else "xor"
-        hint = _EXPECTED_OPERAND
-        if name in RESERVED:
-            hint += f'; a proposition of the name {name} is written "{name}"'
-        return self._error(f"{name} lacks its operand", column, hint)
+        hint = _EXPECTED_OPERAND + _quoting(pending.spelling)
+        return self._error(f"{pending.spelling} lacks its operand", column, hint)
 
     def _error(self, message: str, column: int, hint: str) -> FormulaSyntaxError:
         return FormulaSyntaxError(message, text=self._text, column=column, hint=hint)
 
 
-def _builder(operator: Operator | None) -> Callable[[tuple[Formula, ...]], Formula]:
-    if operator is None:
-        return lambda operands: negation(equivalence(*operands))
-    if operator is Operator.AND:
-        return lambda operands: conjunction(*operands)
-    if operator is Operator.OR:
-        return lambda operands: disjunction(*operands)
-    return lambda operands: Formula(operator, operands)
+def _quoting(spelling: str) -> str:
+    """How a proposition is written that is called like an operator; empty for a spelling that can be no name."""
+    is_name = spelling in PREFIX_LETTERS or spelling.lower() in WORDS
+    return f'; a proposition of the name {spelling} is written "{spelling}"' if is_name else ""
+
+
+def _built(meaning: Meaning, operands: tuple[Formula, ...]) -> Formula:
+    if meaning is Sign.XOR:
+        return negation(equivalence(*operands))
+    if meaning is Operator.AND:
+        return conjunction(*operands)
+    if meaning is Operator.OR:
+        return disjunction(*operands)
+    return Formula(Operator(meaning), operands)

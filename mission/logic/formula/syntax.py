@@ -13,8 +13,13 @@ from enum import StrEnum
 from typing import Final, Self, final
 from weakref import WeakValueDictionary
 
-RESERVED: Final = frozenset({"F", "G", "X", "true", "false", "xor"})
-"""Words that are never a proposition unless they stand in double quotes."""
+RESERVED: Final = frozenset(
+    {
+        *("true", "false", "not", "next", "always", "globally", "eventually", "finally"),
+        *("and", "or", "xor", "implies", "iff", "until", "release", "releases"),
+    }
+)
+"""Words that are a proposition in double quotes only, in capitals or not: they spell an operator or a constant."""
 
 _PLAIN_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 _ANY_NAME: Final = re.compile(r'[^"\\\x00-\x1f\x7f]{1,200}')
@@ -311,7 +316,7 @@ def rebuilt(formula: Formula, build: Callable[[Formula, tuple[Formula, ...]], Fo
 
 def written_name(name: str) -> str:
     """How a proposition is written: bare where that is read back as itself, in double quotes otherwise."""
-    bare = _PLAIN_NAME.fullmatch(name) and name not in RESERVED and not _SPLIT_NAME.fullmatch(name)
+    bare = _PLAIN_NAME.fullmatch(name) and name.lower() not in RESERVED and not _SPLIT_NAME.fullmatch(name)
     return name if bare else f'"{name}"'
 
 

@@ -118,6 +118,17 @@ def test_the_formulas_that_automata_are_measured_on_are_read() -> None:
         ('a "b"', 3, "between an operand", "an operator"),
         ("p0 p1", 4, "between an operand and p1", "an operator"),
         ("a # b", 3, "'#' has no meaning", "an operator"),
+        ("a * b", 3, "'*' has no meaning", "and is written &"),
+        ("F a, b", 4, "',' has no meaning", "and is written &"),
+        ("F no-fly", 5, "'-' has no meaning", "a name has letters, digits"),
+        ("◆ a", 1, "(U+25C6 BLACK DIAMOND) has no meaning", "past"),
+        ("a \u200b", 3, "(U+200B ZERO WIDTH SPACE) has no meaning", "an operator"),
+        ("F “a”", 3, "(U+201C LEFT DOUBLE QUOTATION MARK)", 'quotes are written "'),
+        ("\\foo a", 1, "\\foo has no meaning", "-> <-> F G X U"),
+        ("\\!a", 1, "'\\\\' has no meaning", "a proposition"),
+        ("and a", 1, "and has no left operand", 'written "and"'),
+        ("a & next", 9, "next lacks its operand", 'written "next"'),
+        ("a always b", 3, "no operator stands between an operand and always", "an operator"),
         ("a & 2b", 5, "2b is neither", "letter"),
         ('"a', 1, "never closed", '"'),
         ('""', 1, "cannot be the name", "letters"),
@@ -166,12 +177,13 @@ def test_length_is_bounded_but_long_chains_are_not_deep() -> None:
 @given(st.integers(0, 10**9), st.integers(0, 25))
 @settings(max_examples=200, deadline=None)
 def test_the_text_of_a_formula_is_read_as_the_same_formula(seed: int, operators: int) -> None:
-    names = ("a", "R", "U", "F", "Farm", "Fa", "true", "S1", "two words", "G1", "xor", "V")
+    names = ("a", "R", "U", "F", "Farm", "Fa", "true", "S1", "two words", "G1", "xor", "V", "Next", "and", "K_1")
     formula = random_formula(Random(seed), operators, names)  # noqa: S311 - no secrets here
     assert parse_formula(str(formula)) is formula
 
 
-_PIECES = st.sampled_from([*'aFGXUR()!&|"1-<é\\\0V ', "->", "<->", "<>", "[]", "xor"])
+_SPELLINGS = ("xor", "not ", " until ", "\\neg", "\\mathcal{U}", "⊤", "𝒰", "◆")
+_PIECES = st.sampled_from([*'aFGXUR()!&|"1-<é\\\0V ', "->", "<->", "<>", "[]", *_SPELLINGS])
 
 
 @given(st.one_of(st.text(max_size=40), st.lists(_PIECES, max_size=30).map("".join)))
