@@ -19,7 +19,7 @@ from vehicle_sim.estimator import Estimator, EstimatorTuning
 from vehicle_sim.faults import NO_FAULTS, Faults, Schedule
 from vehicle_sim.geodesy import geodetic_at
 from vehicle_sim.noise import Normals
-from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters
+from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters, flight_settings
 from vehicle_sim.sensors import SensorErrors, Sensors
 from vehicle_sim.signals import (
     BaroReading,
@@ -134,6 +134,7 @@ class Vehicle:
         self._resting_v = self.faults.conditions.resting_v
         self._suffer()
         self.wind_ned_m_s = self._wind.steady_ned_m_s
+        self.parameters.watch(self._obey)
 
     def _boot(self) -> None:
         """Start what runs on the flight controller, at vehicle time 0."""
@@ -144,7 +145,16 @@ class Vehicle:
         self._controller = Controller(config.gains, step_s=step_s)
         self._rotors = RotorControl(step_s=step_s) if config.dynamics is Dynamics.QUADROTOR else None
         self._command = self._controller.command
-        self.autopilot = Autopilot(self.parameters, self.battery, self._estimator.estimate)
+        self.autopilot = Autopilot(
+            config.flavour, flight_settings(self.parameters), self.battery, self._estimator.estimate
+        )
+
+    def _obey(self) -> None:
+        """Let a parameter be in force from the moment that it is set: a request may follow before the next step."""
+        settings = flight_settings(self.parameters)
+        if settings != self.autopilot.settings:
+            self.battery.judge(settings.battery_thresholds)
+            self.autopilot.configure(settings)
 
     def reboot(self) -> None:
         """Restart the flight controller: its clock, sensors, estimator and modes begin anew, where the vehicle is.

@@ -1,13 +1,14 @@
 """A ground station in lock-step with a vehicle: every wait is vehicle time, nothing sleeps."""
 
 from collections.abc import Callable
+from struct import pack, unpack
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.support.late_messages import decoded
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.dynamics.airframe import Dynamics
-from vehicle_sim.parameters import Flavour
+from vehicle_sim.parameters import Flavour, ParameterKind
 from vehicle_sim.protocol.dialect import Message
 from vehicle_sim.protocol.endpoint import Endpoint
 from vehicle_sim.protocol.flavour import Rates
@@ -93,6 +94,16 @@ class Station:
     def _result(self, command: int) -> int:
         answers = [message for message in self.of("COMMAND_ACK") if message.command == command]
         return int(answers[-1].result) if answers else -1
+
+    def set_parameter(self, name: str, value: float) -> None:
+        """Send PARAM_SET, integers in the way of the flavour, and expect the value in the answer."""
+        kind = self.endpoint.vehicle.parameters.definition(name).kind
+        wire = float(value)
+        if self.endpoint.table.bytewise_parameters and kind is not ParameterKind.REAL32:
+            wire = unpack("<f", pack("<i", int(value)))[0]
+        self.send(mavlink.MAVLink_param_set_message(1, 1, name.encode(), wire, kind.value))
+        assert self.last("PARAM_VALUE").param_id == name
+        assert pack("<f", self.last("PARAM_VALUE").param_value) == pack("<f", wire)
 
     def request(self, message_id: int) -> int:
         return self.command(mavlink.MAV_CMD_REQUEST_MESSAGE, message_id)

@@ -28,7 +28,7 @@ from vehicle_sim.autopilot.rally import Destination, destination
 from vehicle_sim.autopilot.state import State
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask
 from vehicle_sim.geodesy import ned_offset_m
-from vehicle_sim.parameters import Action, FenceType, Flavour, flight_settings
+from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
 from vehicle_sim.signals import Estimate, Guidance, Vector
 
 
@@ -40,6 +40,14 @@ class Machine(State):
         self.terminated = True
         self._disarm(StatusText(Severity.EMERGENCY, "Flight termination"))
         return Outcome.ACCEPTED
+
+    def configure(self, settings: FlightSettings) -> None:
+        """Go by other settings from now on, in what is flown as in what is asked next."""
+        self.settings = settings
+        self.pilot.hand = settings.hand
+        self.guard.configure(settings)
+        self._task.configure(settings)
+        self._refresh()
 
     def observe(self, now_s: float, estimate: Estimate) -> None:
         """Note the time and the estimate, so that requests act on the newest ones."""
@@ -53,11 +61,6 @@ class Machine(State):
             thrust_m_s2: The specific thrust that the controller asked for last.
             wind_ned_m_s: The wind that the vehicle feels.
         """
-        if self._parameters.revision != self._revision:
-            self._revision = self._parameters.revision
-            self.settings = flight_settings(self._parameters)
-            self.pilot.hand = self.settings.hand
-            self.guard.configure(self.settings)
         self._watch_origin()
         self._wind_ned_m_s = wind_ned_m_s
         situation = self._situation()

@@ -71,6 +71,11 @@ class StagedTask(Task):
     def _say(self, severity: Severity, text: str) -> None:
         self._craft.texts.append(StatusText(severity, text))
 
+    def configure(self, settings: FlightSettings) -> None:
+        """Go by other settings from now on, also on the leg that is flown."""
+        super().configure(settings)
+        self._leg.configure(settings)
+
     def turn(self, yaw_rad: float) -> None:
         """Look into a direction until the next leg."""
         self._yaw_rad = yaw_rad

@@ -25,6 +25,8 @@ class Autopilot(Machine):
         """Arm; `force` skips the checks of position, battery and mode, never those of attitude."""
         if self.armed:
             return Outcome.ACCEPTED
+        # Its settings, its areas or home may have changed since it was looked at last.
+        self.guard.look_at_fence(self._situation())
         faults = self.arming_faults
         if self.terminated or not self._estimate.status.attitude_ok or (faults and not force):
             text = faults[0].text if faults else "Flight terminated"

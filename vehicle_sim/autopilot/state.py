@@ -28,7 +28,7 @@ from vehicle_sim.autopilot.modes import (
 from vehicle_sim.autopilot.tasks import LevelTask, Task
 from vehicle_sim.battery import Battery, BatteryLevel
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
-from vehicle_sim.parameters import Action, Flavour, ParameterStore, flight_settings
+from vehicle_sim.parameters import Action, Flavour, FlightSettings
 from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
 
 if TYPE_CHECKING:
@@ -48,9 +48,9 @@ class State:
     ones drop out of a full queue). To be set: `rally`.
     """
 
-    def __init__(self, parameters: ParameterStore, battery: Battery, estimate: Estimate) -> None:
-        """Stand on the ground, disarmed, in the first mode of the flavour that `parameters` belong to."""
-        self.flavour = parameters.flavour
+    def __init__(self, flavour: Flavour, settings: FlightSettings, battery: Battery, estimate: Estimate) -> None:
+        """Stand on the ground, disarmed, in the first mode of the flavour."""
+        self.flavour = flavour
         self.modes = MODES[self.flavour]
         self.mode = FIRST_MODE[self.flavour]
         self.armed = False
@@ -60,9 +60,7 @@ class State:
         self.home_revision = 0
         self.mission = Mission(self.flavour)
         self.texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
-        self._parameters = parameters
-        self._revision = parameters.revision
-        self.settings = flight_settings(parameters)
+        self.settings = settings
         self._battery = battery
         self._estimate = estimate
         self._now_s = 0.0

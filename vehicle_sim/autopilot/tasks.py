@@ -39,6 +39,7 @@ class Task:
     acts_on_ground = False
     event = Event.TAKEN_OFF
     """What has happened to the mode once the task has finished."""
+    _settings: FlightSettings
 
     def __init__(self, setpoint: Setpoint) -> None:
         """Begin with `setpoint`."""
@@ -53,6 +54,10 @@ class Task:
         """Whether a vehicle that stands on the ground should leave it now."""
         del estimate
         return False
+
+    def configure(self, settings: FlightSettings) -> None:
+        """Go by other settings from now on; what was decided by the former ones stays decided."""
+        self._settings = settings
 
     def advance(self, now_s: float, estimate: Estimate) -> None:
         """Bring `setpoint` up to date."""
@@ -229,6 +234,12 @@ class ReturnTask(Task):
         place = (self._start[0], self._start[1], self._down_m)
         super().__init__(Setpoint(position_ned_m=place, yaw_rad=estimate.yaw_rad))
         self.speed_m_s = settings.return_speed_m_s
+
+    def configure(self, settings: FlightSettings) -> None:
+        """Go by other settings from now on, also in the landing."""
+        super().configure(settings)
+        if self._land is not None:
+            self._land.configure(settings)
 
     def _cruise_down_m(self, estimate: Estimate) -> float:
         settings = self._settings

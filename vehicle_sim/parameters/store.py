@@ -97,7 +97,6 @@ class ParameterStore:
 
     Attributes:
         revision: Grows with every change.
-        on_change: Called after every change.
     """
 
     def __init__(self, flavour: Flavour, definitions: Iterable[Parameter]) -> None:
@@ -114,7 +113,7 @@ class ParameterStore:
         self.names: Final = tuple(self._definitions)
         self._values: dict[str, float] = {parameter.name: parameter.stored(parameter.default) for parameter in ordered}
         self.revision = 0
-        self.on_change: Callable[[], None] | None = None
+        self._watchers: list[Callable[[], None]] = []
 
     def __len__(self) -> int:
         return len(self.names)
@@ -151,9 +150,13 @@ class ParameterStore:
         if stored != self._values[name]:
             self._values[name] = stored
             self.revision += 1
-            if self.on_change is not None:
-                self.on_change()
+            for watcher in self._watchers:
+                watcher()
         return stored
+
+    def watch(self, watcher: Callable[[], None]) -> None:
+        """Call `watcher` after every change from now on, before the `set` that made it returns."""
+        self._watchers.append(watcher)
 
     def reset(self) -> None:
         """Set every parameter to its default."""

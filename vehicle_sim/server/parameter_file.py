@@ -57,4 +57,4 @@ def keep_parameters(path: Path, store: ParameterStore, notify: Callable[[str], N
             notify(f"{error}; the parameters are not kept")
 
     save_parameters(path, store)
-    store.on_change = save
+    store.watch(save)
