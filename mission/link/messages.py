@@ -1,4 +1,4 @@
-"""MAVLink in and out as typed values: the only module of the planner that knows the dialect.
+"""MAVLink in and out as typed values: with ``framing``, the only module of the planner that knows the dialect.
 
 Message definitions: https://mavlink.io/en/messages/common.html and ardupilotmega.html; the latter contains the former,
 so one dialect serves every vehicle. Frames go out as MAVLink 2, and are understood in either version.
@@ -10,7 +10,8 @@ from typing import Any, Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from mission.link.signing import TRAILER, Signatures
+from mission.link.framing import split
+from mission.link.signing import Signatures
 from mission.link.values import (
     Acknowledgement,
     Attitude,
@@ -89,43 +90,6 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
 
 
 _KNOWN: Final = frozenset(int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")) for name in _READERS)
-_V1, _V2 = mavlink.PROTOCOL_MARKER_V1, mavlink.PROTOCOL_MARKER_V2
-_V1_HEADER: Final = 6
-_V2_HEADER: Final = 10
-_CHECKSUM: Final = 2
-_SIGNED: Final = 1
-
-
-def _known_frames(data: bytes) -> tuple[list[bytes], bytes]:
-    """The frames of known messages in a stream, and the beginning of one that is not whole yet.
-
-    A vehicle may stream several hundred messages a second that nobody here asked for; to look at their headers alone
-    costs a twentieth of decoding them. https://mavlink.io/en/guide/serialization.html.
-    """
-    kept: list[bytes] = []
-    at, end = 0, len(data)
-    while at < end:
-        magic = data[at]
-        if magic not in (_V1, _V2):
-            starts = [start for start in (data.find(_V1, at), data.find(_V2, at)) if start >= 0]
-            at = min(starts, default=end)
-            continue
-        header = _V2_HEADER if magic == _V2 else _V1_HEADER
-        if end - at < header:
-            break
-        size = header + data[at + 1] + _CHECKSUM
-        flags = data[at + 2] if magic == _V2 else 0
-        if magic == _V2:
-            size += TRAILER if flags & _SIGNED else 0
-            number = data[at + 7] | data[at + 8] << 8 | data[at + 9] << 16
-        else:
-            number = data[at + 5]
-        if end - at < size:
-            break
-        if number in _KNOWN and not flags & ~_SIGNED:
-            kept.append(data[at : at + size])
-        at += size
-    return kept, data[at:]
 
 
 class Codec:
@@ -139,7 +103,6 @@ class Codec:
         if signatures is not None:
             self._mav.signing.secret_key, self._mav.signing.sign_outgoing = signatures.key, True
         self._reader = mavlink.MAVLink(None)  # without the key: what it is given has been judged
-        self._rest = b""
 
     @property
     def refused(self) -> int:
@@ -147,16 +110,15 @@ class Codec:
         return 0 if self._signatures is None else self._signatures.refused
 
     def decode(self, data: bytes) -> list[Received]:
-        """The messages in what has arrived, as far as the planner knows them; noise and all else is left out."""
-        frames, self._rest = _known_frames(self._rest + data)
-        if self._signatures is not None:
-            frames = [frame for frame in frames if self._signatures.take(frame)]
+        """The messages in a datagram, as far as the planner knows them; noise and all else is left out.
+
+        A vehicle may send several hundred messages a second that nobody here asked for; they are not unpacked.
+        """
         received = []
-        for frame in frames:
-            try:
-                message = self._reader.decode(bytearray(frame))
-            except mavlink.MAVError:
-                continue  # damaged
+        for number, frame in split(data)[0]:
+            if number not in _KNOWN or not (self._signatures is None or self._signatures.take(frame)):
+                continue
+            message = self._reader.decode(bytearray(frame))
             body = _READERS[message.get_type()](message)
             received.append(Received(message.get_srcSystem(), message.get_srcComponent(), body))
         return received

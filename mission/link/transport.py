@@ -17,6 +17,7 @@ import serial
 
 from mission.errors import LinkError
 from mission.link.address import Address, Scheme, parse_address
+from mission.link.framing import Stream
 
 _POLL_S: Final = 0.1
 _CONNECT_S: Final = 5.0
@@ -26,6 +27,7 @@ _DATAGRAM: Final = 65535
 _BUFFER: Final = 1 << 20
 _MOST_PEERS: Final = 16
 _PEER_SILENT_S: Final = 10.0
+_STREAMS: Final = (Scheme.TCP_IN, Scheme.TCP_OUT, Scheme.SERIAL)
 
 
 class Transport(Protocol):
@@ -36,7 +38,7 @@ class Transport(Protocol):
         ...
 
     def receive(self, within_s: float) -> list[bytes]:
-        """What has arrived, oldest first, waiting at most that long for the first piece."""
+        """What has arrived, oldest first, waiting at most that long for the first piece; no frame spans two pieces."""
         ...
 
     def close(self) -> None:
@@ -67,6 +69,7 @@ class LinkTransport:
         """Begin to read."""
         self.address = address
         self._line = line
+        self._stream = Stream() if address.scheme in _STREAMS else None
         self._waiting: deque[bytes] = deque(maxlen=_MOST_WAITING)  # who reads too late loses the oldest
         self._arrived = threading.Condition()
         self._closing = False
@@ -115,6 +118,8 @@ class LinkTransport:
             data: bytes | None = b""
             try:
                 data = self._line.read()
+                if data and self._stream is not None:
+                    data = self._stream.take(data)
             except ConnectionRefusedError:
                 continue  # the answer to a datagram that nobody was there to take
             except (OSError, serial.SerialException) as error:

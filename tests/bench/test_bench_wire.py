@@ -8,6 +8,7 @@ from time import perf_counter, process_time
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from mission.link.messages import Codec
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import LandedState, Mode, Outcome
 from vehicle_sim.clock import WallClock
@@ -59,6 +60,31 @@ def test_bench_decoding(together: int) -> None:
             kind = "signed" if signed else "unsigned"
             print(f"{together:3} in a datagram, {kind:8} {name:24} {rate:9,.0f} messages/s of processor time")
         assert best["ours"] > 50_000
+
+
+@pytest.mark.parametrize("together", [1, 20])
+def test_bench_the_planners_reading(together: int) -> None:
+    mav = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    telemetry = [
+        mavlink.MAVLink_local_position_ned_message(1000, 1.5, -2.5, -10.0, 0.5, 0.25, 0.125),
+        mavlink.MAVLink_attitude_message(1000, 0.1, 0.2, 0.3, 0.0, 0.0, 0.0),
+        mavlink.MAVLink_global_position_int_message(1000, 470000000, 80000000, 90000, 10000, 1, 1, 1, 1),
+        mavlink.MAVLink_vfr_hud_message(1.0, 1.0, 90, 50, 10.0, 0.0),
+    ]
+    packed = [bytes(telemetry[i % 4].pack(mav)) for i in range(_MESSAGES)]
+    data = [b"".join(packed[i : i + together]) for i in range(0, _MESSAGES, together)]
+    codec, reader = Codec(255, 191), mavlink.MAVLink(None)
+    reader.robust_parsing = True
+    best: dict[str, float] = {}
+    for _ in range(5):
+        for name, decode in (("planner", codec.decode), ("pymavlink's parse_buffer", reader.parse_buffer)):
+            begun_s = process_time()
+            for piece in data:
+                decode(piece)
+            best[name] = max(best.get(name, 0.0), _MESSAGES / (process_time() - begun_s))
+    share = best["planner"] / best["pymavlink's parse_buffer"]
+    print(f"{together:3} in a datagram: the planner reads at {share:.2f} times the speed of pymavlink's parse_buffer")
+    assert share > 0.6
 
 
 @pytest.mark.parametrize("flavour", Flavour)

@@ -7,6 +7,7 @@ import time
 import pytest
 
 from mission.errors import LinkError
+from mission.link.messages import Codec
 from mission.link.transport import LinkTransport, Transport, open_transport
 
 WITHIN_S = 10.0
@@ -123,6 +124,21 @@ def test_a_closed_link_says_so_when_it_is_used() -> None:
     listener.close()
     with pytest.raises(LinkError, match="cannot send"):
         caller.send(b"x")
+
+
+def test_a_frame_that_a_stream_delivers_in_two_pieces_is_handed_on_whole() -> None:
+    frame = Codec(255, 191).heartbeat()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        link = open_transport(f"tcp:127.0.0.1:{server.getsockname()[1]}")
+        try:
+            connection, _ = server.accept()
+            connection.sendall(b"noise" + frame[:5])
+            assert take(link, 5) == b"noise"
+            connection.sendall(frame[5:])
+            assert link.receive(WITHIN_S) == [frame]
+            connection.close()
+        finally:
+            link.close()
 
 
 def test_a_taken_port_is_a_link_failure() -> None:
