@@ -113,6 +113,12 @@ class VehicleError(MissionError):
     exit_code = 4
 
 
+class FlightError(MissionError):
+    """A flight was given up for a failure on this side, of the program or of the machine; the cause is chained."""
+
+    exit_code = 4
+
+
 class RecordError(MissionError):
     """A file that is no record of a flight, or one that is damaged before its end.
 

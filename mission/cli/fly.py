@@ -3,7 +3,7 @@
 import errno
 import socket
 from argparse import Namespace
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,7 +12,7 @@ from mission.cli.extent import extent
 from mission.cli.inputs import planned, reason, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
-from mission.cli.screen import err, out, print_error, reach
+from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.clock import WallClock
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
@@ -68,8 +68,8 @@ def run(arguments: Namespace) -> int:
                     on_progress=display.show,
                     vehicle_failure=None if vehicle is None else vehicle.failure,
                     stop_request=stop.take,
+                    on_warning=_warn,
                 )
-                write_whole(folder / PLAN_FILE, plan_to_json(result.plan))
             except MissionError as failure:
                 stack.close()
                 print_error(failure)
@@ -81,6 +81,7 @@ def run(arguments: Namespace) -> int:
             except KeyboardInterrupt:
                 err.print(f"interrupted; the record is kept in {folder}", markup=False)
                 raise
+        _keep_plan(folder, result.plan)
         _report(folder, pictures=not arguments.no_pictures)
     _print_verdict(result, folder)
     return result.exit_code
@@ -109,8 +110,14 @@ def _link_options(arguments: Namespace) -> LinkOptions:
     if arguments.signing_key is None:
         return link
     who = (link.system_id, link.component_id)
-    signatures = open_signatures(Path(arguments.signing_key), who, lambda text: err.print(text, markup=False))
+    signatures = open_signatures(Path(arguments.signing_key), who, _warn)
     return replace(link, signatures=signatures)
+
+
+def _warn(words: str) -> None:
+    """Say what does not end the flight; nor does it where nobody reads that."""
+    with suppress(OSError):
+        print_warnings((words,))
 
 
 def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[BundledVehicle | None, Transport]:
@@ -171,6 +178,14 @@ def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:
         ground_station=not arguments.no_ground_station,
         signing_key=arguments.signing_key,
     )
+
+
+def _keep_plan(folder: Path, plan: FlightPlan) -> None:
+    """What was flown, planned anew where the mission has a place; without it the flight was still made."""
+    try:
+        write_whole(folder / PLAN_FILE, plan_to_json(plan))
+    except OSError as error:
+        err.print(f"the plan that was flown could not be written: {error}", markup=False)
 
 
 def _report(folder: Path, *, pictures: bool) -> None:

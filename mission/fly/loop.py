@@ -1,15 +1,19 @@
 """The one flight loop: clock, transport, session, plan, monitor and record, in lock-step or in real time alike."""
 
+import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from traceback import format_exception
 
 from mission.clock import Clock
-from mission.errors import LinkError, MissionError, VehicleError
+from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.placing import anchored_at_start, check_stand, placed
+from mission.fly.recording import Recording, RecordWriter
 from mission.fly.result import FlightResult, Progress
-from mission.fly.watch import FlightWatch, RecordWriter
+from mission.fly.retreat import retreat, speak
+from mission.fly.watch import FlightWatch
 from mission.link.contact import LinkOptions
 from mission.link.course import Course
 from mission.link.session import Ending, Session
@@ -51,6 +55,7 @@ def fly(
     on_progress: Callable[[Progress], None] | None = None,
     vehicle_failure: Callable[[], str] | None = None,
     stop_request: Callable[[], StopRequest | None] | None = None,
+    on_warning: Callable[[str], None] | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -69,22 +74,37 @@ def fly(
         stop_request: Gives each wish to end the flight once. Laps are ended first, if the wish allows for it: the
             vehicle completes the one that it is in and returns. The next wish is for giving the flight up, as is the
             first one where no lap is flown; one more interrupts at once, as ``KeyboardInterrupt`` does.
+        on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
+
+    Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
 
     Raises:
         LinkError: The vehicle could not be found, or was lost; the record is complete up to there.
         VehicleError: It refused, failed, or did not do what it accepted.
         NoPlanError: It stands where this mission cannot be flown from.
+        FlightError: It was in flight when something failed here; the cause is chained.
     """
-    flight = _Flight(plan, clock, record, options or FlightOptions(), run)
+    recording = Recording(record, on_warning or _unsaid)
+    flight = _Flight(plan, clock, recording, options or FlightOptions(), run)
+    gone = vehicle_failure or _nothing
     try:
-        return _loop(flight, transport, on_progress, vehicle_failure or _nothing, stop_request or _no_wish)
-    except MissionError as error:
-        flight.write_failure(str(error))
+        return _loop(flight, transport, on_progress, gone, stop_request or _no_wish)
+    except KeyboardInterrupt:
+        flight.say_stop(transport)
         raise
+    except BaseException as error:
+        failure = flight.failed(error, transport, gone)
+        if failure is error:
+            raise
+        raise failure from error
 
 
 def _nothing() -> str:
     return ""
+
+
+def _unsaid(_words: str) -> None:
+    return
 
 
 def _no_wish() -> StopRequest | None:
@@ -118,10 +138,14 @@ class _Flight:
     """One flight's parts, and what holds them together."""
 
     def __init__(
-        self, plan: FlightPlan, clock: Clock, record: RecordWriter, options: FlightOptions, run: int | None
+        self, plan: FlightPlan, clock: Clock, record: Recording, options: FlightOptions, run: int | None
     ) -> None:
         self.plan, self.clock, self.record, self.options = plan, clock, record, options
-        self.session = Session(needs_origin=plan.spec.origin is not None, options=options.link)
+        self.session = Session(
+            needs_origin=plan.spec.origin is not None,
+            options=options.link,
+            land_when_stopped=options.land_when_stopped,
+        )
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
         self._run = run
@@ -219,7 +243,7 @@ class _Flight:
         if not self.interrupted and self.session.ending is None:
             self.interrupted |= interrupted
             self.record.write("event", self.newest_s, name="stop", reason=reason)
-            self.session.stop(reason, self.clock.now_s(), land=self.options.land_when_stopped)
+            self.session.stop(reason, self.clock.now_s())
 
     def result(self) -> FlightResult:
         """The verdict on the flight, written down.
@@ -269,7 +293,35 @@ class _Flight:
         )
         return result
 
-    def write_failure(self, reason: str) -> None:
-        """Write down why the flight could not be brought to an end."""
-        self.take_events()
-        self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="failed")
+    def say_stop(self, transport: Transport) -> None:
+        """Tell the vehicle to stop, without waiting for it."""
+        with contextlib.suppress(Exception):
+            self.stop(INTERRUPTED.reason, interrupted=True)
+        with contextlib.suppress(Exception):
+            speak(self.session, transport, self.clock)
+
+    def failed(self, error: BaseException, transport: Transport, gone: Callable[[], str]) -> BaseException:
+        """What the flight fails with, once the vehicle was told to hold, or to land; how it is left is part of it."""
+        why = error
+        if not isinstance(why, MissionError):
+            why = FlightError(f"{type(error).__name__}: {error}")
+            with contextlib.suppress(Exception):
+                self.record.write("event", self.newest_s, name="failure", traceback=format_exception(error))
+        left = ""
+        if not gone():
+            retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
+            left = self.session.left
+        self._take_what_can_be_taken()
+        reason = f"{why}; {left}" if left else str(why)
+        with contextlib.suppress(Exception):
+            self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="failed")
+        if isinstance(error, (LinkError, VehicleError)):
+            return type(error)(reason)
+        return FlightError(reason) if self.session.departed else error
+
+    def _take_what_can_be_taken(self) -> None:
+        """Pass on what the session has to tell, although this may be what has failed."""
+        with contextlib.suppress(Exception):
+            for event in self.session.events():
+                with contextlib.suppress(Exception):
+                    self.watch.take(event)

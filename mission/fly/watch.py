@@ -3,8 +3,8 @@
 import math
 from bisect import bisect_right
 from dataclasses import replace
-from typing import Protocol
 
+from mission.fly.recording import RecordWriter
 from mission.fly.result import Progress
 from mission.geometry.location import OUTSIDE
 from mission.link.events import (
@@ -24,14 +24,6 @@ from mission.monitor.flight import FlightMonitor
 from mission.monitor.stage import Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
-
-
-class RecordWriter(Protocol):
-    """Where the flight is written down, a line at a time."""
-
-    def write(self, kind: str, t_s: float | None, **values: object) -> None:
-        """Write one line, at a vehicle time."""
-        ...
 
 
 class FlightWatch:

@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-from mission.errors import LinkError, VehicleError
+from mission.errors import LinkError, MissionError, VehicleError
 from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, vehicle_type_name
@@ -117,11 +117,10 @@ class Contact:
         return None
 
     def advance(self, now_s: float) -> Answer | None:
-        """Send our heartbeat and look whether the vehicle is still there; returns a command given up for lost.
+        """Send our heartbeat; returns a command given up for lost.
 
         Raises:
-            LinkError: The vehicle was never heard, or has fallen silent.
-            VehicleError: It was restarted.
+            LinkError: The vehicle was never heard.
         """
         if self._began_s is None:
             self._began_s = now_s
@@ -131,14 +130,18 @@ class Contact:
             if now_s - self._began_s > self.options.connect_s:
                 raise LinkError(f"{self._unheard()} within {self.options.connect_s:.0f} s")
             return None
-        if now_s - self._heard_s > self.options.lost_s:
-            raise LinkError(f"nothing was heard from the vehicle for {now_s - self._heard_s:.1f} s")
-        if self.vehicle.clock.restarted:
-            raise VehicleError("the vehicle was restarted")
         answer = self.channel.unanswered(now_s)
         if answer is not None:
             self._note_answer(answer, now_s)
         return answer
+
+    def trouble(self, now_s: float) -> MissionError | None:
+        """Why nobody can go on with this vehicle: it has fallen silent, or was restarted; None where one can."""
+        if self.autopilot is None:
+            return None
+        if now_s - self._heard_s > self.options.lost_s:
+            return LinkError(f"nothing was heard from the vehicle for {now_s - self._heard_s:.1f} s")
+        return VehicleError("the vehicle was restarted") if self.vehicle.clock.restarted else None
 
     def _unheard(self) -> str:
         """Which vehicle was not heard, and what was heard instead."""
@@ -190,6 +193,10 @@ class Contact:
             command, attempt = due
             self.out.append(self._codec.command(self._system_id, command, attempt))
             self.events.append(Asked(self.vehicle.clock.now_s(now_s), command.name, attempt))
+
+    def hold_frames(self) -> list[bytes]:
+        """The command to hold, beside the command under way."""
+        return [] if self.autopilot is None else [self._codec.command(self._system_id, self.autopilot.hold, 0)]
 
     def send_setpoint(self, setpoint: LocalSetpoint) -> None:
         """Send a setpoint."""

@@ -43,7 +43,23 @@ def open_signatures(path: Path, who: tuple[int, int], warn: Callable[[str], None
     stamps = path.with_name(f"{path.name}.timestamp.{who[0]}.{who[1]}")
     begin = _kept(stamps)
     _keep(stamps, begin)
-    return Signatures(key, _now, begin=begin, keep=lambda stamp: _keep(stamps, stamp))
+    return Signatures(key, _now, begin=begin, keep=_Keeping(stamps, warn))
+
+
+class _Keeping:
+    """Keeps timestamps while packets go out; where it cannot, it says so once: the vehicle needs the packets."""
+
+    def __init__(self, path: Path, warn: Callable[[str], None]) -> None:
+        self._path, self._warn = path, warn
+        self._warned = False
+
+    def __call__(self, stamp: int) -> None:
+        try:
+            _keep(self._path, stamp)
+        except SpecError as error:
+            if not self._warned:
+                self._warned = True
+                self._warn(f"{error}; until this is mended, packets of this run may be taken for new after a restart")
 
 
 def _now() -> int:

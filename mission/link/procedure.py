@@ -6,7 +6,7 @@ from typing import Final
 from mission.errors import LinkError, VehicleError
 from mission.link.requests import Answer, RequestChannel
 from mission.link.steps import Scene, Step
-from mission.link.values import Result
+from mission.link.values import Command, Result
 
 _WORDS_WITHIN_S: Final = 0.5
 """How long, on the clock here, an explanation may follow a refusal."""
@@ -30,6 +30,7 @@ class Procedure:
         self._words_since = words_since
         self._started_s: float | None = None
         self._ask_at_s = 0.0
+        self._asked: Command | None = None
         self._refused: tuple[Answer, float] | None = None
         self._began_local_s = 0.0
         self.entered = 0
@@ -47,8 +48,8 @@ class Procedure:
     def take(self, answer: Answer, vehicle_s: float, local_s: float) -> None:
         """Take the answer to the present step's command."""
         step = self.step
-        if step is None or self._started_s is None:
-            return
+        if step is None or self._started_s is None or answer.command is not self._asked:
+            return  # of what was asked beside the steps
         if answer.result is Result.ACCEPTED:
             self._ask_at_s = vehicle_s + step.repeat_s
         elif answer.result in _PASSING and vehicle_s - self._started_s < step.patience_s:
@@ -85,7 +86,8 @@ class Procedure:
             self._leave()
         elif step.command is not None and not self._channel.busy and vehicle_s >= self._ask_at_s:
             self._ask_at_s = float("inf")  # until it is answered
-            self._channel.ask(step.command(scene), local_s)
+            self._asked = step.command(scene)
+            self._channel.ask(self._asked, local_s)
 
     def _enter(self, step: Step, vehicle_s: float, local_s: float) -> None:
         self._started_s = vehicle_s

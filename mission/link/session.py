@@ -13,7 +13,7 @@ from collections.abc import Callable
 from enum import Enum, auto
 from typing import Final
 
-from mission.errors import LinkError, MissionError, VehicleError
+from mission.errors import MissionError, VehicleError
 from mission.link.contact import Contact, LinkOptions
 from mission.link.course import Course
 from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEntered
@@ -32,7 +32,8 @@ _LOOK_S: Final = 0.05
 _HEARTBEATS: Final = 2
 _WORDS_S: Final = 5.0
 _ORIGIN_MOVED_DEG: Final = 5e-6
-_LANDING: Final = (Stage.LAND, Stage.TOUCH_DOWN, Stage.DISARM)
+_DESCENDING: Final = (Stage.TOUCH_DOWN, Stage.DISARM)
+_LANDING: Final = (Stage.LAND, *_DESCENDING)
 
 
 class Ending(Enum):
@@ -55,12 +56,15 @@ class Session:
         guidance: What leads the vehicle; None before it is armed.
     """
 
-    def __init__(self, *, needs_origin: bool, options: LinkOptions | None = None) -> None:
+    def __init__(
+        self, *, needs_origin: bool, options: LinkOptions | None = None, land_when_stopped: bool = False
+    ) -> None:
         """Wait for a vehicle.
 
         Args:
             needs_origin: Whether the mission lies at a place on Earth, so that the vehicle must know where it is.
             options: Ids and patience.
+            land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot.
         """
         self.contact = Contact(options or LinkOptions(), needs_origin=needs_origin)
         self.stage = Stage.CONNECT
@@ -72,8 +76,10 @@ class Session:
         self._ground_down_m: float | None = None
         self._procedure = self._procedure_of()
         self._disarmed_from_s = math.inf
+        self._land_when_stopped = land_when_stopped
         self._outcome: tuple[Ending, str] = (Ending.LANDED, "the vehicle has landed")
         self._failure: MissionError | None = None
+        self._failing_from_s = math.inf
 
     # What the flight loop calls.
 
@@ -109,6 +115,8 @@ class Session:
         Raises:
             LinkError: The vehicle is not there, or has fallen silent, or does not answer.
             VehicleError: It refused, or did not do what it accepted, or is in no state to be flown.
+
+        A vehicle in the air is told to hold, or to land, before anything is raised.
         """
         if self.stage is Stage.DONE:
             return
@@ -116,6 +124,10 @@ class Session:
         answer = self.contact.advance(now_s)
         if answer is not None and vehicle_s is not None:
             self._procedure.take(answer, vehicle_s, now_s)
+        if self._failure is None and (trouble := self.contact.trouble(now_s)) is not None:
+            if self.stage in _DESCENDING:
+                raise trouble  # it lands without us
+            self.give_up(trouble, now_s)
         if self.stage is Stage.CONNECT and self.contact.autopilot is not None:
             self._enter(Stage.STREAMS, vehicle_s)
         if self.stage in (Stage.STREAMS, Stage.READY):
@@ -143,17 +155,60 @@ class Session:
         )
         self._enter(Stage.MODE, self.vehicle.clock.newest_s)
 
-    def stop(self, reason: str, now_s: float, *, land: bool) -> None:
-        """Give the mission up: hold, and land on the spot if asked to; on the ground, disarm. A landing goes on."""
+    def stop(self, reason: str, now_s: float) -> None:
+        """Give the mission up: hold, and land on the spot if wanted; on the ground, disarm. A landing goes on."""
         if self.stage is Stage.DONE or self.stage in _LANDING:
             return
-        goes_on = self._retreat(now_s, land=land)
+        goes_on = self._retreat(now_s)
         step, kind = self._procedure.step, self.contact.autopilot
-        if step is not None and step.stage is Stage.HOLD and not land and kind is not None:
+        if step is not None and step.stage is Stage.HOLD and not self._land_when_stopped and kind is not None:
             reason = f"{reason}; the vehicle is left holding in {kind.mode_name(kind.hold_mode)}"
         self._outcome = (Ending.STOPPED, reason)
         if not goes_on:
             self._end(*self._outcome)
+
+    def give_up(self, error: MissionError, now_s: float) -> None:
+        """Let ``advance`` raise ``error``, but not before the vehicle has been told to hold, to land or to disarm.
+
+        Raises:
+            MissionError: ``error`` where nothing has to be told, or the one that was on its way when this one came.
+        """
+        if self._failure is not None:
+            raise self._failure
+        if not self._retreat(now_s):
+            raise error
+        self._failure, self._failing_from_s = error, now_s
+
+    def leave(self, error: MissionError, now_s: float) -> None:
+        """Give up unless that has been done; a landing goes on.
+
+        Raises:
+            MissionError: As in ``give_up``.
+        """
+        if self._failure is None and self.stage not in (*_LANDING, Stage.DONE):
+            self.give_up(error, now_s)
+
+    def last_words(self) -> list[bytes]:
+        """The command to hold as a frame for a vehicle that flies, where nothing else works any more."""
+        return self.contact.hold_frames() if self.departed and self.vehicle.armed else []
+
+    @property
+    def departed(self) -> bool:
+        """Whether the vehicle has been asked to fly."""
+        return self._departure is not None
+
+    @property
+    def left(self) -> str:
+        """How a vehicle with running motors is left, in plain words; empty where it is none, or somebody else's."""
+        kind = self.contact.autopilot
+        if kind is None or not self.departed or not self.vehicle.armed or self.stage is Stage.DONE:
+            return ""
+        mode = kind.mode_name(self.vehicle.mode)
+        if self.vehicle.mode == kind.hold_mode:
+            return f"the vehicle is left holding in {mode}"
+        if self.vehicle.mode == kind.land_mode:
+            return "the vehicle is landing"
+        return f"that it holds was not confirmed: it was last heard in {mode}"
 
     def end_laps(self, now_s: float) -> bool:
         """Let the present lap be the last one; then the vehicle returns and lands. False where no lap is flown now."""
@@ -234,7 +289,7 @@ class Session:
         north = abs(origin.latitude_deg - before.latitude_deg)
         east = abs(origin.longitude_deg - before.longitude_deg)
         if max(north, east) > _ORIGIN_MOVED_DEG:
-            self._give_up(VehicleError("the vehicle moved the origin of its local frame in flight"), now_s)
+            self.give_up(VehicleError("the vehicle moved the origin of its local frame in flight"), now_s)
 
     # The way.
 
@@ -251,11 +306,13 @@ class Session:
         try:
             self._procedure.advance(lambda in_step_s: self._scene(vehicle_s, in_step_s), vehicle_s, now_s)
         except MissionError as error:
-            self._give_up(error, now_s)
+            self.give_up(error, now_s)
+        if self._failure is not None and self._stands_still(now_s):
+            raise self._failure
         step = self._procedure.step
         if step is not None and step.armed and not self.vehicle.armed:
             what = f"the vehicle disarmed itself while {step.stage}"
-            self._give_up(VehicleError(self.contact.explained(what, now_s - _WORDS_S)), now_s)
+            self.give_up(VehicleError(self.contact.explained(what, now_s - _WORDS_S)), now_s)
         if step is None:
             if self._failure is not None:
                 raise self._failure
@@ -306,10 +363,10 @@ class Session:
         self.contact.channel.forget()
         return Procedure(steps, self.contact.channel, self.vehicle.words_since)
 
-    def _retreat(self, now_s: float, *, land: bool) -> bool:
+    def _retreat(self, now_s: float) -> bool:
         """Take the way out: hold (and land) in the air, disarm on the ground; False where there is nothing to do."""
         kind, vehicle_s = self.contact.autopilot, self.vehicle.clock.now_s(now_s)
-        if kind is None or vehicle_s is None or not self.vehicle.armed:
+        if kind is None or vehicle_s is None or not self.vehicle.armed or not self.departed:
             return False
         if self.guidance is not None:
             self.guidance.end(vehicle_s)
@@ -318,20 +375,13 @@ class Session:
             return True
         hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), None)
         landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), self.altitude_m)
-        self._procedure = self._procedure_of(hold, *(landing if land else ()))
+        self._procedure = self._procedure_of(hold, *(landing if self._land_when_stopped else ()))
         return True
 
-    def _give_up(self, error: MissionError, now_s: float) -> None:
-        """Raise ``error``, but not before the vehicle has been told to hold or to disarm.
-
-        Raises:
-            MissionError: ``error``, or the one that was on its way when this one came.
-        """
-        if self._failure is not None:
-            raise self._failure
-        if isinstance(error, LinkError) or not self._retreat(now_s, land=False):
-            raise error
-        self._failure = error
+    def _stands_still(self, now_s: float) -> bool:
+        """Whether the way out cannot end by the vehicle's time, because that stands still."""
+        lost_s = self.contact.options.lost_s
+        return min(now_s - self._failing_from_s, now_s - self.vehicle.clock.heard_s) > 2.0 * lost_s
 
     def _end(self, ending: Ending, reason: str) -> None:
         self.ending, self.ending_reason = ending, reason

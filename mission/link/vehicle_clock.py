@@ -6,6 +6,7 @@ flown by the same code. Two promises: the time shown never runs backwards, and i
 ahead of the newest telemetry, so that a vehicle whose clock stops is not left behind by its trajectory.
 """
 
+import math
 from collections import deque
 from typing import Final
 
@@ -38,6 +39,11 @@ class VehicleClock:
     def rate(self) -> float:
         """Vehicle seconds in each local second; 0 until two moments are known."""
         return self._rate
+
+    @property
+    def heard_s(self) -> float:
+        """When the newest time was heard, on the clock here; minus infinity before the first."""
+        return self._samples[-1][0] if self._samples else -math.inf
 
     @property
     def newest_s(self) -> float | None:

@@ -58,6 +58,7 @@ class FlightRecord:
         """Begin a record on ``sink`` (an ``io.BytesIO`` will do) with its header line."""
         self.folder = folder
         self._sink = sink
+        self._rest = b""
         self.write("header", None, schema=SCHEMA, mission=mission)
 
     @classmethod
@@ -74,13 +75,21 @@ class FlightRecord:
     def write(self, kind: str, t_s: float | None, **values: object) -> None:
         """Write one line; ``values`` may hold numpy arrays and scalars, enums, sets, and numbers that are not finite.
 
+        A line that was cut by a failure is completed before the next one is written, so that the file stays readable.
+
         Raises:
             TypeError: A value that JSON cannot hold.
-            OSError: The disk is full, say.
+            OSError: The disk is full, say; this line is lost.
         """
-        rest = _line({"kind": kind, "t_s": t_s, **{name: values[name] for name in sorted(values)}})
+        self._put(b"")
+        self._put(_line({"kind": kind, "t_s": t_s, **{name: values[name] for name in sorted(values)}}))
+
+    def _put(self, line: bytes) -> None:
+        """Write what is left of the last line, or else this one: whole, or begun, or not at all."""
+        rest = self._rest or line
         while rest:  # an unbuffered file may take less than it was given
             rest = rest[self._sink.write(rest) :]
+            self._rest = rest
 
     def close(self) -> None:
         """End the record; a record in memory is left open for whoever owns its stream."""

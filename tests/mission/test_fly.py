@@ -1,24 +1,18 @@
 """The flight loop against a scripted vehicle: verdicts, refusals, failures, and what is left in the record."""
 
-import io
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from mission.errors import LinkError, NoPlanError, VehicleError
-from mission.fly import FlightOptions, FlightResult, Progress, StopRequest, fly
+from mission.fly import FlightOptions, StopRequest
 from mission.link.session import Ending
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
-from mission.report.reading import Record, parse_record
-from mission.report.record import FlightRecord
+from tests.support.scripted_flight import Flight
 from tests.support.scripted_vehicle import BRAKE, RTL, Script, ScriptedVehicle
 from tests.support.small_missions import SMALL, at_a_place, plan_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 METRES_PER_DEGREE = 111_194.93  # along a meridian of the scripted vehicle's sphere
 
@@ -26,41 +20,6 @@ METRES_PER_DEGREE = 111_194.93  # along a meridian of the scripted vehicle's sph
 @pytest.fixture(scope="module")
 def plan() -> FlightPlan:
     return plan_of(SMALL)
-
-
-class Flight:
-    """One call of ``fly``, with the record that it leaves whether it returns or raises."""
-
-    def __init__(self, vehicle: ScriptedVehicle, plan: FlightPlan) -> None:
-        self.vehicle, self.plan = vehicle, plan
-        self.progress: list[Progress] = []
-        self.at_stage: dict[Stage, Callable[[], None]] = {}
-        self.options = FlightOptions()
-        self.stop_request: Callable[[], StopRequest | None] | None = None
-        self.vehicle_failure: Callable[[], str] | None = None
-        self._sink = io.BytesIO()
-
-    def run(self) -> FlightResult:
-        def watch(progress: Progress) -> None:
-            self.progress.append(progress)
-            act = self.at_stage.pop(progress.stage, None)
-            if act is not None:
-                act()
-
-        return fly(
-            self.plan,
-            self.vehicle,
-            self.vehicle,
-            FlightRecord(self._sink, mission="small"),
-            options=self.options,
-            on_progress=watch,
-            vehicle_failure=self.vehicle_failure,
-            stop_request=self.stop_request,
-        )
-
-    @property
-    def record(self) -> Record:
-        return parse_record(self._sink.getvalue())
 
 
 @pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
@@ -290,5 +249,5 @@ def test_the_same_flight_twice_is_the_same_record(plan: FlightPlan) -> None:
     for _ in range(2):
         flight = Flight(ScriptedVehicle("px4", Script(lose=0.05, shuffle=True), seed=3), plan)
         flight.run()
-        records.append(flight._sink.getvalue())
+        records.append(flight.sink.getvalue())
     assert records[0] == records[1]

@@ -327,11 +327,11 @@ def test_an_origin_that_moves_in_flight_ends_it_holding() -> None:
 @FLAVOURS
 def test_stopped_in_the_air_it_holds_and_lands_if_asked_to(flavour: str) -> None:
     vehicle = ScriptedVehicle(flavour)
-    driven = Driven(vehicle)
+    driven = Driven(vehicle, Session(needs_origin=False, land_when_stopped=True))
     driven.until(Stage.FLY)
     for _ in range(200):
         driven.turn()
-    driven.session.stop("interrupted", vehicle.now_s(), land=True)
+    driven.session.stop("interrupted", vehicle.now_s())
     setpoints = len(vehicle.setpoints)
     driven.fly()
     assert driven.session.ending is Ending.STOPPED
@@ -347,7 +347,7 @@ def test_stopped_in_the_air_it_is_left_holding_otherwise(flavour: str) -> None:
     vehicle = ScriptedVehicle(flavour)
     driven = Driven(vehicle)
     driven.until(Stage.FLY)
-    driven.session.stop("interrupted", vehicle.now_s(), land=False)
+    driven.session.stop("interrupted", vehicle.now_s())
     driven.fly()
     assert vehicle.armed
     assert vehicle.mode == (BRAKE if flavour == "ardupilot" else PX4_HOLD)
@@ -358,7 +358,7 @@ def test_stopped_on_the_ground_it_disarms() -> None:
     vehicle = ScriptedVehicle("ardupilot", Script(ignores=Counter({TAKEOFF: 99})))
     driven = Driven(vehicle)
     driven.until(Stage.TAKE_OFF)
-    driven.session.stop("interrupted", vehicle.now_s(), land=True)
+    driven.session.stop("interrupted", vehicle.now_s())
     driven.fly()
     assert not vehicle.armed
     assert driven.session.ending is Ending.STOPPED
@@ -366,7 +366,7 @@ def test_stopped_on_the_ground_it_disarms() -> None:
 
 def test_stopped_before_anything_it_is_over() -> None:
     session = Session(needs_origin=False)
-    session.stop("interrupted", 0.0, land=True)
+    session.stop("interrupted", 0.0)
     assert session.ending is Ending.STOPPED
     session.advance(1.0)
     assert session.outgoing() == []
@@ -376,7 +376,7 @@ def test_stopping_while_it_lands_lets_it_land() -> None:
     vehicle = ScriptedVehicle("px4")
     driven = Driven(vehicle)
     driven.until(Stage.TOUCH_DOWN)
-    driven.session.stop("interrupted", vehicle.now_s(), land=True)
+    driven.session.stop("interrupted", vehicle.now_s())
     driven.fly()
     assert driven.session.ending is Ending.LANDED
 

@@ -158,3 +158,22 @@ def test_a_vehicle_that_was_not_heard_is_told_from_silence(options: LinkOptions,
     contact.receive(BEAT.pack(vehicle(None)), 0.5)
     with pytest.raises(LinkError, match=words):
         contact.advance(2.0)
+
+
+def test_timestamps_that_cannot_be_kept_in_flight_cost_one_warning(tmp_path: Path) -> None:
+    folder = tmp_path / "keys"
+    folder.mkdir()
+    path = folder / "key"
+    path.write_bytes(KEY)
+    path.chmod(0o600)
+    said: list[str] = []
+    kept = open_signatures(path, (255, 191), said.append)
+    stamps = [kept.stamp()]
+    folder.rename(tmp_path / "gone")
+    kept._kept = 0  # what was kept ahead is used up
+    stamps += [kept.stamp() for _ in range(3)]
+    kept._kept = 0
+    stamps.append(kept.stamp())
+    assert stamps == sorted(set(stamps))
+    assert len(said) == 1
+    assert "timestamp.255.191 cannot be written: No such file" in said[0]

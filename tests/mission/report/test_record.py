@@ -1,5 +1,6 @@
 """The record of a flight: whole lines, whatever happens."""
 
+import errno
 import io
 import json
 import math
@@ -85,6 +86,38 @@ def test_lines_are_on_disk_before_the_record_is_closed(tmp_path: Path) -> None:
         for k in range(3):
             record.write("telemetry", float(k), position_m=(0, 0, k))
             assert len(read_record(record.folder).track.t_s) == k + 1
+
+
+class Disk:
+    """A disk with room for so many bytes."""
+
+    def __init__(self, room: int) -> None:
+        self.data, self.room = b"", room
+
+    def write(self, data: bytes, /) -> int:
+        if self.room == 0:
+            raise OSError(errno.ENOSPC, "no space left on device")
+        taken = data[: self.room]
+        self.data, self.room = self.data + taken, self.room - len(taken)
+        return len(taken)
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+
+@pytest.mark.parametrize("room", [0, 1, 7])
+def test_a_line_that_a_full_disk_cuts_is_completed_when_there_is_room_again(room: int) -> None:
+    disk = Disk(10_000)
+    record = FlightRecord(disk, mission="small")
+    disk.room = room
+    for number in range(3):
+        with pytest.raises(OSError, match="no space"):
+            record.write("event", 1.0, name=f"full {number}")
+    disk.room = 10_000
+    record.write("event", 2.0, name="room again")
+    read = parse_record(disk.data)
+    assert [event.text for event in read.events] == [*(["full 0"] if room else []), "room again"]
+    assert not read.cut
 
 
 def test_no_flight_writes_over_another(tmp_path: Path) -> None:
