@@ -8,7 +8,8 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -34,14 +35,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _show_modes(options)
         return 0
     try:
-        _run(options)
+        with _stop_flag(
+            with_parent=options.exit_with_parent
+        ) as stopping:  # before all that takes time: it may be told to end before it has begun
+            _run(options, stopping)
     except ConfigurationError as error:
-        print(f"vehicle-sim: {error}", file=sys.stderr)  # noqa: T201 - the program's own voice
+        _notify(str(error))
         return USAGE_ERROR
     return 0
 
 
-def _run(options: argparse.Namespace) -> None:
+def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
     from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
@@ -106,7 +110,6 @@ def _run(options: argparse.Namespace) -> None:
                         raise
                     _notify(f"{error}; going on without it")
         bound = [port.address for port in ports]
-        stopping = _stop_flag(with_parent=options.exit_with_parent)
         _tell(options, [endpoint.system_id for endpoint in endpoints], bound)
         patience = [Patience(options.patience) for _ in endpoints] if options.patience > 0.0 else []
         Server(endpoints, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
@@ -189,18 +192,24 @@ def _tell(options: argparse.Namespace, ids: Sequence[int], bound: list[Address])
 
 
 def _notify(sentence: str) -> None:
-    print(f"vehicle-sim: {sentence}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
+    with suppress(OSError):  # a vehicle that flies does not fall for want of a listener
+        print(f"vehicle-sim: {sentence}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
 
 
-def _stop_flag(*, with_parent: bool) -> Callable[[], bool]:
-    """Return a function that tells whether to stop: after SIGINT or SIGTERM, or once standard input is closed."""
+@contextmanager
+def _stop_flag(*, with_parent: bool) -> Iterator[Callable[[], bool]]:
+    """Give a function that tells whether to stop: after SIGINT or SIGTERM, or once standard input is closed."""
     stop = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda _number, _frame: stop.set())
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {number: signal.signal(number, lambda _number, _frame: stop.set()) for number in numbers}
     if with_parent:
         # A thread that only ever waits: standard input cannot be polled together with sockets on every system.
         threading.Thread(target=_wait_for_end_of_input, args=(stop,), daemon=True).start()
-    return stop.is_set
+    try:
+        yield stop.is_set
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _wait_for_end_of_input(stop: threading.Event) -> None:

@@ -1,5 +1,7 @@
 """The program as its users meet it: options, faults in one line, announcements, signals."""
 
+import errno
+import io
 import os
 import signal
 import socket
@@ -7,6 +9,7 @@ import subprocess
 import sys
 from contextlib import closing
 from math import cos, radians, sin
+from typing import Any
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -14,6 +17,8 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from tests.support.vehicle_program import running
 from vehicle_sim import cli
 from vehicle_sim.cli.command_line import build_parser, with_negative_values
+from vehicle_sim.protocol.endpoint import Endpoint
+from vehicle_sim.server import fleet
 
 
 def port_of(address: str) -> int:
@@ -144,6 +149,24 @@ def test_ctrl_c_ends_it_cleanly() -> None:
         assert process.wait(20.0) == 0
         assert process.stderr is not None
         assert process.stderr.read() == ""
+
+
+class Full(io.StringIO):
+    def write(self, _text: str) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_it_ends_cleanly_before_it_has_begun_whoever_hears_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    made, before = fleet.fleet_of, signal.getsignal(signal.SIGTERM)
+
+    def told_to_end(*args: Any, **options: Any) -> list[Endpoint]:  # noqa: ANN401 - passed on
+        signal.raise_signal(signal.SIGTERM)
+        return made(*args, **options)
+
+    monkeypatch.setattr(fleet, "fleet_of", told_to_end)
+    monkeypatch.setattr("sys.stderr", Full())
+    assert cli.main(["--no-ground-station", "--listen", "udpin:127.0.0.1:0"]) == 0
+    assert signal.getsignal(signal.SIGTERM) == before
 
 
 def test_a_ground_station_sees_it_and_it_ends_with_its_parent() -> None:
