@@ -148,6 +148,7 @@ class _Flight:
         )
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
+        self._given_up = False
         self._run = run
         self._began_s = clock.now_s()
         self._trusted_s = self._near_s = self._looked_s = -math.inf
@@ -222,7 +223,7 @@ class _Flight:
             )
         )
         if reason:
-            self.stop(reason, interrupted=False)
+            self.stop(reason)
 
     def heed(self, request: StopRequest) -> None:
         """Grant a wish to end the flight.
@@ -230,18 +231,19 @@ class _Flight:
         Raises:
             KeyboardInterrupt: The flight has been given up already, at an earlier wish.
         """
-        if self.interrupted:
+        if self._given_up:
             raise KeyboardInterrupt
+        self.interrupted = True
         if request.after_lap and not self.watch.returning and self.session.end_laps(self.clock.now_s()):
             self.watch.returning = True
             self.record.write("event", self.newest_s, name="returning after this lap", reason=request.reason)
         else:
-            self.stop(request.reason, interrupted=True)
+            self.stop(request.reason)
+            self._given_up = True
 
-    def stop(self, reason: str, *, interrupted: bool) -> None:
+    def stop(self, reason: str) -> None:
         """Give the flight up, once."""
-        if not self.interrupted and self.session.ending is None:
-            self.interrupted |= interrupted
+        if not self._given_up and self.session.ending is None:
             self.record.write("event", self.newest_s, name="stop", reason=reason)
             self.session.stop(reason, self.clock.now_s())
 
@@ -296,7 +298,8 @@ class _Flight:
     def say_stop(self, transport: Transport) -> None:
         """Tell the vehicle to stop, without waiting for it."""
         with contextlib.suppress(Exception):
-            self.stop(INTERRUPTED.reason, interrupted=True)
+            self.interrupted = True
+            self.stop(INTERRUPTED.reason)
         with contextlib.suppress(Exception):
             speak(self.session, transport, self.clock)
 

@@ -80,7 +80,9 @@ def test_laps_go_on_until_told_to_stop(endless: FlightPlan, when: Callable[[floa
     assert result.laps == laps
     assert result.reason == f"{laps} lap{'s were' if laps > 1 else ' was'} flown, nothing was violated so far"
     assert result.ending is Ending.LANDED
-    assert not result.interrupted
+    assert result.interrupted
+    assert flight.record.verdict is not None
+    assert flight.record.verdict["interrupted"] is True
     assert result.word[-1] == {"home"}
     assert not result.violations
     asked = flight.record.setpoints.trajectory_s
