@@ -1,60 +1,80 @@
 """The program ``mission``: the commands, and the only place of the planner that prints.
 
 Exit codes: 0 achieved, 1 flown but not achieved, 2 bad input, 3 no plan exists, 4 link or vehicle failure; 130 after
-Ctrl-C and 141 where the reader of a pipe, such as ``head``, went away, as is the custom.
-Commands are imported when they are asked for, so that ``mission --help`` stays quick.
+Ctrl-C, 143 after SIGTERM, 129 after SIGHUP, and 141 where the reader of a pipe, such as ``head``, went away, as is the
+custom. A flight is told by what came of it, whoever reads that.
+Whatever takes time to import is imported once the signals are watched, or when it is asked for, so that neither
+``mission --help`` waits nor an early Ctrl-C shows a traceback.
 """
 
-import importlib
-import io
-import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
-from mission.cli.arguments import build_parser, with_negative_wind
-from mission.errors import MissionError, NoPlanError
+from mission.cli.signals import EndingSignals
+from mission.cli.streams import output_failure, take_streams
 
 BAD_INPUT = 2
-INTERRUPTED = 130
 READER_GONE = 141
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; ``argv`` defaults to the program's own arguments."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            # A terminal without, say, an umlaut gets a question mark instead of an exception.
-            stream.reconfigure(errors="replace")
+    """Run one command and return its exit code.
+
+    Args:
+        argv: The arguments. By default those of the process, which then is to end with that code: its standard streams
+            are taken over.
+
+    Raises:
+        SystemExit: The arguments ask for no command, or for none that there is.
+    """
+    with EndingSignals(for_good=argv is None) as signals:
+        try:
+            if argv is None:
+                take_streams()
+            code = _run(sys.argv[1:] if argv is None else argv)
+            sys.stdout.flush()
+        except SystemExit:
+            with suppress(OSError):
+                sys.stdout.flush()
+            failure = output_failure()
+            if failure is None:
+                raise
+            code = _told(failure)
+        except OSError as error:
+            code = _told(error)
+        except BaseException:
+            # An interruption of an import may come out as something else.
+            if not signals.exit_code:
+                raise
+            code = signals.exit_code
+        return signals.exit_code or code
+
+
+def _run(arguments: Sequence[str]) -> int:
+    from importlib import import_module  # noqa: PLC0415 - see above
+
+    from mission.cli.arguments import build_parser, with_negative_wind  # noqa: PLC0415
+    from mission.errors import MissionError, NoPlanError  # noqa: PLC0415
+
     parser = build_parser()
-    arguments = parser.parse_args(with_negative_wind(sys.argv[1:] if argv is None else argv))
-    if arguments.command is None:
+    options = parser.parse_args(with_negative_wind(arguments))
+    if options.command is None:
         parser.print_help(sys.stderr)
         return BAD_INPUT
     try:
-        command = importlib.import_module(f"mission.cli.{arguments.command}")
-        code = int(command.run(arguments))
-        sys.stdout.flush()
+        return int(import_module(f"mission.cli.{options.command}").run(options))
     except MissionError as error:
         from mission.cli.screen import print_error  # noqa: PLC0415 - the terminal library is loaded when it is needed
 
         # A refusal to plan is about the mission file; a failure of the link is not.
-        print_error(error, getattr(arguments, "file", "") if isinstance(error, NoPlanError) else "")
+        print_error(error, getattr(options, "file", "") if isinstance(error, NoPlanError) else "")
         return error.exit_code
-    except KeyboardInterrupt:
-        return INTERRUPTED
-    except BrokenPipeError:
-        _silence(sys.stdout)
+
+
+def _told(error: OSError) -> int:
+    """Say what the system refused, unless it is that nobody reads; the exit code."""
+    if isinstance(error, BrokenPipeError):
         return READER_GONE
-    except OSError as error:
-        _silence(sys.stdout)
-        print(f"error: {error.strerror or error}{f': {error.filename}' if error.filename else ''}", file=sys.stderr)  # noqa: T201 - the program's voice, when its terminal library has failed
-        return BAD_INPUT
-    return code
-
-
-def _silence(stream: object) -> None:
-    """Let what is still buffered go nowhere, so that the interpreter's last flush does not fail once more."""
-    if isinstance(stream, io.TextIOWrapper):
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, stream.fileno())
-        os.close(nowhere)
+    print(f"error: {error.strerror or error}{f': {error.filename}' if error.filename else ''}", file=sys.stderr)  # noqa: T201 - the program's voice, when its terminal library has failed
+    return BAD_INPUT

@@ -4,7 +4,7 @@ import errno
 import socket
 from argparse import Namespace
 from contextlib import ExitStack, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -13,6 +13,7 @@ from mission.cli.inputs import planned, reason, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
 from mission.cli.screen import err, out, print_error, print_warnings, reach
+from mission.cli.signals import EndingSignals
 from mission.clock import WallClock
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
@@ -43,48 +44,71 @@ _HINTS = {
 
 
 def run(arguments: Namespace) -> int:
-    """Fly, and return the verdict as an exit code."""
+    """Fly, and return the verdict as an exit code, whether or not somebody reads what is said of it."""
     _check_options(arguments)
     link = _link_options(arguments)
     plan = planned(arguments.file, arguments.run, arguments.laps)
-    out.print(
-        f"{plan.spec.name}: {extent(plan)}, proved {reach(plan.certificate.tube_m)}",
-        markup=False,
-    )
+    with suppress(OSError):
+        out.print(f"{plan.spec.name}: {extent(plan)}, proved {reach(plan.certificate.tube_m)}", markup=False)
     with StopSignals() as stop:
-        with ExitStack() as stack:
-            vehicle, transport = _link(arguments, plan, stack)
-            folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
-            stack.enter_context(record)
-            display = stack.enter_context(Display(plan))
-            try:
-                result = fly(
-                    plan,
-                    transport,
-                    WallClock(),
-                    record,
-                    options=FlightOptions(link=link, land_when_stopped=vehicle is not None),
-                    run=arguments.run,
-                    on_progress=display.show,
-                    vehicle_failure=None if vehicle is None else vehicle.failure,
-                    stop_request=stop.take,
-                    on_warning=_warn,
-                )
-            except MissionError as failure:
-                stack.close()
-                print_error(failure)
-                if isinstance(failure, LinkError) and not display.heard:
-                    err.print(f"    {_UNHEARD}", markup=False)
-                err.print(f"the record is kept in {folder}", markup=False)
-                _report(folder, pictures=display.heard and not arguments.no_pictures)
-                return failure.exit_code
-            except KeyboardInterrupt:
-                err.print(f"interrupted; the record is kept in {folder}", markup=False)
-                raise
-        _keep_plan(folder, result.plan)
-        _report(folder, pictures=not arguments.no_pictures)
-    _print_verdict(result, folder)
-    return result.exit_code
+        flight = _flown(arguments, link, plan, stop)
+        hurried = stop.take() is not None
+    _report(flight.folder, pictures=flight.heard and not arguments.no_pictures, hurried=hurried)
+    if flight.result is not None:
+        with suppress(OSError):
+            _print_verdict(flight.result, flight.folder)
+    return flight.exit_code
+
+
+@dataclass(frozen=True)
+class _Flown:
+    """What there is once a flight is over.
+
+    Attributes:
+        folder: Of its files.
+        heard: Whether there is a flight to draw.
+        exit_code: What the program says of it.
+        result: What it came to; None where it failed, which was told.
+    """
+
+    folder: Path
+    heard: bool
+    exit_code: int
+    result: FlightResult | None = None
+
+
+def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: StopSignals) -> _Flown:
+    """Fly, and let go of the vehicle; a failure is told here."""
+    with ExitStack() as stack:
+        vehicle, transport = _link(arguments, plan, stack)
+        folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
+        stack.enter_context(record)
+        display = stack.enter_context(Display(plan))
+        try:
+            result = fly(
+                plan,
+                transport,
+                WallClock(),
+                record,
+                options=FlightOptions(link=link, land_when_stopped=vehicle is not None),
+                run=arguments.run,
+                on_progress=display.show,
+                vehicle_failure=None if vehicle is None else vehicle.failure,
+                stop_request=stop.take,
+                on_warning=_warn,
+            )
+        except MissionError as failure:
+            stack.close()
+            print_error(failure)
+            if isinstance(failure, LinkError) and not display.heard:
+                err.print(f"    {_UNHEARD}", markup=False)
+            err.print(f"the record is kept in {folder}", markup=False)
+            return _Flown(folder, display.heard, failure.exit_code)
+        except KeyboardInterrupt:
+            err.print(f"interrupted; the record is kept in {folder}", markup=False)
+            raise
+    _keep_plan(folder, result.plan)
+    return _Flown(folder, heard=True, exit_code=result.exit_code, result=result)
 
 
 def _check_options(arguments: Namespace) -> None:
@@ -188,12 +212,19 @@ def _keep_plan(folder: Path, plan: FlightPlan) -> None:
         err.print(f"the plan that was flown could not be written: {error}", markup=False)
 
 
-def _report(folder: Path, *, pictures: bool) -> None:
-    """A flight is not lost for want of a picture of it."""
-    try:
-        write_again(folder, pictures=pictures)
-    except (MissionError, OSError) as error:
-        err.print(f"the report could not be written: {error}; try `mission report {folder}`", markup=False)
+def _report(folder: Path, *, pictures: bool, hurried: bool) -> None:
+    """Write the report; a signal, or one that has come already, leaves out the pictures, a second ends the program."""
+    with EndingSignals():
+        try:
+            try:
+                write_again(folder, pictures=pictures and not hurried)
+            except KeyboardInterrupt:
+                hurried = True
+                write_again(folder, pictures=False)
+        except (MissionError, OSError) as error:  # a flight is not lost for want of a picture of it
+            err.print(f"the report could not be written: {error}; try `mission report {folder}`", markup=False)
+    if pictures and hurried:
+        err.print(f"the pictures are left out; `mission report {folder}` draws them", markup=False)
 
 
 def _print_verdict(result: FlightResult, folder: Path) -> None:

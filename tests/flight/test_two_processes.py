@@ -18,6 +18,7 @@ from mission.link.transport import open_transport
 from mission.monitor.stage import Stage
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
+from tests.support.commands import ROOT
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
 SPEED = 15.0
@@ -120,6 +121,7 @@ def test_ctrl_c_lets_laps_be_completed_and_the_vehicle_return(tmp_path: Path) ->
 
     result = Interrupted(tmp_path, text=ROUNDS.replace("laps: 2", "laps: until_stopped")).run()
     assert result.achieved, result.reason
+    assert result.interrupted
     assert result.ending is Ending.LANDED
     assert result.laps == 1
     assert result.word[-1] == {"home"}
@@ -145,9 +147,24 @@ def arguments(file: Path) -> list[str]:
     ]
 
 
-def test_the_command_achieves_its_mission(mission_file: Path) -> None:
-    assert main(arguments(mission_file)) == 0
+def test_the_command_achieves_its_mission_whoever_listens_and_hurries_it(mission_file: Path) -> None:
+    """A signal while the pictures are drawn leaves them out; neither that nor a closed output changes the verdict."""
+    script = (
+        "import signal, sys, mission.report.report as report\n"
+        "report.save_all = lambda *_: signal.raise_signal(signal.SIGINT)\n"
+        "from mission.cli import main; sys.exit(main())"
+    )
+    options = [option for option in arguments(mission_file) if option != "--no-pictures"]
+    command = [sys.executable, "-c", script, *options]
+    done = subprocess.run(
+        ["/bin/sh", "-c", 'exec "$@" >&-', "sh", *command], stderr=subprocess.PIPE, check=False, cwd=ROOT
+    )
+    assert done.returncode == 0
+    assert b"the pictures are left out; `mission report" in done.stderr
+    assert b"Traceback" not in done.stderr
     (folder,) = (mission_file.parent / "out").iterdir()
+    assert (folder / "report.html").is_file()
+    assert not list(folder.glob("*.png"))
     verdict = read_record(folder).verdict
     assert verdict is not None
     assert verdict["achieved"] is True
