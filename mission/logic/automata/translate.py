@@ -1,8 +1,8 @@
 """From formulas to small Büchi automata.
 
-An obligation has a smallest deterministic automaton, which is found directly. For every other formula there are
-candidates: the tableau made small by simulation, and, where one exists on the structure of what can remain of the
-formula, a deterministic automaton. Each is brought to accepting states in several ways, and the smallest result wins;
+Of each formula there are candidates: the tableau made small by simulation, and a deterministic automaton. An obligation
+has a smallest one, which is found directly; for every other formula it is looked for on the structure of what can
+remain of the formula. Each candidate is brought to accepting states in several ways, and the smallest result wins;
 among those of one size a deterministic one, then the one with fewest edges. Nothing depends on chance, on hashes or on
 time.
 """
@@ -41,7 +41,8 @@ _WORK: Final = 20_000_000  # comparisons of clauses in a tableau that is necessa
 _WORK_OF_EXTRAS: Final = 2_000_000
 _LIMIT_OF_EXTRAS: Final = 1_000  # states of automata that serve only to find a smaller one
 _LIMIT_OF_PRODUCTS: Final = 10_000
-_LARGE: Final = 16  # states of a minimal automaton from which on a nondeterministic one may be worth while
+_LARGE: Final = 16  # states from which on only what is sure to be worth while is tried
+_SMALL: Final = 3  # states of a minimal automaton up to which a nondeterministic one is not tried
 _CYCLES: Final = 400
 _FEW_SETS: Final = 3  # acceptance sets of which all orders are tried
 
@@ -123,10 +124,10 @@ class _Translation:
             progression = Progression(diagrams, self._names)
             minimal = pruned(weak_structure(progression, diagrams, self._names, self._short, MAX_STATES))
             yield minimal
-            if minimal.size < _LARGE:
+            if minimal.size <= _SMALL:
                 return
-            limit = minimal.size // 2
-        # A nondeterministic automaton can be exponentially smaller, as for F (a & X X X X b).
+            limit = max(minimal.size // 2, 4 * _LARGE)
+        # A nondeterministic automaton can be smaller, even exponentially, as for F (a & X X X X b).
         diagrams = Diagrams()
         diagrams.allow(_GROWTH_OF_EXTRAS)
         with suppress(TooLargeError):

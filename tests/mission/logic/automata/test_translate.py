@@ -165,6 +165,25 @@ def test_a_nondeterministic_automaton_where_a_deterministic_one_is_exponential()
     assert automaton.size <= 14
 
 
+@pytest.mark.parametrize(
+    ("text", "states"),
+    [
+        ("X X !(X a M (F b M X X (X b -> !a)))", 8),
+        ("X ((((F b M b) U b) W (a & (c <-> G c))) U a)", 6),
+        ("X ((c <-> true M (F c & b)) R (true R a))", 4),
+    ],
+)
+def test_the_smaller_one_is_taken_of_small_obligations_too(text: str, states: int) -> None:
+    """A minimal deterministic automaton of 15, 7 and 5 states."""
+    formula = parse_formula(text)
+    automaton = translate(formula)
+    assert automaton.size <= states
+    random = Random(3)  # noqa: S311 - no secrets here
+    for _ in range(60):
+        word = random_word(random, automaton.propositions)
+        assert automaton.accepts(word) is satisfies(word, formula)
+
+
 def test_what_is_too_large_is_refused() -> None:
     with pytest.raises(AutomatonSizeError, match="nested deeper"):
         translate(parse_formula("X " * 300 + "a"))
