@@ -5,6 +5,7 @@ from argparse import Namespace
 from mission.cli.extent import extent
 from mission.cli.inputs import planned
 from mission.cli.screen import count, err, out, print_error, print_warnings
+from mission.decimals import decimal
 from mission.errors import MissionError
 
 
@@ -28,7 +29,9 @@ def run(arguments: Namespace) -> int:
             for kind, text in plan.written:
                 out.print(f"  {kind}  {text}", markup=False, highlight=False)
         for task in plan.dropped:
-            out.print(f"  dropped  {task.task} (weight {task.weight:g}): {task.reason}", markup=False, highlight=False)
+            out.print(
+                f"  dropped  {task.task} (weight {decimal(task.weight)}): {task.reason}", markup=False, highlight=False
+            )
         print_warnings(plan.warnings, source=name)
     bad = sum(code > 0 for code in codes)
     if bad and len(codes) > 1:

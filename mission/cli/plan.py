@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach
+from mission.decimals import decimal
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT, run_costs
 from mission.planning.run import Run
@@ -121,7 +122,7 @@ def _print(text: str = "") -> None:
 def _print_mission(plan: FlightPlan) -> None:
     lost = {task.number: task for task in plan.dropped}
     for i, task in enumerate(plan.spec.tasks):
-        weight = "" if task.weight is None else f" (weight {task.weight:g})"
+        weight = "" if task.weight is None else f" (weight {decimal(task.weight)})"
         _print(f"  {'dropped' if i in lost else 'task':<11}{task_text(task)}{weight}")
         if i in lost:
             _print(f"               {lost[i].reason}")

@@ -9,6 +9,7 @@ offset of length d is short by d^3 / 6R^2: 0.4 mm at 5 km, 4 m at 100 km.
 import math
 from dataclasses import dataclass
 
+from mission.decimals import decimal
 from mission.errors import GeometryError
 
 SEMI_MAJOR_AXIS_M = 6_378_137.0
@@ -60,7 +61,9 @@ def place_at_offset(from_place: LatLon, east_m: float, north_m: float) -> LatLon
         GeometryError: If the offset is longer than ``REACH_M``.
     """
     if not math.hypot(east_m, north_m) <= REACH_M:
-        raise GeometryError(f"the offset ({east_m:g}, {north_m:g}) m is longer than {REACH_M / 1000.0:.0f} km")
+        raise GeometryError(
+            f"the offset ({decimal(east_m)}, {decimal(north_m)}) m is longer than {REACH_M / 1000.0:.0f} km"
+        )
     east, north, up = _axes(from_place)
     start = _earth_centred(from_place)
     flat = [start[k] + east_m * east[k] + north_m * north[k] for k in range(3)]

@@ -6,6 +6,7 @@ Edge ``i`` of a ring runs from corner ``i`` to corner ``i + 1``.
 import numpy as np
 import shapely
 
+from mission.decimals import decimal
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
 MOST_CROSSINGS = 1_000
@@ -84,7 +85,7 @@ def ring_fault(ring_m: FloatArray, tolerance_m: float) -> str:
     pairs, points = edge_crossings(edges, tolerance_m)
     if len(pairs):
         (i, j), (x, y) = pairs[0], points[0]
-        return f"its edges {i}-{(i + 1) % corners} and {j}-{(j + 1) % corners} cross at ({x:g}, {y:g})"
+        return f"its edges {i}-{(i + 1) % corners} and {j}-{(j + 1) % corners} cross at ({decimal(x)}, {decimal(y)})"
     if abs(ring_area_m2(ring_m)) <= tolerance_m * float(np.ptp(ring_m, axis=0).max()):
         return "its corners all lie on one line"
     if not shapely.is_valid(shapely.Polygon(ring_m)):

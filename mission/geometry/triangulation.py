@@ -12,6 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import Delaunay, QhullError, cKDTree
 
+from mission.decimals import decimal
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.rings import ring_edges
@@ -69,8 +70,8 @@ def triangulate_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_
     edges = np.concatenate([ring_edges(ring) for ring in (boundary_m, *polygons_m)])
     missing = EdgesInMesh.of(mesh, edges).missing
     if len(missing):
-        (ax, ay), (bx, by) = edges[missing[0]]
-        raise GeometryError(f"the edge from ({ax:g}, {ay:g}) to ({bx:g}, {by:g}) is no edge of the mesh")
+        (ax, ay), (bx, by) = [map(decimal, end) for end in edges[missing[0]].tolist()]
+        raise GeometryError(f"the edge from ({ax}, {ay}) to ({bx}, {by}) is no edge of the mesh")
     return inside_of(mesh, boundary_m)
 
 
@@ -190,7 +191,7 @@ def _refuse_ends_off_vertices(edges_m: FloatArray, edge_of: IntArray, found_m: F
     off = (np.linalg.norm(bounded - edges_m, axis=-1) > closeness).reshape(-1)
     if off.any():
         x, y = edges_m.reshape(-1, 2)[int(np.argmax(off))]
-        raise GeometryError(f"the corner ({x:g}, {y:g}) is no vertex of the mesh")
+        raise GeometryError(f"the corner ({decimal(x)}, {decimal(y)}) is no vertex of the mesh")
 
 
 def _edge_keys(links: IntArray, vertices: int) -> IntArray:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Any
 
+from mission.decimals import decimal
 from mission.plan import FlightPlan
 from mission.report.figures import Picture
 from mission.report.reading import Entry, Record
@@ -113,7 +114,7 @@ def _tasks(plan: FlightPlan) -> str:
     rows = [
         (
             task_text(task),
-            "must be met" if task.weight is None else f"{task.weight:g}",
+            "must be met" if task.weight is None else decimal(task.weight),
             f"dropped: {reasons[i]}" if i in reasons else "",
         )
         for i, task in enumerate(plan.spec.tasks)

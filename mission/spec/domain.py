@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mission.decimals import decimal, measure
 from mission.errors import Fault, GeometryError, SpecError
 from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.location import Locator
@@ -30,7 +31,7 @@ from mission.spec.model import (
     RegionKind,
     TriangleShape,
 )
-from mission.spec.outlines import Outline, boundary_outline, place, sound_outlines
+from mission.spec.outlines import Outline, boundary_outline, pair, place, sound_outlines
 
 Domain = NodesDomain | BoundaryDomain
 
@@ -121,7 +122,7 @@ def _missing_edges(mesh: Partition, outlines: list[Outline], section: str) -> li
         outline, index = owners[edge]
         a, b = edges[edge]
         message = f"the edge of {outline.region or 'the boundary'} from {place(a)} to {place(b)} is no edge of the mesh"
-        middles = listed((f"[{x:.6g}, {y:.6g}]" for x, y in gaps[gap_of == edge].tolist()), most=4)
+        middles = listed(map(pair, gaps[gap_of == edge]), most=4)
         hint = f"other points are too near; add to {section} a point on each gap in the edge, such as {middles}"
         findings.append(Finding((*outline.path, index), message, hint))
     return findings
@@ -166,7 +167,7 @@ def _no_one_triangle(name: str, point: Point, touching: list[int], partition: Pa
     if not touching:
         return Finding(path, f"the point {place(point)} of {name} lies outside the domain", _reach(partition))
     message = f"the point {place(point)} of {name} lies on an edge between triangles"
-    inside = ", ".join(f"[{x:.6g}, {y:.6g}]" for x, y in partition.incentres_m[touching[:6]].tolist())
+    inside = listed(map(pair, partition.incentres_m[touching[:6]]))
     return Finding(path, message, f"move it inside one of them, such as {inside}")
 
 
@@ -189,8 +190,8 @@ def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]]) ->
         owner = owners[int(np.argmin(np.linalg.norm(places - corner, axis=1)))]
         corners = " ".join(place(corner) for corner in partition.corners_m[index])
         height, side = partition.heights_m[index].min(), partition.edge_lengths_m[index].max()
-        message = f"the triangle {corners} is degenerate: {height:.2g} m high on a side of {side:.3g} m"
-        hint = f"move this corner or take it away; the height must be {SLIVER:g} of the longest side at least"
+        message = f"the triangle {corners} is degenerate: {measure(height)} m high on a side of {measure(side)} m"
+        hint = f"move this corner or take it away; the height must be {decimal(SLIVER)} of the longest side at least"
         findings.append(Finding(owner, message, hint))
     return findings
 
@@ -209,5 +210,5 @@ def _start_findings(start_m: Point, locator: Locator, restricted: dict[str, Bool
 
 
 def _reach(partition: Partition) -> str:
-    (left, low), (right, high) = partition.vertices_m.min(axis=0), partition.vertices_m.max(axis=0)
-    return f"the domain reaches from {left:g} to {right:g} east and from {low:g} to {high:g} north"
+    left, low, right, high = map(decimal, np.concatenate((partition.vertices_m.min(0), partition.vertices_m.max(0))))
+    return f"the domain reaches from {left} to {right} east and from {low} to {high} north"

@@ -7,6 +7,7 @@ import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
+from mission.decimals import decimal, measure
 from mission.geometry.arrays import FloatArray
 from mission.geometry.rings import edge_crossings, ring_edges, ring_fault
 from mission.geometry.simplices import ROUNDING
@@ -62,7 +63,12 @@ def sound_outlines(
 
 def place(point: Point | FloatArray) -> str:
     """A point for people."""
-    return f"({point[0]:.6g}, {point[1]:.6g})"
+    return f"({decimal(point[0])}, {decimal(point[1])})"
+
+
+def pair(point: Point | FloatArray) -> str:
+    """A point as a mission file has it."""
+    return f"[{decimal(point[0])}, {decimal(point[1])}]"
 
 
 def _nodes_findings(domain: NodesDomain) -> list[Finding]:
@@ -130,7 +136,7 @@ def _outside(outline: Outline, boundary: FloatArray, tolerance_m: float) -> list
         return []
     index = int(outside[0])
     extent = "wholly" if len(outside) == len(outline.ring_m) else "partly"
-    corner = f"the corner {place(outline.ring_m[index])} is {distances[index]:.3g} m outside"
+    corner = f"the corner {place(outline.ring_m[index])} is {measure(distances[index])} m outside"
     message = f"{outline.region} lies {extent} outside the boundary: {corner}"
     return [Finding((*outline.path, index), message, "move its corners inside, or widen domain.boundary")]
 

@@ -1,8 +1,8 @@
 """Plain scalars of a mission file, read more strictly than YAML reads them.
 
-YAML 1.1 finds octal numbers in ``010``, sexagesimal ones in ``1:30``, truth in ``on``, dates in ``2024-01-01`` and
-text in ``1e3``. A mission file means none of these by accident: they become an ``Oddity``, which fits no type, and
-whose reason tells what YAML took it for.
+YAML 1.1 finds octal numbers in ``010``, sexagesimal ones in ``1:30``, truth in ``on`` and dates in ``2024-01-01``. A
+mission file means none of these by accident: they become an ``Oddity``, which fits no type, and whose reason tells
+what YAML took it for. In ``1e-5``, which JSON and most programs write, it finds text: here that is the number.
 """
 
 import math
@@ -15,8 +15,7 @@ from yaml.nodes import ScalarNode
 from yaml.resolver import Resolver
 
 _INTEGER: Final = re.compile(r"[-+]?(0|[1-9][0-9]{0,99})")
-_DECIMAL: Final = re.compile(r"[-+]?(0|[1-9][0-9]*)?\.[0-9]*([eE][-+][0-9]{1,6})?")
-_UNREAD: Final = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,6})?")
+_DECIMAL: Final = re.compile(r"[-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]{1,6})?")
 _LEADING_NUMBER: Final = re.compile(r"([-+]?[0-9]+(?:\.[0-9]+)?)\s*[A-Za-z°/%²]")
 _COMMA: Final = re.compile(r"[-+]?[0-9]+,[0-9]+")
 _resolve: Final[Callable[[type, str, tuple[bool, bool]], object]] = Resolver().resolve
@@ -38,6 +37,8 @@ class Oddity:
 def plain_value(text: str) -> bool | int | float | str | Oddity | None:
     """The value of a plain (unquoted) scalar."""
     tag = str(_resolve(ScalarNode, text, (True, False))).rpartition(":")[2]
+    if tag == "str" and _DECIMAL.fullmatch(text):
+        tag = "float"
     read = _READERS.get(tag)
     return read(text) if read else text
 
@@ -89,11 +90,6 @@ _READERS: Final[dict[str, Callable[[str], bool | int | float | Oddity | None]]] 
 
 def number_hint(text: str) -> str:
     """What to write instead of a text where a number is due; empty where that cannot be guessed."""
-    if _UNREAD.fullmatch(text):
-        number = float(text)
-        # Python shows larger numbers with an exponent but without a point, which YAML takes for text again.
-        plain = abs(number) < 1e16  # noqa: PLR2004 - where repr changes its notation
-        return f"YAML takes it for text; write {number!r}" if plain else "write a smaller number"
     if _COMMA.fullmatch(text):
         return f"the decimal point is a dot: {text.replace(',', '.')}"
     leading = _LEADING_NUMBER.match(text)

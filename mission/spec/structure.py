@@ -9,6 +9,7 @@ from typing import Any, Final
 from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
 
+from mission.decimals import decimal
 from mission.spec.finding import Finding, Path, dotted, listed, nearest, shortened
 from mission.spec.scalars import Oddity, number_hint, plain_value
 from mission.spec.schema import Schema, mission_schema
@@ -199,8 +200,8 @@ def _out_of_bounds(keyword: str, limit: Any, instance: Any, schema: Schema) -> t
     shown = shortened(str(instance))
     if keyword in ("minimum", "maximum"):
         side = "less" if keyword == "minimum" else "more"
-        span = f"from {schema['minimum']:g} to {schema['maximum']:g}"
-        return f"{shown} is {side} than {limit:g}", f"write a number {span}"
+        span = f"from {decimal(schema['minimum'])} to {decimal(schema['maximum'])}"
+        return f"{shown} is {side} than {decimal(limit)}", f"write a number {span}"
     if keyword == "uniqueItems":
         return f"two of {shortened(_flow(instance))} are the same", "name different ones"
     if keyword == "maxLength":

@@ -103,6 +103,8 @@ def read_tree(text: str) -> tuple[Node, list[Fault]]:
         message, hint, at_begin = _worded(error)
         mark = error.context_mark if at_begin else error.problem_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (0, 0)
+        if error.problem_mark and "quoted scalar" not in str(error.context):
+            _refuse_reserved_sign(text, error.problem_mark.line + 1, error.problem_mark.column + 1)
         _stop(line, column, message, hint)
     except (yaml.YAMLError, ValueError, OverflowError) as error:
         # The pure Python scanner lets ValueError through for numbers in directives and escapes out of range.
@@ -113,6 +115,31 @@ def _stop(line: int, column: int, message: str, hint: str, path: str = "") -> No
     raise SpecError((Fault(line, column, path, message, hint),)) from None
 
 
+TEXT_KEYS: Final = ("formula", "automaton", "name", "description")
+"""Keys whose value is a text."""
+
+_BEGINS_WITH_SIGN: Final = re.compile(
+    rf"""(?P<flow>.*[{{,])?[ ]*["']?(?P<key>{"|".join(TEXT_KEYS)})["']?[ ]*:[ ]+(?P<sign>[]\[{{}}!&*%@`|>,?"'-])"""
+)
+
+
+def _refuse_reserved_sign(text: str, line: int, column: int) -> None:
+    """Say so where YAML stops in a text, or at it, because of the sign that it begins with."""
+    lines = LINE_BREAK.split(text)
+    found = _BEGINS_WITH_SIGN.match(lines[line - 1][:column]) if line <= len(lines) else None
+    # After a text in quotes, in braces, a comma is what is most likely missing.
+    if found and not (found["flow"] and found["sign"] in _QUOTES):
+        _stop_at_sign(line, found.end(), found["key"], found["sign"])
+
+
+def _stop_at_sign(line: int, column: int, key: str, sign: str, path: str = "") -> NoReturn:
+    message = f"the text of `{key}` begins with `{sign}`, which YAML keeps for itself"
+    block = f"write it as a block: {key}: |, and below it, indented, the text"
+    hint = block if sign in _QUOTES else f"put it in single quotes, {key}: '{sign}...', or {block}"
+    _stop(line, column, message, hint, path)
+
+
+_QUOTES: Final = ("'", '"')
 _WORDINGS: Final = (
     ("'\\t'", "a tab stands where YAML wants spaces", "indent with spaces only", False),
     (
@@ -129,6 +156,12 @@ _WORDINGS: Final = (
         True,
     ),
     ("expected <block end>", "the indentation fits nothing above it", "indent all keys of a mapping alike", False),
+    (
+        "unknown escape character",
+        "in double quotes a backslash begins an escape",
+        "put the text in single quotes, or write it as a block: the key and |, the text on the next line, indented",
+        False,
+    ),
     ("quoted scalar", "a quote is never closed", "close it with the same quote as it begins", True),
 )
 """What the YAML parser says, what that means to the writer of a mission file, what to do, and whether the place to
@@ -175,6 +208,7 @@ class _Builder:
         return self._root, self._faults
 
     def _scalar(self, event: yaml.ScalarEvent, line: int, column: int) -> None:
+        self._refuse_sign(event, line, column)
         self._refuse_tag(event.tag, line, column)
         style = "" if event.implicit[0] else str(event.style or "")
         found = _UNPRINTABLE_IN_TEXT.search(event.value)
@@ -213,6 +247,7 @@ class _Builder:
     def _alias(self, name: str, line: int, column: int) -> None:
         known = self._anchors.get(name)
         if known is None:
+            self._refuse_sign(None, line, column)
             _stop(line, column, f"the alias *{name} has no anchor &{name} before it", "write the value out")
         if not isinstance(known.node, Scalar):
             self._refuse_as_key(line, column)
@@ -264,6 +299,22 @@ class _Builder:
         if self._size > MAX_NODES:
             hint = "write values out instead of aliases, or make the mission smaller"
             _stop(line, column, f"the file has more than {MAX_NODES} values, aliases counted as what they repeat", hint)
+
+    def _refuse_sign(self, event: yaml.ScalarEvent | None, line: int, column: int) -> None:
+        """Refuse a text that YAML does not see whole: a tag, an anchor or an alias (no event) stands where it begins.
+
+        An anchor is refused before a formula alone: other texts are reasonably repeated.
+        """
+        path = self._path_of_next()
+        key = path[-1] if path and self._stack[-1].key else None
+        if event is None:
+            sign = "*"
+        elif event.tag and not event.tag.startswith("tag:yaml.org,2002:"):
+            sign = "!"
+        else:
+            sign = "&" if event.anchor and key == "formula" else ""
+        if sign and key in TEXT_KEYS:
+            _stop_at_sign(line, column, str(key), sign, dotted(path))
 
     def _refuse_tag(self, tag: str | None, line: int, column: int) -> None:
         if tag is not None:

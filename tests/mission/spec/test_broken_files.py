@@ -1,5 +1,6 @@
 """Each fault that a user can make, with one file in missions/broken and exactly what is said of it."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,7 @@ import yaml
 
 from mission.errors import SpecError
 from mission.spec import yaml_tree
-from mission.spec.loader import load_mission
+from mission.spec.loader import load_mission, parse_mission
 
 BROKEN = Path(__file__).parents[3] / "missions" / "broken"
 
@@ -39,6 +40,7 @@ EXPECTED = [
         "mission.automaton",
         "the automaton in unknown_region.hoa speaks of `Hoem`, which is no region",
     ),
+    ("backslash_in_quotes", 9, 14, "", "in double quotes a backslash begins an escape"),
     ("bad_indentation", 6, 4, "", "the indentation fits nothing above it"),
     (
         "boundary_closed_twice",
@@ -77,7 +79,7 @@ EXPECTED = [
     ),
     ("colon_in_text", 12, 13, "", "a second `:` on one line"),
     ("control_character", 12, 11, "", "the character U+0007 is not allowed in YAML"),
-    ("coordinate_out_of_range", 3, 29, "domain.nodes[2][0]", "1000000000 is more than 1e+06"),
+    ("coordinate_out_of_range", 3, 29, "domain.nodes[2][0]", "1000000000 is more than 1000000"),
     ("date_for_text", 12, 7, "name", "expected text, found `2024-05-01`, which YAML reads as a date"),
     ("decimal_comma", 13, 14, "flight.speed_m_s", "expected a number, found the text `3,5`"),
     ("deep_nesting", 2, 26, "", "lists and mappings are nested deeper than 20"),
@@ -92,8 +94,37 @@ EXPECTED = [
     ("duplicate_points", 4, 22, "domain.points[1]", "point 1 repeats corner 2 of the boundary, (60, 40)"),
     ("empty", 0, 0, "", "the file is empty"),
     ("escaped_control_character", 12, 7, "name", "the text has the character U+001B, which cannot be shown"),
-    ("exponent_without_point", 13, 15, "flight.altitude_m", "expected a number, found the text `1e3`"),
+    ("formula_begins_with_a_bracket", 9, 12, "", "the text of `formula` begins with `[`, which YAML keeps for itself"),
+    (
+        "formula_begins_with_a_percent_sign",
+        9,
+        12,
+        "",
+        "the text of `formula` begins with `%`, which YAML keeps for itself",
+    ),
+    (
+        "formula_begins_with_a_tag",
+        9,
+        12,
+        "mission.formula",
+        "the text of `formula` begins with `!`, which YAML keeps for itself",
+    ),
+    (
+        "formula_begins_with_an_alias",
+        9,
+        12,
+        "mission.formula",
+        "the text of `formula` begins with `*`, which YAML keeps for itself",
+    ),
+    (
+        "formula_begins_with_an_anchor",
+        9,
+        12,
+        "mission.formula",
+        "the text of `formula` begins with `&`, which YAML keeps for itself",
+    ),
     ("formula_empty", 9, 12, "mission.formula", "the text is empty"),
+    ("formula_in_part_in_quotes", 9, 12, "", 'the text of `formula` begins with `"`, which YAML keeps for itself'),
     ("formula_not_text", 9, 12, "mission.formula", "expected text, found `true`"),
     ("formula_syntax", 9, 22, "mission.formula", "& has no left operand (column 11)"),
     ("formula_unclosed_parenthesis", 11, 9, "mission.formula", "this parenthesis is never closed (column 13)"),
@@ -124,7 +155,7 @@ EXPECTED = [
     ("many_faults", 10, 14, "mission.formula", "the formula speaks of `Feild`, which is no region (column 3)"),
     ("many_faults", 11, 9, "mission.laps", "expected until_stopped or a whole number from 1 to 10000, found `0`"),
     ("many_faults", 13, 15, "start.position_m", "the start (38, 15) lies in the restricted region Keep"),
-    ("many_faults", 15, 14, "flight.speed_m_s", "expected a number, found the text `1e1`"),
+    ("many_faults", 15, 14, "flight.speed_m_s", "expected a number, found the text `ten`"),
     ("mapping_for_number", 13, 15, "flight.altitude_m", "expected a number, found a mapping"),
     ("merge_key", 5, 11, "regions.Field.<<", "merge keys are not allowed"),
     ("missing_key", 8, 1, "mission.formula", "`formula` is missing in `mission`"),
@@ -342,6 +373,14 @@ def test_each_fault_is_reported_where_it_stands(name: str) -> None:
 def test_the_same_is_said_without_the_fast_parser(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(yaml_tree, "_FAST_LOADER", yaml.SafeLoader)
     test_each_fault_is_reported_where_it_stands(name)
+
+
+@pytest.mark.parametrize("name", ["a_tag", "a_bracket"])
+def test_a_formula_in_the_quotes_that_the_hint_asks_for_is_read(name: str) -> None:
+    text = (BROKEN / f"formula_begins_with_{name}.yaml").read_text(encoding="utf-8")
+    formula = re.search("formula: (.*)", text)[1]  # type: ignore[index]
+    assert parse_mission(text.replace(formula, f"'{formula}'").encode()).formula == formula
+    assert parse_mission(text.replace(formula, f"|\n    {formula}").encode()).formula.strip() == formula
 
 
 def test_each_file_of_the_folder_has_its_expectation() -> None:

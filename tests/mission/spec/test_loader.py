@@ -1,13 +1,16 @@
 """Mission files into values: the paper's, the defaults, and what can be wrong with a file as such."""
 
 import dataclasses
+import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from mission.errors import SpecError
 from mission.geometry.geodesy import LatLon
+from mission.spec.document import document_of
 from mission.spec.loader import MOST_FAULTS, load_mission, parse_mission
 from mission.spec.model import (
     BoundaryDomain,
@@ -90,6 +93,16 @@ def test_what_a_file_gives_is_taken() -> None:
     assert isinstance(spec.origin, LatLon)
     assert spec.smoothing == Smoothing(Extension.EVEN, 12)
     assert spec.limits == Limits(speed_m_s=5.0, acceleration_m_s2=2.5, tilt_rad=math.radians(10.0))
+
+
+def test_a_file_that_a_program_wrote_as_json_is_read() -> None:
+    spec = parse_mission(SMALL.encode())
+    document = document_of(replace(spec, start=Start((12.0, 1e-5)), flight=replace(spec.flight, disturbance_m_s2=1e-7)))
+    written = json.dumps(document)
+    assert "1e-05" in written
+    assert parse_mission(written.encode()) == replace(
+        spec, start=Start((12.0, 1e-5)), flight=replace(spec.flight, disturbance_m_s2=1e-7)
+    )
 
 
 def test_values_are_frozen() -> None:
