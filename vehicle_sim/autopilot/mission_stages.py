@@ -43,8 +43,8 @@ class Craft(Protocol):
         """Why the mission cannot be flown; None if it can."""
         ...
 
-    def place_home(self, place: Geodetic) -> None:
-        """Make a place home."""
+    def place_home(self, place: Geodetic) -> bool:
+        """Make a place home, if it may be one."""
         ...
 
     def way_home(self) -> Destination:

@@ -174,15 +174,21 @@ class Autopilot(Machine):
     ) -> Outcome:
         """Fly to a place relative to the estimator's origin (axes left free: stay), and remain there.
 
-        ArduPilot does it in GUIDED, which `change_mode` enters; PX4 in Hold.
+        ArduPilot does it in GUIDED, which `change_mode` enters; PX4 in Hold, where without a place a change of height
+        or heading keeps the place that is held or flown to, and without any of them the vehicle stops.
         """
         if not self._estimate.status.position_ok:
             return Outcome.DENIED
         mode = Mode.HOLD if self.flavour is Flavour.PX4 else Mode.GUIDED
         if self.flavour is Flavour.ARDUPILOT and self.mode is not mode and not change_mode:
             return Outcome.DENIED
+        kept = self._task.setpoint if isinstance(self._task, (HoldTask, TakeoffTask)) else None
         if self.set_mode(mode) is not Outcome.ACCEPTED:
             return self._refusal
+        north, east, down = place_ned_m
+        if north is east is None and kept is not None and (down is not None or yaw_rad is not None):
+            place_ned_m = (*kept.position_ned_m[:2], down)
+            yaw_rad = kept.yaw_rad if yaw_rad is None else yaw_rad
         task = HoldTask(self._estimate, self.settings, place=place_ned_m, yaw_rad=yaw_rad)
         if self._is_fenced_off(task.setpoint.position_ned_m):
             if self.flavour is Flavour.ARDUPILOT:
@@ -223,7 +229,8 @@ class Autopilot(Machine):
         """Make `place` home (None: here), and keep it at the next arming."""
         if self._estimate.origin is None or (place is None and not self._estimate.status.position_ok):
             return self._refusal
-        self.place_home(self._here() if place is None else place)
+        if not self.place_home(self._here() if place is None else place):
+            return self._refusal
         self._home_locked = True
         return Outcome.ACCEPTED
 

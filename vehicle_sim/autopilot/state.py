@@ -5,7 +5,7 @@
 
 from collections import deque
 from dataclasses import replace
-from math import inf
+from math import hypot, inf
 from typing import TYPE_CHECKING, Final
 
 from vehicle_sim.autopilot.arming import ArmingFault, arming_faults
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 _MOST_TEXTS: Final = 64
 _LINGERS_S: Final = 0.5
+_FARTHEST_HOME_M: Final = 50_000.0
+"""ArduCopter's `far_from_EKF_origin`: once in every direction, of late in the vertical alone."""
 
 
 class State:
@@ -193,9 +195,12 @@ class State:
         origin = self._estimate.origin or Geodetic(0.0, 0.0, 0.0)
         return geodetic_at(origin, self._estimate.position_ned_m)
 
-    def place_home(self, place: Geodetic) -> None:
-        """Make a place home."""
+    def place_home(self, place: Geodetic) -> bool:
+        """Make a place home; tell whether it is near enough to the estimator's origin to be one (to ArduPilot)."""
+        ned_m = self._home_ned_m if self._estimate.origin is None else ned_offset_m(self._estimate.origin, place)
+        if self.flavour is Flavour.ARDUPILOT and hypot(*ned_m) > _FARTHEST_HOME_M:
+            return False
         self.home = place
         self.home_revision += 1
-        if self._estimate.origin is not None:
-            self._home_ned_m = ned_offset_m(self._estimate.origin, place)
+        self._home_ned_m = ned_m
+        return True

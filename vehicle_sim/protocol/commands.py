@@ -4,7 +4,7 @@ https://mavlink.io/en/services/command.html. Every handler may be called again w
 so is accepted.
 """
 
-from math import isfinite, isnan, radians
+from math import isfinite, isnan, nan, radians
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vehicle_sim.autopilot import Autopilot, Outcome, Severity, SpeedAxis
@@ -12,15 +12,17 @@ from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host, Sender
-from vehicle_sim.protocol.places import global_place
+from vehicle_sim.protocol.places import AMSL_FRAMES, altitude_m, global_place
 from vehicle_sim.protocol.units import whole_number
-from vehicle_sim.signals import Geodetic
+from vehicle_sim.signals import Geodetic, PartialVector
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 _FORCE: Final = 21196
+_NO_PLACE: Final = 2**31 - 1
 _CHANGE_MODE: Final = 1
+_ONE_CM: Final = 0.01
 _SPEED_AXES: Final = {
     0: SpeedAxis.HORIZONTAL,
     1: SpeedAxis.HORIZONTAL,
@@ -41,6 +43,10 @@ class Request(NamedTuple):
     command: int
     params: tuple[float, ...]
     frame: int | None
+
+
+def _frame(request: Request) -> int:
+    return mavlink.MAV_FRAME_GLOBAL if request.frame is None else request.frame
 
 
 class CommandService:
@@ -85,9 +91,10 @@ class CommandService:
         self._answer(Request(sender, message.command, (*params, message.param5, message.param6, message.param7), None))
 
     def on_command_int(self, sender: Sender, message: Message) -> None:
-        """Carry out a COMMAND_INT, with latitude and longitude in 1e-7 degrees."""
+        """Carry out a COMMAND_INT, with latitude and longitude in 1e-7 degrees, or neither."""
         params = (message.param1, message.param2, message.param3, message.param4)
-        place = (message.x * 1e-7, message.y * 1e-7, message.z)
+        is_given = (message.x, message.y) != (_NO_PLACE, _NO_PLACE)
+        place = (message.x * 1e-7, message.y * 1e-7, message.z) if is_given else (nan, nan, message.z)
         self._answer(Request(sender, message.command, (*params, *place), message.frame))
 
     def on_set_mode(self, sender: Sender, message: Message) -> None:
@@ -150,15 +157,23 @@ class CommandService:
         if request.frame is None and not is_px4:
             return int(mavlink.MAV_RESULT_COMMAND_INT_ONLY)
         origin = self._host.vehicle.estimate.origin
-        place = self._place(request)
-        if place is None:
-            return Outcome.DENIED
-        if origin is None:
-            return Outcome.TEMPORARILY_REJECTED if is_px4 else Outcome.DENIED
+        lat_deg, lon_deg, height_m = request.params[4:7]
+        target: PartialVector | None = None
+        if is_px4 and not (isfinite(lat_deg) and isfinite(lon_deg)):
+            # So ground stations pause it, change its height or turn it: what is no number stays.
+            alt_m = altitude_m(height_m, _frame(request), self._autopilot.home)
+            if origin is not None and (alt_m is not None or isnan(height_m)):
+                target = (None, None, None if alt_m is None else origin.alt_m - alt_m)
+        elif (place := self._place(request)) is not None and origin is not None:
+            target = ned_offset_m(origin, place)
+        if not is_px4 and request.frame not in AMSL_FRAMES and abs(height_m) < _ONE_CM:
+            target = None  # to ArduPilot a height of nothing above home has not been filled in
+        if target is None:
+            return Outcome.TEMPORARILY_REJECTED if is_px4 and origin is None else Outcome.DENIED
         speed, flags, _radius, yaw = request.params[:4]
         flags_asked = whole_number(flags)
         return self._autopilot.reposition(
-            ned_offset_m(origin, place),
+            target,
             yaw_rad=yaw if isfinite(yaw) else None,
             speed_m_s=speed if isfinite(speed) and speed > 0.0 else None,
             change_mode=bool((flags_asked or 0) & _CHANGE_MODE),
@@ -166,7 +181,7 @@ class CommandService:
 
     def _place(self, request: Request) -> Geodetic | None:
         lat_deg, lon_deg, height_m = request.params[4:7]
-        frame = mavlink.MAV_FRAME_GLOBAL if request.frame is None else request.frame
+        frame = _frame(request)
         estimate = self._host.vehicle.estimate
         if isnan(height_m) and estimate.origin is not None:
             frame, height_m = mavlink.MAV_FRAME_GLOBAL, estimate.origin.alt_m - estimate.position_ned_m[2]
@@ -191,7 +206,14 @@ class CommandService:
         return self._autopilot.turn(sign * radians(angle_deg), rate_rad_s=rate_rad_s, relative=is_relative)
 
     def _set_home(self, request: Request) -> Outcome:
-        if request.params[0] == 1.0:
+        here, lat_deg, lon_deg = request.params[0], *request.params[4:6]
+        if self._host.table.flavour is Flavour.PX4:
+            is_here = here > 0.5  # noqa: PLR2004 - the command's own threshold between a flag's 0 and 1
+        else:
+            is_here = here == 1.0 or (lat_deg, lon_deg) == (0.0, 0.0)
+            if not is_here and here != 0.0:
+                return Outcome.FAILED
+        if is_here:
             return self._autopilot.set_home(None)
         place = self._place(request)
         return Outcome.DENIED if place is None else self._autopilot.set_home(place)

@@ -12,7 +12,7 @@ from vehicle_sim.autopilot import Command, Datum, MissionItem, Place, SpeedAxis
 from vehicle_sim.autopilot.mission_items import FOREVER
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import mavlink
-from vehicle_sim.protocol.places import AMSL_FRAMES, GLOBAL_FRAMES, HOME_FRAMES, is_place
+from vehicle_sim.protocol.places import AMSL_FRAMES, GLOBAL_FRAMES, HOME_FRAMES, is_latitude, is_longitude
 from vehicle_sim.protocol.plan_store import PlanItem
 from vehicle_sim.protocol.units import E7
 
@@ -187,9 +187,9 @@ def _ardupilot_fault(row: _Row, item: PlanItem) -> int:
         return int(mavlink.MAV_MISSION_ACCEPTED)
     if item.frame not in _ARDUPILOT_FRAMES:
         return int(mavlink.MAV_MISSION_UNSUPPORTED_FRAME)
-    if not is_place(item.x / E7, 0.0):
+    if not is_latitude(item.x / E7):
         return int(mavlink.MAV_MISSION_INVALID_PARAM5_X)
-    if not is_place(0.0, item.y / E7):
+    if not is_longitude(item.y / E7):
         return int(mavlink.MAV_MISSION_INVALID_PARAM6_Y)
     return int(mavlink.MAV_MISSION_ACCEPTED if abs(item.z) < _HIGHEST_M else mavlink.MAV_MISSION_INVALID_PARAM7)
 
@@ -227,10 +227,12 @@ def mission_item(flavour: Flavour, item: PlanItem) -> MissionItem:
         fields.pop("yaw_rad" if command is not Command.TURN else "", None)
         if command is Command.WAYPOINT:
             fields.pop("radius_m", None)
-    if item.command == mavlink.MAV_CMD_DO_SET_ROI and px4 and item.params[0] == _ROI_NONE:
+    is_blank = (item.x, item.y, item.z) == (0, 0, 0.0)
+    looks_at_nothing = item.params[0] == _ROI_NONE and item.command == mavlink.MAV_CMD_DO_SET_ROI if px4 else is_blank
+    if command is Command.LOOK_AT and looks_at_nothing:
         command = Command.LOOK_AHEAD
     wants_place = row.placed and command is not Command.LOOK_AHEAD
-    here = command is Command.SET_HOME and (item.params[0] == 1.0 or (item.x, item.y, item.z) == (0, 0, 0.0))
+    here = command is Command.SET_HOME and (item.params[0] == 1.0 or is_blank)
     return MissionItem(
         command=command,
         name=row.name,

@@ -12,7 +12,7 @@ from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.mission_items import mission_item
 from vehicle_sim.protocol.opaque_ids import with_ids
-from vehicle_sim.protocol.places import global_place
+from vehicle_sim.protocol.places import altitude_m, global_place
 from vehicle_sim.protocol.plan_store import PlanItem, PlanKind, PlanStore
 from vehicle_sim.protocol.units import E7, whole_number
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from vehicle_sim.protocol.commands import Request
     from vehicle_sim.protocol.host import Host, Sender
     from vehicle_sim.protocol.telemetry import Builder
+    from vehicle_sim.signals import PartialVector
 
 GO_TO: Final = 2
 CHANGE_HEIGHT: Final = 3
@@ -135,14 +136,15 @@ def fly_item(host: "Host", item: PlanItem, purpose: int) -> int:
     vehicle = host.vehicle
     autopilot, estimate = vehicle.autopilot, vehicle.estimate
     origin = estimate.origin
-    place = global_place(item.x / E7, item.y / E7, item.z, item.frame, autopilot.home)
-    is_known = item.command == mavlink.MAV_CMD_NAV_WAYPOINT or purpose == CHANGE_HEIGHT
-    if place is None or origin is None or not is_known or autopilot.mode is not Mode.GUIDED:
+    if origin is None or autopilot.mode is not Mode.GUIDED:
         return int(mavlink.MAV_MISSION_ERROR)
-    north, east, down = ned_offset_m(origin, place)
+    target: PartialVector | None = None
     if purpose == CHANGE_HEIGHT:
+        alt_m = altitude_m(item.z, item.frame, autopilot.home)
         kept = estimate.position_ned_m if autopilot.target is None else autopilot.target.position_ned_m
-        outcome = autopilot.reposition((kept[0], kept[1], down))
-    else:
-        outcome = autopilot.reposition((north, east, down))
+        target = None if alt_m is None else (kept[0], kept[1], origin.alt_m - alt_m)
+    elif item.command == mavlink.MAV_CMD_NAV_WAYPOINT:
+        place = global_place(item.x / E7, item.y / E7, item.z, item.frame, autopilot.home)
+        target = None if place is None else ned_offset_m(origin, place)
+    outcome = Outcome.DENIED if target is None else autopilot.reposition(target)
     return int(mavlink.MAV_MISSION_ACCEPTED if outcome is Outcome.ACCEPTED else mavlink.MAV_MISSION_ERROR)

@@ -9,7 +9,7 @@ from math import isfinite
 from typing import Final, NamedTuple
 
 from vehicle_sim.protocol.dialect import mavlink
-from vehicle_sim.protocol.places import GLOBAL_FRAMES, is_place
+from vehicle_sim.protocol.places import GLOBAL_FRAMES, is_longitude, is_place
 from vehicle_sim.protocol.units import E7
 
 MOST_ITEMS: Final = 1000
@@ -62,10 +62,10 @@ def place_fault(kind: PlanKind, item: PlanItem) -> int:
         return int(mavlink.MAV_MISSION_UNSUPPORTED)
     if item.frame not in GLOBAL_FRAMES:
         return int(mavlink.MAV_MISSION_UNSUPPORTED_FRAME)
-    if not is_place(item.x / E7, 0.0):
-        return int(mavlink.MAV_MISSION_INVALID_PARAM5_X)
-    if not is_place(0.0, item.y / E7):
+    if not is_longitude(item.y / E7):
         return int(mavlink.MAV_MISSION_INVALID_PARAM6_Y)
+    if not is_place(item.x / E7, item.y / E7):
+        return int(mavlink.MAV_MISSION_INVALID_PARAM5_X)
     if not isfinite(item.z):
         return int(mavlink.MAV_MISSION_INVALID_PARAM7)
     return int(mavlink.MAV_MISSION_ACCEPTED)

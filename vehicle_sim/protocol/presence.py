@@ -61,11 +61,10 @@ class PresenceService:
         self._answer(sender, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN)
 
     def on_set_home(self, sender: "Sender", message: Message) -> None:
-        """Move home to a place above mean sea level, and tell where it is now."""
-        place = global_place(
-            message.latitude * 1e-7, message.longitude * 1e-7, message.altitude * 1e-3, mavlink.MAV_FRAME_GLOBAL, None
-        )
-        if place is not None:
+        """Move home to a place above mean sea level (zeros alone mean here), and tell where it is now."""
+        lat, lon, alt = message.latitude, message.longitude, message.altitude
+        place = global_place(lat * 1e-7, lon * 1e-7, alt * 1e-3, mavlink.MAV_FRAME_GLOBAL, None)
+        if place is not None or lat == lon == alt == 0:
             self._host.vehicle.autopilot.set_home(place)
         self._answer(sender, mavlink.MAVLINK_MSG_ID_HOME_POSITION)
 
