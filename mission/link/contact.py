@@ -19,7 +19,7 @@ from mission.link.requests import Answer, RequestChannel
 from mission.link.signing import Signatures
 from mission.link.texts import Text
 from mission.link.values import Acknowledgement, Body, Heartbeat, LocalSetpoint, Received, Version
-from mission.link.vehicle_state import VehicleState
+from mission.link.vehicle_state import HEARTBEATS, VehicleState
 
 if TYPE_CHECKING:
     from mission.link.autopilot import Autopilot
@@ -173,7 +173,7 @@ class Contact:
         Raises:
             VehicleError: The vehicle is armed already, or has not become ready in time.
         """
-        if self.vehicle.armed:
+        if self.vehicle.heartbeats_armed >= HEARTBEATS:
             raise VehicleError("the vehicle is armed already; a mission begins on the ground, with motors off")
         self.waiting_for = self.vehicle.unready(absolute=self._needs_origin)
         vehicle_s = self.vehicle.clock.now_s(now_s)

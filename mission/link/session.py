@@ -22,14 +22,13 @@ from mission.link.guidance import Guidance
 from mission.link.procedure import Procedure
 from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
-from mission.link.vehicle_state import VehicleState
+from mission.link.vehicle_state import HEARTBEATS, VehicleState
 from mission.monitor.stage import Stage
 
 Anchoring = Callable[[Vector], Anchor]
 """Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""
 
 _LOOK_S: Final = 0.05
-_HEARTBEATS: Final = 2
 _WORDS_S: Final = 5.0
 _ORIGIN_MOVED_DEG: Final = 5e-6
 _DESCENDING: Final = (Stage.TOUCH_DOWN, Stage.DISARM)
@@ -272,7 +271,7 @@ class Session:
         step, kind = self._procedure.step, self.contact.autopilot
         if step is None or step.modes is None or kind is None or not heartbeat.armed:
             return
-        if heartbeat.custom_mode in step.modes or self.vehicle.heartbeats_in_mode < _HEARTBEATS:
+        if heartbeat.custom_mode in step.modes or self.vehicle.heartbeats_in_mode < HEARTBEATS:
             return
         mode = kind.mode_name(heartbeat.custom_mode)
         if heartbeat.in_failsafe:

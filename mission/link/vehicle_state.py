@@ -26,6 +26,12 @@ from mission.link.vehicle_clock import VehicleClock
 
 _MOST_TEXTS: Final = 64
 _FRESH_S: Final = 2.0
+HEARTBEATS: Final = 2
+"""How many in a row are believed: one alone may have been late on its way."""
+
+_DOUBLED_S: Final = 0.3
+"""The same heartbeat within this time is one that came twice; vehicles beat once a second."""
+
 _GRAVE: Final = 5
 """Notices and worse explain what happened (ArduPilot gives notice of a breach of its fence); chatter does not."""
 
@@ -51,6 +57,8 @@ class VehicleState:
     Attributes:
         clock: The vehicle's own time.
         heartbeats_in_mode: How many heartbeats in a row have shown the present mode.
+        heartbeats_armed: How many in a row have shown armed motors.
+        armed: Whether the motors are armed: one heartbeat is enough to say so, two in a row to say otherwise.
         position_at_s: Vehicle time of ``position``.
     """
 
@@ -58,7 +66,9 @@ class VehicleState:
         """Start knowing nothing."""
         self.clock = VehicleClock()
         self.heartbeat: Heartbeat | None = None
-        self.heartbeats_in_mode = 0
+        self.heartbeats_in_mode = self.heartbeats_armed = self._heartbeats_disarmed = 0
+        self.armed = False
+        self._beat_at_s = -math.inf
         self.position: LocalPosition | None = None
         self.position_at_s = -math.inf
         self.place: GlobalPosition | None = None
@@ -70,13 +80,10 @@ class VehicleState:
         self.landed = LandedState.UNDEFINED
         self.version: Version | None = None
         self.heard_kinds: set[type[Body]] = set()
+        self._no_numbers: set[type[Body]] = set()
+        self._told_at_s: dict[type[Body], float] = {}
         self._texts = TextAssembler()
         self._heard: deque[Heard] = deque(maxlen=_MOST_TEXTS)
-
-    @property
-    def armed(self) -> bool:
-        """Whether the last heartbeat showed armed motors."""
-        return self.heartbeat is not None and self.heartbeat.armed
 
     @property
     def mode(self) -> int:
@@ -94,9 +101,7 @@ class VehicleState:
         if isinstance(body, (LocalPosition, GlobalPosition, Attitude)):
             self._take_motion(body, local_s)
         elif isinstance(body, Heartbeat):
-            same = self.heartbeat is not None and self.heartbeat.custom_mode == body.custom_mode
-            self.heartbeats_in_mode = self.heartbeats_in_mode + 1 if same else 1
-            self.heartbeat = body
+            self._take_heartbeat(body, local_s)
         elif isinstance(body, Words):
             return self._note(self._texts.take(body, local_s), local_s)
         elif isinstance(body, Landing):
@@ -122,7 +127,8 @@ class VehicleState:
         Args:
             absolute: Whether the mission lies at a place on Earth, so that a relative position is not enough.
         """
-        return self._unestimated(absolute=absolute) or self._unplaced(absolute=absolute) or self._unwell()
+        still = "its motors are armed" if self.armed else ""
+        return still or self._unestimated(absolute=absolute) or self._unplaced(absolute=absolute) or self._unwell()
 
     @property
     def estimate_trusted(self) -> bool:
@@ -150,13 +156,14 @@ class VehicleState:
         return f"its estimator has no {', no '.join(lacking)} yet" if lacking else ""
 
     def _unplaced(self, *, absolute: bool) -> str:
-        position, newest_s = self.position, self.clock.newest_s
-        if position is None or newest_s is None:
-            return "no local position yet"
-        if newest_s - self.position_at_s > _FRESH_S:
-            return "its local position is not renewed"
-        if not all(map(math.isfinite, (*position.position_ned_m, *position.velocity_ned_m_s))):
-            return "its local position is no number"
+        newest_s = self.clock.newest_s
+        for kind, name in ((LocalPosition, "local position"), (Attitude, "attitude")):
+            if kind in self._no_numbers:
+                return f"its {name} is no number"
+            if kind not in self._told_at_s or newest_s is None:
+                return f"no {name} yet"
+            if newest_s - self._told_at_s[kind] > _FRESH_S:
+                return f"its {name} is not renewed"
         if self.place is None:
             return "no global position and height yet"
         return "it has not told the origin of its local frame yet" if absolute and self.origin is None else ""
@@ -168,16 +175,38 @@ class VehicleState:
         bad = [name for part, name in _PARTS if health.enabled & part and not health.healthy & part]
         return f"its {' and '.join(bad)} {'is' if len(bad) == 1 else 'are'} not well" if bad else ""
 
+    def _take_heartbeat(self, body: Heartbeat, local_s: float) -> None:
+        """Count heartbeats that agree."""
+        at_s = self.clock.now_s(local_s)
+        if at_s is not None:
+            if body == self.heartbeat and at_s - self._beat_at_s < _DOUBLED_S:
+                return
+            self._beat_at_s = at_s
+        same = self.heartbeat is not None and self.heartbeat.custom_mode == body.custom_mode
+        self.heartbeats_in_mode = self.heartbeats_in_mode + 1 if same else 1
+        self.heartbeats_armed = self.heartbeats_armed + 1 if body.armed else 0
+        self._heartbeats_disarmed = 0 if body.armed else self._heartbeats_disarmed + 1
+        self.armed = body.armed or (self.armed and self._heartbeats_disarmed < HEARTBEATS)
+        self.heartbeat = body
+
     def _take_motion(self, body: LocalPosition | GlobalPosition | Attitude, local_s: float) -> None:
-        """Keep the newer of two, so that what was reordered on the way never moves the vehicle back."""
-        self.clock.observe(body.time_boot_ms, local_s)
+        """Keep numbers, and the newer of two: what was reordered on the way never moves the vehicle back."""
+        kind = type(body)
+        if not self.clock.observe(body.time_boot_ms, local_s):
+            return
+        if not _is_finite(body):
+            self._no_numbers.add(kind)
+            return
+        self._no_numbers.discard(kind)
         at_s = self.clock.unwrapped_s(body.time_boot_ms)
+        if at_s <= self._told_at_s.get(kind, -math.inf):
+            return
+        self._told_at_s[kind] = at_s
         if isinstance(body, LocalPosition):
-            if at_s > self.position_at_s:
-                self.position, self.position_at_s = body, at_s
+            self.position, self.position_at_s = body, at_s
         elif isinstance(body, GlobalPosition):
-            self.place = body if self.place is None or body.time_boot_ms >= self.place.time_boot_ms else self.place
-        elif self.attitude is None or body.time_boot_ms >= self.attitude.time_boot_ms:
+            self.place = body
+        else:
             self.attitude = body
 
     def _take_health(self, body: Body) -> None:
@@ -193,3 +222,10 @@ class VehicleState:
     def _note(self, texts: list[Text], local_s: float) -> list[Text]:
         self._heard.extend(Heard(local_s, text) for text in texts)
         return texts
+
+
+def _is_finite(body: LocalPosition | GlobalPosition | Attitude) -> bool:
+    """Whether all that was told are numbers; an estimator that has none yet, or no longer, says so by NaN."""
+    if isinstance(body, LocalPosition):
+        return all(map(math.isfinite, (*body.position_ned_m, *body.velocity_ned_m_s)))
+    return isinstance(body, GlobalPosition) or all(map(math.isfinite, body.angles_rad))

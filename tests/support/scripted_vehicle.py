@@ -108,6 +108,14 @@ class ScriptedVehicle:
             piece = data[50 * number : 50 * number + 50]
             self._emit(mavlink.MAVLink_statustext_message(severity, piece, 7, number))
 
+    def slip_in(self, message: Any) -> None:  # noqa: ANN401 - pymavlink ships no types
+        """Send one packet that does not fit the others."""
+        self._emit(message)
+
+    @property
+    def time_boot_ms(self) -> int:
+        return round((self.now_s() - self.booted_s) * 1000)
+
     @property
     def height_m(self) -> float:
         return self.ground - self.position[2]
@@ -147,7 +155,7 @@ class ScriptedVehicle:
     def _report(self) -> None:
         if self.gone:
             return
-        now, ms = self.now_s(), round((self.now_s() - self.booted_s) * 1000)
+        now, ms = self.now_s(), self.time_boot_ms
         located = now >= self.script.origin_at_s
         if self._due(0, 1.0):
             self._emit(self._heartbeat())

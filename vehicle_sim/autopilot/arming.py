@@ -73,6 +73,12 @@ REMINDERS: Final[Mapping[Flavour, str]] = {Flavour.ARDUPILOT: "PreArm: {text}", 
 
 REMINDER_PERIOD_S: Final = 30.0
 
+ON_REQUEST_ALONE: Final[Mapping[Flavour, frozenset[ArmingReason]]] = {
+    Flavour.ARDUPILOT: frozenset({ArmingReason.MODE}),
+    Flavour.PX4: frozenset(),
+}
+"""What is looked at when arming is asked for, and not before: nothing reminds of it, no health bit tells of it."""
+
 
 def arming_faults(
     *,
@@ -94,7 +100,6 @@ def arming_faults(
     wants_setpoints = flavour is Flavour.PX4 and mode is Mode.GUIDED
     failed = {
         ArmingReason.CALIBRATING: not status.attitude_ok,
-        ArmingReason.MODE: not rule.armable,
         ArmingReason.NO_POSITION: rule.needs_position and not status.position_ok,
         ArmingReason.NO_HEIGHT: not status.height_ok,
         ArmingReason.NO_HOME: rule.needs_position and not home_known,
@@ -105,6 +110,7 @@ def arming_faults(
         ArmingReason.OUTSIDE_FENCE: outside_fence,
         # ArduPilot arms in AUTO, where that is allowed at all, with whatever mission there is.
         ArmingReason.NO_MISSION: flavour is Flavour.PX4 and mode is Mode.AUTO and not mission_flyable,
+        ArmingReason.MODE: not rule.armable,
     }
     texts = _TEXTS[flavour]
     return tuple(

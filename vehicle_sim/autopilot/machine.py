@@ -69,7 +69,7 @@ class Machine(State):
             self._protect(situation, fresh)
         if self.armed:
             self._fly()
-        elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (faults := self.arming_faults):
+        elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (faults := self.prearm_faults):
             self._reminded_at_s = self._now_s
             self._say(Severity.CRITICAL, REMINDERS[self.flavour].format(text=faults[0].text))
         self._watch_ground(thrust_m_s2)
@@ -158,11 +158,20 @@ class Machine(State):
         self._takeoff_height_m = None
         self.guard.monitor.disarmed()
         self.mission.disarmed()
+        if self.flavour is Flavour.PX4 and not self.terminated:
+            self._intend(self._armable_mode)
+            if self.mode is not self.intended_mode:
+                self._enter(self.intended_mode)
         self._refresh()
+
+    def _intend(self, mode: Mode) -> None:
+        self.intended_mode = mode
+        if self.modes[mode].armable:
+            self._armable_mode = mode
 
     def _happen(self, event: Event) -> None:
         if (mode := TRANSITIONS[self.flavour].get((self.mode, event))) is not None:
-            self.intended_mode = mode
+            self._intend(mode)
             self._enter(mode)
 
     def _fly(self) -> None:
@@ -197,7 +206,7 @@ class Machine(State):
 
     def _choose(self, mode: Mode) -> None:
         """Note the mode that the pilot wants: a failsafe that acts is taken over, one that pauses is called off."""
-        self.intended_mode = mode
+        self._intend(mode)
         self.guard.monitor.overridden()
 
     def _protect(self, situation: Situation, fresh: FenceType) -> None:

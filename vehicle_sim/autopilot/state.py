@@ -8,7 +8,7 @@ from dataclasses import replace
 from math import hypot, inf
 from typing import TYPE_CHECKING, Final
 
-from vehicle_sim.autopilot.arming import ArmingFault, arming_faults
+from vehicle_sim.autopilot.arming import ON_REQUEST_ALONE, ArmingFault, arming_faults
 from vehicle_sim.autopilot.feasibility import mission_fault
 from vehicle_sim.autopilot.guard import Guard, Situation
 from vehicle_sim.autopilot.hand import Pilot
@@ -73,7 +73,7 @@ class State:
         self._detector = LandDetector()
         self.guard = Guard(self.flavour, self.settings)
         self.rally: tuple[RallyPoint, ...] = ()
-        self.intended_mode = self.mode
+        self.intended_mode = self._armable_mode = self.mode
         self._wind_ned_m_s: Vector = (0.0, 0.0, 0.0)
         self._armed_at_s = 0.0
         self._has_flown = False
@@ -143,6 +143,12 @@ class State:
             outside_fence=self.guard.is_outside,
             mission_flyable=self.mode is not Mode.AUTO or self.mission_fault is None,
         )
+
+    @property
+    def prearm_faults(self) -> tuple[ArmingFault, ...]:
+        """The arming checks that fail now, of those that are looked at all the time."""
+        later = ON_REQUEST_ALONE[self.flavour]
+        return tuple(fault for fault in self.arming_faults if fault.reason not in later)
 
     @property
     def ready_to_arm(self) -> bool:

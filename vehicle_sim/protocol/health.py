@@ -72,7 +72,7 @@ def sys_status(host: Host) -> Message | None:
     well |= _PLACE if status.position_ok else 0
     well |= _AHRS if status.attitude_ok else 0
     well |= _BATTERY if battery.level == BatteryLevel.OK else 0
-    well |= _PREARM if autopilot.armed or autopilot.ready_to_arm else 0
+    well |= _PREARM if autopilot.armed or not (autopilot.terminated or autopilot.prearm_faults) else 0
     there, on = _PRESENT, _PRESENT
     # PX4's SYS_STATUS says nothing of its fence.
     if host.table.flavour is Flavour.ARDUPILOT and (fence := autopilot.guard.fence).is_there:

@@ -112,6 +112,14 @@ class Progression:
             known = self._after[state] = self._diagrams.choose(self._after_atom[atom], high, low)
         return known
 
+    def step(self, state: Diagram, letter: int) -> Diagram:
+        """What is left of a state after a letter, given as the bits of what holds."""
+        node = self.after(state)
+        while self._diagrams.variable[node] < self._first:
+            holds = letter >> self._diagrams.variable[node] & 1
+            node = self._diagrams.high[node] if holds else self._diagrams.low[node]
+        return node
+
     def _delay(self, state: Diagram) -> Diagram:
         """``X`` of a state; it distributes over every Boolean function."""
         known = self._delayed.get(state)

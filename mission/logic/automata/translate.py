@@ -22,7 +22,7 @@ from mission.logic.automata.progression import Progression
 from mission.logic.automata.simulation import reduced
 from mission.logic.automata.structure import Structure, pruned, state_based, transition_based
 from mission.logic.automata.tableau import Tableau
-from mission.logic.automata.weak import is_obligation, refined, renamed, weak_structure
+from mission.logic.automata.weak import cycles_disagree, is_obligation, is_persistence, refined, renamed, weak_structure
 from mission.logic.formula.rewriting import simplified
 from mission.logic.formula.syntax import Formula, negation, proposition_order
 
@@ -151,9 +151,16 @@ class _Translation:
     def _deterministic(self, positive: Structure) -> Structure | None:
         """A deterministic automaton on a structure of what can remain of the formula, if one is found."""
         diagrams = positive.diagrams
-        negative = self._tableau(diagrams, simplified(negation(self._short)), _LIMIT_OF_EXTRAS, _WORK_OF_EXTRAS)
         progression = Progression(diagrams, self._names)
-        states, rows = progression.explore(progression.state(self._short), _LIMIT_OF_EXTRAS)
+        start = progression.state(self._short)
+        if is_persistence(self._short):
+            everything = (1 << len(self._names)) - 1
+            ones = [1 << bit for bit in range(len(self._names))]
+            letters = [0, everything, *_spread([letter ^ other for letter in ones for other in (0, everything)], 64)]
+            if cycles_disagree(progression, diagrams, start, letters, _CYCLES):
+                return None  # it is no obligation, and so there is none
+        negative = self._tableau(diagrams, simplified(negation(self._short)), _LIMIT_OF_EXTRAS, _WORK_OF_EXTRAS)
+        states, rows = progression.explore(start, _LIMIT_OF_EXTRAS)
         for classes in _guesses(progression, diagrams, states, rows):
             first: dict[int, int] = {}
             for state, number in enumerate(classes):

@@ -17,12 +17,25 @@ from mission.logic.automata.progression import Progression
 from mission.logic.automata.structure import Moves, Structure
 from mission.logic.formula.syntax import Formula, Operator, postorder
 
-_SAFETY, _GUARANTEE, _OBLIGATION = 1, 2, 4
-_ALL = _SAFETY | _GUARANTEE | _OBLIGATION
+_SAFETY, _GUARANTEE, _OBLIGATION, _PERSISTENCE = 1, 2, 4, 8
+_ALL = _SAFETY | _GUARANTEE | _OBLIGATION | _PERSISTENCE
 
 
 def is_obligation(formula: Formula) -> bool:
-    """Whether the syntax of a formula in negation normal form shows that its language is an obligation.
+    """Whether the syntax of a formula in negation normal form shows that its language is an obligation."""
+    return bool(_kinds(formula) & _OBLIGATION)
+
+
+def is_persistence(formula: Formula) -> bool:
+    """Whether the syntax of a formula in negation normal form shows that it asks for something from some time on.
+
+    No deterministic Büchi automaton accepts such a language, unless it is an obligation.
+    """
+    return bool(_kinds(formula) & _PERSISTENCE)
+
+
+def _kinds(formula: Formula) -> int:
+    """The classes of the temporal hierarchy that a formula in negation normal form is in by its syntax, as bits.
 
     Source: the grammar of Černá and Pelánek, "Relating hierarchy of temporal properties to model checking" (2003).
     """
@@ -34,21 +47,23 @@ def is_obligation(formula: Formula) -> bool:
             shared &= part
         match node.operator:
             case Operator.EVENTUALLY:
-                kind = _GUARANTEE if shared & _GUARANTEE else 0
+                kind = shared & (_GUARANTEE | _PERSISTENCE)
             case Operator.ALWAYS:
-                kind = _SAFETY if shared & _SAFETY else 0
+                kind = shared & _SAFETY
             case Operator.UNTIL:
-                kind = shared & _GUARANTEE | (_OBLIGATION if parts[1] & _GUARANTEE and parts[0] else 0)
+                kind = shared & (_GUARANTEE | _PERSISTENCE) | (parts[0] & _OBLIGATION if parts[1] & _GUARANTEE else 0)
             case Operator.RELEASE:
-                kind = shared & _SAFETY | (_OBLIGATION if parts[1] & _SAFETY and parts[0] else 0)
+                kind = shared & _SAFETY | (parts[0] & (_OBLIGATION | _PERSISTENCE) if parts[1] & _SAFETY else 0)
             case Operator.WEAK_UNTIL:
-                kind = shared & _SAFETY | (_OBLIGATION if parts[0] & _SAFETY and parts[1] else 0)
+                kind = shared & _SAFETY | (parts[1] & (_OBLIGATION | _PERSISTENCE) if parts[0] & _SAFETY else 0)
             case Operator.STRONG_RELEASE:
-                kind = shared & _GUARANTEE | (_OBLIGATION if parts[0] & _GUARANTEE and parts[1] else 0)
+                kind = shared & (_GUARANTEE | _PERSISTENCE) | (parts[1] & _OBLIGATION if parts[0] & _GUARANTEE else 0)
             case _:
                 kind = shared
-        kinds[node] = kind | _OBLIGATION if kind else 0
-    return bool(kinds[formula])
+        if kind & (_SAFETY | _GUARANTEE):
+            kind |= _OBLIGATION
+        kinds[node] = kind | _PERSISTENCE if kind & _OBLIGATION else kind
+    return kinds[formula]
 
 
 def weak_structure(
@@ -100,6 +115,44 @@ def _colours(progression: Progression, diagrams: Diagrams, states: list[Diagram]
         for state in component:
             colours[state] = colour
     return colours
+
+
+def cycles_disagree(
+    progression: Progression, diagrams: Diagrams, start: Diagram, letters: Sequence[int], most: int
+) -> bool:
+    """Whether words that repeat one of some letters for ever show that a language is no obligation.
+
+    They do where two of them stay in one component, and one is accepted and the other is not.
+
+    Args:
+        progression: Of the formula.
+        diagrams: Its pool.
+        start: Its state.
+        letters: The letters that are tried, as bits of what holds.
+        most: States that these lead to at which to stop.
+    """
+    numbers = {start: 0}
+    states = [start]
+    successors: list[list[int]] = []
+    for state in states:
+        reached = [progression.step(state, letter) for letter in letters]
+        for target in reached:
+            if target not in numbers and len(states) < most:
+                numbers[target] = len(states)
+                states.append(target)
+        successors.append([numbers.get(target, -1) for target in reached])
+    truths = [progression.truth_on_cycle((letter,)) for letter in letters]
+    inner = [[target for target in found if target >= 0] for found in successors]
+    for component in strong_components(inner, (0,)):
+        outcomes = {
+            diagrams.evaluate(states[state], truth)
+            for state in component
+            for target, truth in zip(successors[state], truths, strict=True)
+            if target == state
+        }
+        if len(outcomes) > 1:
+            return True
+    return False
 
 
 def cycle_letters(

@@ -47,11 +47,67 @@ def test_late_and_repeated_time_stamps_change_nothing() -> None:
     assert not clock.restarted
 
 
-def test_a_restart_is_noticed() -> None:
+def running(clock: VehicleClock, begin_ms: int, local_s: float, seconds: float) -> None:
+    """Fifty time stamps a second."""
+    for i in range(round(50 * seconds)):
+        clock.observe(begin_ms + 20 * i, local_s + 0.02 * i)
+
+
+def test_a_restart_is_noticed_by_what_goes_on_from_it() -> None:
     clock = VehicleClock()
-    clock.observe(60_000, 0.0)
-    clock.observe(40, 1.0)
+    running(clock, 60_000, 0.0, 2.0)
+    running(clock, 40, 3.0, 0.8)
+    before = clock.restarted
+    running(clock, 840, 3.8, 0.4)
+    assert not before
     assert clock.restarted
+    assert clock.now_s(4.2) == pytest.approx(63.2, abs=0.3)  # and the time shown goes on
+
+
+@pytest.mark.parametrize("off_ms", [-3_500, -60_000, 5_000, 3_600_000])
+@pytest.mark.parametrize("packets", [1, 3])
+def test_time_stamps_that_nothing_goes_on_from_are_not_believed(off_ms: int, packets: int) -> None:
+    clock = VehicleClock()
+    running(clock, 100_000, 0.0, 2.0)
+    for i in range(packets):
+        assert not clock.observe(102_000 + off_ms + 20 * i, 2.0)
+    running(clock, 102_020, 2.02, 2.0)
+    assert not clock.restarted
+    assert clock.newest_s == pytest.approx(104.0)
+
+
+def test_a_block_of_late_packets_that_comes_at_once_is_no_restart() -> None:
+    clock = VehicleClock()
+    running(clock, 100_000, 0.0, 5.0)
+    for i in range(90):
+        assert not clock.observe(100_000 + 20 * i, 5.0 + 0.001 * i)
+    running(clock, 105_000, 5.1, 1.0)
+    assert not clock.restarted
+
+
+def test_a_gap_is_time_that_has_passed() -> None:
+    clock = VehicleClock()
+    running(clock, 100_000, 0.0, 2.0)
+    assert clock.observe(106_200, 6.2)
+    assert clock.now_s(6.2) == pytest.approx(106.2)
+
+
+def test_a_clock_that_was_set_is_followed_without_a_leap() -> None:
+    clock = VehicleClock()
+    running(clock, 100_000, 0.0, 2.0)
+    running(clock, 3_702_000, 2.0, 2.0)
+    assert not clock.restarted
+    assert clock.newest_s == pytest.approx(103.96)
+    assert clock.unwrapped_s(3_703_980) == pytest.approx(103.96)
+
+
+def test_where_the_first_time_stamp_of_all_was_astray_the_others_are_followed() -> None:
+    clock = VehicleClock()
+    clock.observe(3_700_000, 0.0)
+    running(clock, 100_000, 0.02, 3.0)
+    assert not clock.restarted
+    assert clock.observe(103_000, 3.02)
+    assert clock.rate == pytest.approx(1.0, rel=0.02)
 
 
 def test_32_bits_of_milliseconds_wrap() -> None:

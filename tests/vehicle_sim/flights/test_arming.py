@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.bare_vehicle import booted, hovering, run, said, wait_until
+from tests.support.bare_vehicle import booted, hovering, mode_of, offboard, run, said, wait_until
 from vehicle_sim.autopilot import ArmingReason, LandedState, Mode, Outcome
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
@@ -34,12 +34,14 @@ def test_arming_is_refused_until_the_estimator_is_ready(flavour: Flavour) -> Non
 
 def test_the_reason_is_repeated_every_half_minute() -> None:
     vehicle = Vehicle(VehicleConfig())
+    vehicle.battery.consumed_mah = 4000.0
+    vehicle.parameters.set("BATT_CRT_MAH", 2000)
     vehicle.autopilot.set_mode(Mode.RETURN)
     run(vehicle, 65.0)
     assert [text for text in said(vehicle) if text.startswith("PreArm")] == [
         "PreArm: Gyros not calibrated",
-        "PreArm: RTL mode not armable",
-        "PreArm: RTL mode not armable",
+        "PreArm: Battery 1 below minimum arming voltage",
+        "PreArm: Battery 1 below minimum arming voltage",
     ]
 
 
@@ -47,8 +49,50 @@ def test_the_reason_is_repeated_every_half_minute() -> None:
 def test_modes_of_the_way_down_cannot_be_armed_in(mode: Mode) -> None:
     vehicle = booted()
     vehicle.autopilot.set_mode(mode)
+    said(vehicle)
     assert vehicle.autopilot.arm() is Outcome.FAILED
+    assert said(vehicle) == [f"Arm: {vehicle.autopilot.rule.name} mode not armable"]
     assert vehicle.autopilot.arm(force=True) is Outcome.ACCEPTED
+
+
+@pytest.mark.parametrize("way_down", [Mode.LAND, Mode.RETURN])
+@pytest.mark.parametrize("before", [Mode.POSITION, Mode.HOLD, Mode.GUIDED])
+def test_px4_goes_back_to_the_mode_that_it_was_flown_in_and_can_be_armed_again(before: Mode, way_down: Mode) -> None:
+    vehicle = hovering(PX4, height_m=3.0)
+    stream = offboard(vehicle) if before is Mode.GUIDED else None
+    assert vehicle.autopilot.set_mode(before) is Outcome.ACCEPTED
+    assert vehicle.autopilot.set_mode(way_down) is Outcome.ACCEPTED
+    wait_until(vehicle, lambda v: not v.autopilot.armed, within_s=90.0)
+    assert mode_of(vehicle) is before
+    run(vehicle, 1.0, stream)
+    assert vehicle.autopilot.prearm_faults == ()
+    assert vehicle.autopilot.arm() is Outcome.ACCEPTED
+
+
+def test_px4_goes_back_after_a_failsafe_has_brought_it_down() -> None:
+    vehicle = hovering(PX4, height_m=3.0)
+    vehicle.parameters.set("COM_OBL_RC_ACT", 4)
+    setpoint = offboard(vehicle)
+    wait_until(vehicle, lambda v: not v.autopilot.armed, within_s=30.0)
+    assert mode_of(vehicle) is Mode.GUIDED
+    assert vehicle.autopilot.arm() is Outcome.TEMPORARILY_REJECTED
+    run(vehicle, 0.5, setpoint)
+    assert vehicle.autopilot.arm() is Outcome.ACCEPTED
+
+
+def test_ardupilot_stays_in_the_mode_of_the_landing_and_says_nothing_until_it_is_armed() -> None:
+    vehicle = hovering(height_m=3.0)
+    vehicle.autopilot.land()
+    wait_until(vehicle, lambda v: not v.autopilot.armed, within_s=30.0)
+    said(vehicle)
+    run(vehicle, 35.0)
+    assert mode_of(vehicle) is Mode.LAND
+    assert said(vehicle) == []
+    assert vehicle.autopilot.prearm_faults == ()
+    assert vehicle.autopilot.arm() is Outcome.FAILED
+    assert said(vehicle) == ["Arm: LAND mode not armable"]
+    vehicle.autopilot.set_mode(Mode.GUIDED)
+    assert vehicle.autopilot.arm() is Outcome.ACCEPTED
 
 
 @BOTH

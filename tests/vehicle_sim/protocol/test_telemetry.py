@@ -153,6 +153,17 @@ def test_health_bits_tell_when_it_can_be_armed(flavour: Flavour) -> None:
     assert ready.battery_remaining >= 99
 
 
+@pytest.mark.parametrize("flavour", Flavour)
+def test_the_bit_stays_after_a_landing(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    station.take_off(2.0)
+    assert station.command(mavlink.MAV_CMD_NAV_LAND) == mavlink.MAV_RESULT_ACCEPTED
+    station.wait_until(lambda: not station.endpoint.vehicle.autopilot.armed, within_s=30.0)
+    station.run(0.1)
+    station.request(mavlink.MAVLINK_MSG_ID_SYS_STATUS)
+    assert station.last("SYS_STATUS").onboard_control_sensors_health & PREARM
+
+
 def test_each_flavour_has_its_own_estimator_message() -> None:
     for flavour, own, other, result in (
         (Flavour.ARDUPILOT, 193, 230, mavlink.MAV_RESULT_DENIED),
