@@ -207,18 +207,20 @@ class _Flight:
         if session.stage is not Stage.FLY or now_s is None or self.watch.began_s is None or now_s == self._looked_s:
             return
         self._looked_s = now_s
-        vehicle, tracking = session.vehicle, self.watch.tracking
-        if vehicle.estimate_trusted and now_s - vehicle.position_at_s < _UNTRUSTED_FOR_S:
-            self._trusted_s = now_s
+        vehicle, tracking, seen_s = session.vehicle, self.watch.tracking, session.vehicle.clock.seen_s
+        if math.isinf(self._near_s):
+            self._trusted_s = self._near_s = seen_s
+        if vehicle.estimate_trusted:
+            self._trusted_s = seen_s
         if tracking.error_m <= self.options.stray_m:
-            self._near_s = now_s
+            self._near_s = seen_s
         reason = reason_to_stop(
             Situation(
-                estimate_healthy=now_s - max(self._trusted_s, self.watch.began_s) < _UNTRUSTED_FOR_S,
+                estimate_healthy=seen_s - self._trusted_s < _UNTRUSTED_FOR_S,
                 battery_critical=vehicle.battery_critical,
                 violation=self.watch.violation(),
                 verdict=self.watch.monitor.verdict,
-                astray=now_s - max(self._near_s, self.watch.began_s) > _STRAY_FOR_S,
+                astray=seen_s - self._near_s > _STRAY_FOR_S,
                 error_m=tracking.error_m,
             )
         )

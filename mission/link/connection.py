@@ -105,3 +105,10 @@ class StreamRequests:
         self._turn += 1
         stream = missing[self._turn % len(missing)]
         return set_message_interval(stream, self._rates_hz[stream])
+
+    def renewal(self, bodies: tuple[type[Body], ...]) -> Command:
+        """The command of one of these messages, in turn; each is one that this autopilot is asked for."""
+        streams = [stream for stream in self._rates_hz if _BODIES[stream] in bodies]
+        self._turn += 1
+        stream = streams[self._turn % len(streams)]
+        return set_message_interval(stream, self._rates_hz[stream])

@@ -18,14 +18,16 @@ from mission.link.messages import AUTOPILOT_COMPONENT, Codec, vehicle_type_name
 from mission.link.requests import Answer, RequestChannel
 from mission.link.signing import Signatures
 from mission.link.texts import Text
-from mission.link.values import Acknowledgement, Body, Heartbeat, LocalSetpoint, Received, Version
+from mission.link.values import Acknowledgement, Body, Heartbeat, LocalPosition, LocalSetpoint, Received, Version
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
+from mission.link.watchdog import Watchdog
 
 if TYPE_CHECKING:
     from mission.link.autopilot import Autopilot
 
 _BEAT_S: Final = 1.0
 _ASK_AGAIN_S: Final = 2.0
+_RENEW_S: Final = 0.5
 _READY_FOR_S: Final = 1.0
 
 
@@ -37,7 +39,8 @@ class LinkOptions:
         system_id: Our MAVLink system id.
         component_id: Our component id.
         connect_s: How long to wait for a vehicle, on the clock here.
-        lost_s: After this long without a message from the vehicle, on the clock here, the link is lost.
+        lost_s: After this long without a message from the vehicle, on the clock here, the link is lost; in flight
+            also after so long without its position.
         ready_s: How long to wait for position and health, on the clock here.
         setpoint_s: Vehicle time between two setpoints.
         vehicle_id: System id of the vehicle to fly, where several share the link; 0 takes the first one heard.
@@ -85,6 +88,7 @@ class Contact:
         self._beat_s = self._beat_vehicle_s = -math.inf
         self._ask_again_s = -math.inf
         self._ready_from_s = math.inf
+        self._watchdog = Watchdog(options.lost_s)
 
     def receive(self, data: bytes, now_s: float) -> list[Body]:
         """What the vehicle's autopilot says in these bytes; everyone else on the link is left out.
@@ -112,6 +116,8 @@ class Contact:
                 self._note_answer(answer, now_s)
             return answer
         self._note_texts(self.vehicle.take(body, now_s), now_s)
+        if not isinstance(body, LocalPosition) or body is self.vehicle.position:  # what comes late renews nothing
+            self._watchdog.take(body, now_s, self.vehicle.clock.seen_s)
         if isinstance(body, Version):
             self.events.append(VersionTold(".".join(map(str, body.firmware))))
         return None
@@ -135,13 +141,19 @@ class Contact:
             self._note_answer(answer, now_s)
         return answer
 
-    def trouble(self, now_s: float) -> MissionError | None:
-        """Why nobody can go on with this vehicle: it has fallen silent, or was restarted; None where one can."""
+    def trouble(self, now_s: float, *, departed: bool) -> MissionError | None:
+        """Why nobody can go on with this vehicle; None where one can.
+
+        It has fallen silent, or was restarted, or, once it has departed, does not tell what a flight needs.
+        """
         if self.autopilot is None:
             return None
         if now_s - self._heard_s > self.options.lost_s:
             return LinkError(f"nothing was heard from the vehicle for {now_s - self._heard_s:.1f} s")
-        return VehicleError("the vehicle was restarted") if self.vehicle.clock.restarted else None
+        if self.vehicle.clock.restarted:
+            return VehicleError("the vehicle was restarted")
+        lost = self._watchdog.lost(now_s, self.vehicle.clock.seen_s) if departed else ""
+        return LinkError(f"{lost}, though it was asked to") if lost else None
 
     def _unheard(self) -> str:
         """Which vehicle was not heard, and what was heard instead."""
@@ -166,6 +178,13 @@ class Contact:
             if missing is not None:
                 self.channel.ask(missing, now_s)
         return True
+
+    def ask_for_overdue(self, now_s: float) -> None:
+        """Ask again for what a flight needs and has not come of late, as after a vehicle has dropped our rates."""
+        overdue = self._watchdog.overdue(now_s, self.vehicle.clock.seen_s)
+        if self._streams is not None and overdue and not self.channel.busy and now_s >= self._ask_again_s:
+            self._ask_again_s = now_s + _RENEW_S
+            self.channel.ask(self._streams.renewal(overdue), now_s)
 
     def ready(self, now_s: float) -> bool:
         """Whether position and health have been good enough to fly for a while.

@@ -123,7 +123,7 @@ class Session:
         answer = self.contact.advance(now_s)
         if answer is not None and vehicle_s is not None:
             self._procedure.take(answer, vehicle_s, now_s)
-        if self._failure is None and (trouble := self.contact.trouble(now_s)) is not None:
+        if self._failure is None and (trouble := self.contact.trouble(now_s, departed=self.departed)) is not None:
             if self.stage in _DESCENDING:
                 raise trouble  # it lands without us
             self.give_up(trouble, now_s)
@@ -323,6 +323,8 @@ class Session:
             self._enter(step.stage, vehicle_s)
         if step.streaming and self.guidance is not None:
             self._send_setpoint(self.guidance, vehicle_s)
+        if self._failure is None:
+            self.contact.ask_for_overdue(now_s)
 
     def _take_ground(self) -> None:
         """Where the vehicle is armed, there is the ground, and the domain is tied to it."""

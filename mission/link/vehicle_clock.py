@@ -18,6 +18,9 @@ from typing import Final
 AHEAD_S: Final = 0.2
 """Most vehicle time that is shown beyond the newest telemetry."""
 
+GAP_S: Final = 0.5
+"""Vehicle time that passes between two messages and is more than this was not seen to pass."""
+
 _WINDOW_S: Final = 1.0
 _SHORTEST_S: Final = 0.02
 _MOST_SAMPLES: Final = 256
@@ -58,6 +61,7 @@ class VehicleClock:
         self._other: _Other | None = None
         self._rate = 0.0
         self._shown_s = 0.0
+        self._seen_s = 0.0
 
     @property
     def rate(self) -> float:
@@ -73,6 +77,14 @@ class VehicleClock:
     def newest_s(self) -> float | None:
         """The newest time that the vehicle itself has told; None before the first."""
         return None if self._newest_ms is None else self._newest_ms / 1000.0
+
+    @property
+    def seen_s(self) -> float:
+        """How much vehicle time was seen to pass: a gap, in which nothing was heard, counts no more than ``GAP_S``.
+
+        So what must not last is judged alike whichever message comes first after a gap.
+        """
+        return self._seen_s
 
     def unwrapped_s(self, time_boot_ms: int) -> float:
         """The vehicle time that a time stamp means: its 32 bits wrap after 49.7 days."""
@@ -123,6 +135,8 @@ class VehicleClock:
         return True
 
     def _go_on(self, newest_ms: int, stamp_ms: int, local_s: float) -> None:
+        passed_ms = 0 if self._newest_ms is None else newest_ms - self._newest_ms
+        self._seen_s += min(passed_ms / 1000.0, GAP_S)
         self._newest_ms, self._stamp_ms = newest_ms, stamp_ms
         samples = self._samples
         samples.append((local_s, newest_ms / 1000.0))
