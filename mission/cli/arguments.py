@@ -16,7 +16,7 @@ _MOST_ID = 255
 _EXIT_CODES = """\
 exit codes:
   0  done; for a flight: the specification was achieved
-  1  flown, but the specification was not achieved; for verify: not proved
+  1  flown, but the specification was not achieved; for verify: not proved; for two automata: not equivalent
   2  a file, a formula or an option cannot be used
   3  no plan exists
   4  the link or the vehicle failed
@@ -81,8 +81,16 @@ def build_parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
-    automaton = commands.add_parser("automaton", help="show the Büchi automaton of a formula")
-    automaton.add_argument("formula", metavar="FORMULA", help="in LTL, such as 'F (a & F b) & G !c'")
+    automaton = commands.add_parser(
+        "automaton", help="show the Büchi automaton of a formula or a file, or compare two of either"
+    )
+    automaton.add_argument(
+        "languages",
+        metavar="FORMULA",
+        nargs="+",
+        help="in LTL, such as 'F (a & F b) & G !c', or an automaton's file, whose name ends in .hoa; "
+        "of two it is said whether they are equivalent",
+    )
     forms = automaton.add_mutually_exclusive_group()
     for form, words in (("hoa", "in the Hanoi Omega-Automata format"), ("dot", "for Graphviz"), ("json", "as JSON")):
         forms.add_argument(f"--{form}", dest="form", action="store_const", const=form, help=f"print it {words}")

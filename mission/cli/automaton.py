@@ -1,33 +1,125 @@
-"""``mission automaton``: the Büchi automaton of a formula, as a table, HOA, Graphviz text or JSON, and as a picture."""
+"""``mission automaton``: the Büchi automaton of a formula or a file, shown in several forms, or two compared."""
 
 import json
 from argparse import Namespace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
-from mission.cli.inputs import write_named
+from mission.cli.inputs import bad_file, reason, write_named
 from mission.cli.screen import count, out
 from mission.errors import Fault, SpecError
-from mission.logic.automata.automaton import BuchiAutomaton
+from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
+from mission.logic.automata.conversion import with_accepting_states
+from mission.logic.automata.equivalence import Language, telling_word
 from mission.logic.automata.translate import translate, translate_generalised
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import Formula
-from mission.logic.hoa.text import to_hoa
+from mission.logic.formula.word import LassoWord, satisfies
+from mission.logic.hoa.text import parse_generalised, to_hoa
+from mission.logic.hoa.tokens import MAX_LENGTH
 
 _PICTURES = (".pdf", ".png", ".svg")
+_FILES = ".hoa"
+_PAIR = 2
+
+
+@dataclass(frozen=True)
+class _Named:
+    """What the command line names: a formula, or the automaton of a file.
+
+    Attributes:
+        name: How it was written.
+        meaning: What it is.
+    """
+
+    name: str
+    meaning: Formula | GeneralisedBuchi
+
+    @cached_property
+    def automaton(self) -> BuchiAutomaton:
+        """An automaton of it with accepting states."""
+        return translate(self.meaning) if isinstance(self.meaning, Formula) else with_accepting_states(self.meaning)
+
+    @property
+    def generalised(self) -> GeneralisedBuchi:
+        """One with accepting transitions; a file's is as it stands there."""
+        return translate_generalised(self.meaning) if isinstance(self.meaning, Formula) else self.meaning
+
+    @property
+    def language(self) -> Language:
+        """Its words, and all others."""
+        if isinstance(self.meaning, Formula):
+            return Language.of_formula(self.meaning)
+        return Language.of_automaton(self.meaning)
+
+    def accepts(self, word: LassoWord) -> bool:
+        """Whether a word is one of its words: of a formula, by the definition."""
+        return satisfies(word, self.meaning) if isinstance(self.meaning, Formula) else self.automaton.accepts(word)
 
 
 def run(arguments: Namespace) -> int:
-    """Translate and show; a picture is written first, whoever reads the rest."""
+    """Translate or read, and show or compare; a picture is written first, whoever reads the rest."""
     picture = None if arguments.picture is None else _picture_file(arguments.picture)
-    formula = parse_formula(arguments.formula)
+    named = [_named(language) for language in arguments.languages]
+    if len(named) > 1:
+        return _compared(named, arguments)
+    (shown,) = named
     if picture is not None:
-        _draw(formula, picture)
+        _draw(shown, picture)
     if arguments.form == "generalised":
-        _print(to_hoa(translate_generalised(formula)))
+        _print(to_hoa(shown.generalised))
     else:
-        shown = {"hoa": to_hoa, "dot": to_dot, "json": to_json, "table": to_table}[arguments.form]
-        _print(shown(translate(formula)))
+        write = {"hoa": to_hoa, "dot": to_dot, "json": to_json, "table": to_table}[arguments.form]
+        _print(write(shown.automaton))
     return 0
+
+
+def _named(text: str) -> _Named:
+    if not text.lower().endswith(_FILES):
+        formula = parse_formula(text)
+        return _Named(str(formula), formula)
+    file = Path(text)
+    try:
+        with file.open("rb") as stream:
+            content = stream.read(4 * MAX_LENGTH + 1).decode("utf-8-sig")
+        return _Named(text, parse_generalised(content))
+    except UnicodeDecodeError as error:
+        raise bad_file(file, "is not UTF-8", "name a file in the Hanoi Omega-Automata format") from error
+    except OSError as error:
+        hint = f"name a file that can be read, or write '\"{text}\"' for the proposition of that name"
+        raise bad_file(file, f"cannot be read: {reason(error)}", hint) from error
+    except SpecError as error:
+        raise SpecError(tuple(replace(fault, path="") for fault in error.faults), text) from error
+
+
+def _compared(named: list[_Named], arguments: Namespace) -> int:
+    """Say whether two are equivalent, and of a word that tells them apart, which of them it belongs to."""
+    if len(named) > _PAIR or arguments.picture is not None or arguments.form not in ("table", "json"):
+        message = "two are compared at a time, as a line or as JSON, and not drawn"
+        hint = "give two formulas or files, with --json or without"
+        raise SpecError((Fault(0, 0, "automaton", message, hint),))
+    word = telling_word(named[0].language, named[1].language)
+    belongs = [] if word is None else [one.accepts(word) for one in named]
+    if arguments.form == "json":
+        parts = None if word is None else {"prefix": word.prefix, "suffix": word.suffix}
+        told = None if parts is None else {name: [sorted(letter) for letter in part] for name, part in parts.items()}
+        _print(json.dumps({"equivalent": word is None, "word": told, "accepted": belongs}, ensure_ascii=False))
+    elif word is None:
+        _print("equivalent: both accept the same words")
+    else:
+        (yes,) = (one.name for one, belonging in zip(named, belongs, strict=True) if belonging)
+        (no,) = (one.name for one, belonging in zip(named, belongs, strict=True) if not belonging)
+        _print(f"not equivalent: {_spelled(word)}\n  is accepted by  {yes}\n  and not by      {no}")
+    return 0 if word is None else 1
+
+
+def _spelled(word: LassoWord) -> str:
+    """A lasso word as text: each letter in braces, what repeats for ever in round brackets."""
+    prefix, suffix = (
+        " ".join(f"{{{', '.join(sorted(letter))}}}" for letter in part) for part in (word.prefix, word.suffix)
+    )
+    return f"{prefix} ({suffix})*".lstrip()
 
 
 def _print(text: str) -> None:
@@ -43,13 +135,13 @@ def _picture_file(name: str) -> Path:
     return file
 
 
-def _draw(formula: Formula, file: Path) -> None:
+def _draw(shown: _Named, file: Path) -> None:
     # Drawing is loaded when it is asked for.
     from mission.report.figures.automaton import automaton_of_formula  # noqa: PLC0415
     from mission.report.figures.canvas import to_pdf, to_png, to_svg  # noqa: PLC0415
 
     written = {".png": to_png, ".svg": to_svg, ".pdf": to_pdf}[file.suffix.lower()]
-    write_named("--picture", file, written(automaton_of_formula(translate(formula), str(formula))))
+    write_named("--picture", file, written(automaton_of_formula(shown.automaton, shown.name)))
 
 
 def to_table(automaton: BuchiAutomaton) -> str:

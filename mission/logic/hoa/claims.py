@@ -4,12 +4,17 @@ Neither has a meaning of its own, but where one contradicts the rest of the file
 its writer meant. Properties that are not listed here are not checked.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum
+from itertools import pairwise
 from typing import Final
 
 from mission.logic.automata.automaton import GeneralisedBuchi
 from mission.logic.hoa.tokens import Token, refusal
+
+Condition = tuple[frozenset[tuple[int, bool]], ...]
+"""What must recur: of each union, some transition in one of its sets; a set goes with whether it or its complement is
+meant."""
 
 
 class Use(Enum):
@@ -30,6 +35,10 @@ _EXCLUDED: Final = {
     "state-acc": (Use.EDGE_MARK,),
     "trans-acc": (Use.STATE_MARK,),
 }
+_FACTS: Final[dict[str, Callable[[GeneralisedBuchi], bool]]] = {
+    "deterministic": lambda automaton: automaton.deterministic,
+    "complete": lambda automaton: automaton.complete,
+}
 _NEVER_BUCHI: Final = frozenset({"co-Buchi", "generalized-co-Buchi", "Rabin", "generalized-Rabin", "none"})
 
 
@@ -39,6 +48,7 @@ class Claims:
     def __init__(self) -> None:
         self._name: list[Token] = []
         self._properties: list[Token] = []
+        self._denied: list[Token] = []
         self._uses: dict[Use, Token] = {}
 
     def note(self, item: Token, values: Sequence[Token]) -> None:
@@ -46,14 +56,18 @@ class Claims:
         if item.text == "acc-name":
             self._name = list(values)
         elif item.text == "properties":
-            self._properties.extend(values)
+            for before, claim in pairwise((item, *values)):
+                if before.kind == "symbol":
+                    self._denied.append(claim)
+                elif claim.kind != "symbol":
+                    self._properties.append(claim)
 
     def use(self, use: Use, token: Token) -> None:
         """Remember the first place where the body is written in some way."""
         self._uses.setdefault(use, token)
 
-    def check_name(self, sets: int, positive: Sequence[int], negative: Sequence[int]) -> None:
-        """Compare the name of the acceptance with the condition: which sets, and which complements, are to be met.
+    def check_name(self, sets: int, condition: Condition) -> None:
+        """Compare the name of the acceptance with the condition.
 
         Raises:
             SpecError: They do not agree.
@@ -68,7 +82,7 @@ class Claims:
             wanted = 0
         elif name.text == "generalized-Buchi":
             wanted = int(parameters[0].text) if parameters and parameters[0].kind == "integer" else -1
-        plain = not negative and sorted(set(positive)) == list(range(sets))
+        plain = set(condition) == {frozenset({(index, True)}) for index in range(sets)}
         if name.text in _NEVER_BUCHI or (wanted is not None and not (plain and wanted == sets)):
             shown = " ".join(token.text for token in self._name)
             raise refusal(f"acc-name: says {shown}, and Acceptance: something else", name)
@@ -87,7 +101,8 @@ class Claims:
                     raise refusal(
                         f"properties: says {claim.text}, but in line {self._uses[use].line} {use.value}", claim
                     )
-            if (claim.text == "deterministic" and not automaton.deterministic) or (
-                claim.text == "complete" and not automaton.complete
-            ):
+            if claim.text in _FACTS and not _FACTS[claim.text](automaton):
                 raise refusal(f"properties: says {claim.text}, and the automaton is not", claim)
+        for claim in self._denied:
+            if claim.text in _FACTS and _FACTS[claim.text](automaton):
+                raise refusal(f"properties: says !{claim.text}, and the automaton is {claim.text}", claim)

@@ -1,7 +1,8 @@
-"""Reads automata in the Hanoi Omega-Automata format, version 1.
+"""Reads automata in the Hanoi Omega-Automata format, versions 1 and 1.1.
 
-Read are Büchi and generalised Büchi acceptance, on states and on transitions, labels on states and on edges, implicit
-labels, aliases, and several initial states. Everything else that the format allows is refused, and so is a header that
+Read are Büchi and generalised Büchi acceptance, on states and on transitions, and what comes to the same by any
+conjunctions and disjunctions of sets that recur; labels on states and on edges, implicit labels, aliases, and several
+initial states. Everything else that the format allows is refused, and so is a header that
 contradicts itself or the body.
 
 Source: the format's own description, https://adl.github.io/hoaf/.
@@ -14,13 +15,14 @@ from mission.logic.automata.automaton import GeneralisedBuchi, MarkedEdge
 from mission.logic.automata.diagrams import MAX_CUBES, Diagram, Diagrams, TooLargeError
 from mission.logic.automata.guards import Guard
 from mission.logic.formula.syntax import proposition
-from mission.logic.hoa.claims import Claims, Use
+from mission.logic.hoa.claims import Claims, Condition, Use
 from mission.logic.hoa.tokens import Token, refusal, tokens
 
 MAX_STATES: Final = 20_000
 MAX_PROPOSITIONS: Final = 32
 MAX_IMPLICIT: Final = 12
 MAX_SETS: Final = 64
+_VERSIONS: Final = ("v1", "v1.1")
 _MAX_NESTING: Final = 100
 _GROWTH: Final = 1_000_000  # nodes of diagrams for the labels
 
@@ -37,8 +39,7 @@ class Reader:
         self._largest_proposition = Token("integer", "-1", 1, 1)
         self._declared: int | None = None
         self._starts: list[Token] = []
-        self._positive: list[int] = []
-        self._negative: list[int] = []
+        self._condition: Condition = ()
         self._sets: int | None = None
         self._edges: list[tuple[int, Diagram, Token, int]] = []
         self._defined: dict[int, Token] = {}
@@ -84,7 +85,7 @@ class Reader:
         if first.text != "HOA":
             raise refusal("the automaton does not begin with HOA:", first, "begin with HOA: v1")
         version = self._expect("identifier")
-        if version.text != "v1":
+        if version.text not in _VERSIONS:
             raise refusal(f"version {version.text} of the format is not known", version, "write HOA: v1")
         items = {
             "States": self._states,
@@ -105,11 +106,11 @@ class Reader:
                 raise refusal(f"{item.text}: is not known, and could change the meaning of the automaton", item)
             else:
                 values = []
-                while self._next.kind in ("identifier", "integer", "string"):
+                while self._next.kind in ("identifier", "integer", "string") or self._at("symbol", "!"):
                     values.append(self._take())
                 self._claims.note(item, values)
         body = self._expect("mark", "--BODY--")
-        self._claims.check_name(self._sets or 0, self._positive, self._negative)
+        self._claims.check_name(self._sets or 0, self._condition)
         if self._sets is None:
             raise refusal("Acceptance: is missing", body, "add Acceptance: 1 Inf(0)")
         if not self._starts:
@@ -159,39 +160,45 @@ class Reader:
         if sets > MAX_SETS:
             raise refusal(f"more than {MAX_SETS} acceptance sets", item)
         self._sets = sets
-        self._condition(item, 0)
-        for index in (*self._positive, *self._negative):
-            if index >= sets:
-                raise refusal(f"acceptance set {index} does not exist: there are {sets}", item)
+        self._condition = self._alternatives(item, 0)
 
-    def _condition(self, item: Token, depth: int) -> None:
-        while True:
-            token = self._take()
-            if token.kind == "symbol" and token.text == "(" and depth < _MAX_NESTING:
-                self._condition(item, depth + 1)
-                self._expect("symbol", ")")
-            elif token.kind == "identifier" and token.text == "Inf":
-                self._infinitely()
-            elif not (token.kind == "identifier" and token.text == "t"):
-                raise self._no_condition(token)
-            if not self._at("symbol", "&"):
-                break
+    def _alternatives(self, item: Token, depth: int) -> Condition:
+        condition = self._together(item, depth)
+        while self._at("symbol", "|"):
             self._take()
-        if self._at("symbol", "|"):
-            raise self._no_condition(self._next)
+            condition = _either(condition, self._together(item, depth), item)
+        return condition
 
-    def _infinitely(self) -> None:
-        self._expect("symbol", "(")
-        chosen = self._positive
-        if self._at("symbol", "!"):
+    def _together(self, item: Token, depth: int) -> Condition:
+        condition = self._part(item, depth)
+        while self._at("symbol", "&"):
             self._take()
-            chosen = self._negative
-        chosen.append(self._integer())
-        self._expect("symbol", ")")
+            condition = _shortest((*condition, *self._part(item, depth)))
+        return condition
 
-    def _no_condition(self, token: Token) -> Exception:
+    def _part(self, item: Token, depth: int) -> Condition:
+        token = self._take()
+        if token.kind == "symbol" and token.text == "(" and depth < _MAX_NESTING:
+            condition = self._alternatives(item, depth + 1)
+            self._expect("symbol", ")")
+            return condition
+        if token.kind == "identifier" and token.text == "Inf":
+            return (frozenset({self._infinitely(item)}),)
+        if token.kind == "identifier" and token.text == "t":
+            return ()
         hint = "Büchi is Acceptance: 1 Inf(0), generalised Büchi Acceptance: 2 Inf(0)&Inf(1)"
-        return refusal(f"{token.shown} is in no Büchi or generalised Büchi condition", token, hint)
+        raise refusal(f"{token.shown} is in no Büchi or generalised Büchi condition", token, hint)
+
+    def _infinitely(self, item: Token) -> tuple[int, bool]:
+        self._expect("symbol", "(")
+        wanted = not self._at("symbol", "!")
+        if not wanted:
+            self._take()
+        index = self._integer()
+        self._expect("symbol", ")")
+        if index >= (self._sets or 0):
+            raise refusal(f"acceptance set {index} does not exist: there are {self._sets}", item)
+        return index, wanted
 
     # Labels
 
@@ -317,14 +324,17 @@ class Reader:
         for token in targets:
             if int(token.text) >= size:
                 raise refusal(f"state {token.text} does not exist: there are {size}", token)
+            if int(token.text) not in self._defined:
+                hint = f"add State: {token.text}, with no edges if none is meant to leave it"
+                raise refusal(f"state {token.text} is never defined", token, hint)
         if int(self._largest_proposition.text) >= len(self._names):
             raise refusal(f"proposition {self._largest_proposition.text} does not exist", self._largest_proposition)
-        conditions = [(index, True) for index in dict.fromkeys(self._positive)]
-        conditions += [(index, False) for index in dict.fromkeys(self._negative)]
         letters: dict[tuple[int, int, tuple[int, ...]], Diagram] = {}
         for state, label, target, bits in self._edges:
             marks = tuple(
-                number for number, (index, wanted) in enumerate(conditions) if bool(bits >> index & 1) is wanted
+                number
+                for number, sets in enumerate(self._condition)
+                if any(bool(bits >> index & 1) is wanted for index, wanted in sets)
             )
             key = (state, int(target.text), marks)
             letters[key] = self._diagrams.either(letters.get(key, self._diagrams.false), label)
@@ -335,7 +345,7 @@ class Reader:
             if letters[source, target, marks] != self._diagrams.false
         )
         initial = tuple(sorted({int(token.text) for token in self._starts}))
-        automaton = GeneralisedBuchi(self._names, size, initial, len(conditions), edges)
+        automaton = GeneralisedBuchi(self._names, size, initial, len(self._condition), edges)
         self._claims.check(automaton)
         return automaton
 
@@ -349,3 +359,16 @@ class Reader:
             if cubes > MAX_CUBES:
                 raise TooLargeError
         return guards
+
+
+def _either(one: Condition, other: Condition, item: Token) -> Condition:
+    """What recurs in one of two ways: from each, some member of each union of a union of either."""
+    if len(one) * len(other) > MAX_SETS:
+        raise refusal(f"the condition has more than {MAX_SETS} acceptance sets when it is multiplied out", item)
+    return _shortest(tuple(left | right for left in one for right in other))
+
+
+def _shortest(condition: Condition) -> Condition:
+    """A condition without unions that are met wherever another one is, each once."""
+    unions = dict.fromkeys(condition)
+    return tuple(sets for sets in unions if not any(other < sets for other in unions))

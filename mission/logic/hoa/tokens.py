@@ -1,4 +1,4 @@
-"""The tokens of the Hanoi Omega-Automata format, version 1, with their places."""
+"""The tokens of the Hanoi Omega-Automata format, versions 1 and 1.1, with their places."""
 
 import re
 from collections.abc import Iterator
@@ -11,11 +11,12 @@ MAX_LENGTH: Final = 4_000_000
 """Characters that a file may have."""
 
 _TOKEN: Final = re.compile(
-    r"(?P<space>[ \t\r\n]+)|(?P<comment>/\*)|(?P<mark>--(?:BODY|END|ABORT)--)|(?P<header>[A-Za-z_][A-Za-z0-9_-]*:)|"
-    r"(?P<identifier>[A-Za-z_][A-Za-z0-9_-]*)|(?P<alias>@[A-Za-z0-9_-]+)|(?P<integer>0(?![0-9])|[1-9][0-9]*)|"
+    r"(?P<space>[ \t\r\n]+)|(?P<comment>/\*)|(?P<mark>--(?:BODY|END|ABORT)--)|(?P<header>[A-Za-z_][A-Za-z0-9_.-]*:)|"
+    r"(?P<identifier>[A-Za-z_][A-Za-z0-9_.-]*)|(?P<alias>@[A-Za-z0-9_.-]+)|(?P<integer>0(?![0-9])|[1-9][0-9]*)|"
     r'(?P<string>"(?:\\.|[^\\"])*")|(?P<symbol>[\[\]{}()&|!])',
     re.DOTALL,
 )
+_BYTE_ORDER_MARK: Final = "\ufeff"
 _COMMENT_PART: Final = re.compile(r"/\*|\*/")
 _MAX_DIGITS: Final = 9
 
@@ -49,7 +50,8 @@ def tokens(text: str) -> Iterator[Token]:
     Raises:
         SpecError: A character belongs to no token, a comment is not closed, or the file is too long or aborted.
     """
-    line, line_start, position = 1, 0, 0
+    start = int(text.startswith(_BYTE_ORDER_MARK))
+    line, line_start, position = 1, start, start
     if len(text) > MAX_LENGTH:
         raise refusal(f"the automaton has more than {MAX_LENGTH} characters", Token("end", "", 1, 1))
     while position < len(text):

@@ -93,3 +93,94 @@ def automaton_edges() -> int:
 def test_a_formula_with_a_fault_is_shown_with_its_column(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["automaton", "F (a &"]) == 2
     assert "column" in capsys.readouterr().err
+
+
+FILE = """\
+HOA: v1.1
+spot.x: 1
+States: 2
+Start: 0
+AP: 1 "a"
+Acceptance: 1 Inf(0)
+--BODY--
+State: 0 [!0] 0 [0] 1
+State: 1 {0}
+[t] 1
+--END--
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    written = tmp_path / "once.HOA"
+    written.write_text("\ufeff" + FILE, encoding="utf-8")
+    return written
+
+
+@pytest.mark.parametrize("form", [(), ("--hoa",), ("--dot",), ("--json",), ("--generalised",)])
+def test_a_file_is_shown_as_its_formula_is(
+    capsys: pytest.CaptureFixture[str], file: Path, form: tuple[str, ...]
+) -> None:
+    assert main(["automaton", str(file), *form]) == 0
+    of_file = capsys.readouterr().out
+    assert main(["automaton", "F a", *form]) == 0
+    assert of_file == capsys.readouterr().out
+
+
+def test_a_file_is_drawn(capsys: pytest.CaptureFixture[str], file: Path, tmp_path: Path) -> None:
+    assert main(["automaton", str(file), "--picture", str(tmp_path / "a.svg")]) == 0
+    assert "2 states" in capsys.readouterr().out
+    assert (tmp_path / "a.svg").read_bytes().startswith(b"<?xml")
+
+
+@pytest.mark.parametrize(
+    ("content", "message", "hint"),
+    [
+        (None, "cannot be read: no such file or directory", "for the proposition of that name"),
+        (FILE.replace("[t] 1", "[t] 3"), "given.hoa:10:5: state 3 does not exist", "[t] 3"),
+        (b"\xff\xfeH", "is not UTF-8", "Hanoi Omega-Automata"),
+    ],
+)
+def test_a_file_that_cannot_be_read(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: str | bytes | None, message: str, hint: str
+) -> None:
+    given = tmp_path / "given.hoa"
+    if content is not None:
+        given.write_bytes(content.encode() if isinstance(content, str) else content)
+    assert main(["automaton", str(given)]) == 2
+    printed = capsys.readouterr()
+    assert not printed.out
+    assert message in printed.err
+    assert hint in printed.err
+
+
+def test_a_name_in_quotes_is_a_proposition(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["automaton", '"a.hoa"']) == 0
+    assert "a.hoa" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "code", "told"),
+    [
+        ("F a", "file", 0, "equivalent: both accept the same words"),
+        ("file", "!G !a", 0, "equivalent: both accept the same words"),
+        ("a U b", "a W b", 1, "not equivalent: ({a})*\n  is accepted by  a W b\n  and not by      a U b"),
+        ("file", "X F a", 1, "not equivalent: {a} ({})*\n  is accepted by  file\n  and not by      X F a"),
+    ],
+)
+def test_two_are_compared(
+    *, capsys: pytest.CaptureFixture[str], file: Path, one: str, other: str, code: int, told: str
+) -> None:
+    names = [str(file) if name == "file" else name for name in (one, other)]
+    assert main(["automaton", *names]) == code
+    assert capsys.readouterr().out.replace(str(file), "file").rstrip("\n") == told
+    assert main(["automaton", *names, "--json"]) == code
+    data = json.loads(capsys.readouterr().out)
+    assert data["equivalent"] is (code == 0)
+    assert sorted(data["accepted"]) == ([] if code == 0 else [False, True])
+
+
+@pytest.mark.parametrize("more", [("--dot",), ("--picture", "a.svg"), ("F b",)])
+def test_what_cannot_be_compared(capsys: pytest.CaptureFixture[str], more: tuple[str, ...]) -> None:
+    assert main(["automaton", "F a", "G a", *more]) == 2
+    assert "two are compared at a time" in capsys.readouterr().err

@@ -137,7 +137,7 @@ GOOD = 'HOA: v1\nAP: 1 "a"\nStates: 1\nStart: 0\nAcceptance: 1 Inf(0)\n--BODY--\
         ("Start: 0", "Alias: @x 0 Alias: @x 0", 4, "defined twice"),
         ("Acceptance: 1 Inf(0)\n", "", 5, "Acceptance: is missing"),
         ("Inf(0)", "Fin(0)", 5, "'Fin' is in no Büchi"),
-        ("1 Inf(0)", "2 Inf(0)|Inf(1)", 5, "'|' is in no Büchi"),
+        ("1 Inf(0)", "2 Inf(0)|Inf(2)", 5, "acceptance set 2 does not exist"),
         ("1 Inf(0)", "0 f", 5, "'f' is in no Büchi"),
         ("1 Inf(0)", "1 Inf(1)", 5, "acceptance set 1 does not exist"),
         ("1 Inf(0)", "999 Inf(1)", 5, "more than 64"),
@@ -152,8 +152,10 @@ GOOD = 'HOA: v1\nAP: 1 "a"\nStates: 1\nStart: 0\nAcceptance: 1 Inf(0)\n--BODY--\
         ("1 Inf(0)", "2 Fin(0)&Inf(1)", 5, "'Fin' is in no Büchi"),
         ("1 Inf(0)", "2 (Fin(0)|Inf(1))", 5, "'Fin' is in no Büchi"),
         ("1 Inf(0)", "3 Inf(0)&Inf(1)&Fin(2)", 5, "'Fin' is in no Büchi"),
-        ("1 Inf(0)", "3 Inf(0) | (Fin(0)&Fin(1)&Inf(2))", 5, "'|' is in no Büchi"),
-        ("1 Inf(0)", "2 Inf(0)&(Inf(1)|Inf(0))", 5, "'|' is in no Büchi"),
+        ("1 Inf(0)", "3 Inf(0) | (Fin(0)&Fin(1)&Inf(2))", 5, "'Fin' is in no Büchi"),
+        ("1 Inf(0)", "2 Inf(0)&(Inf(1)|Fin(0))", 5, "'Fin' is in no Büchi"),
+        ("1 Inf(0)", "40 " + "|".join(f"(Inf({i})&Inf({i + 20}))" for i in range(20)), 5, "when it is multiplied out"),
+        ("1 Inf(0)", "2 Inf(0)|Inf(1) acc-name: Buchi", 5, "acc-name: says Buchi"),
         ("1 Inf(0)", "1 Inf(0) Inf(0)", 5, "--BODY-- is expected here"),
         # A name of the acceptance that says something else than the condition.
         ("States: 1", "acc-name: co-Buchi", 3, "acc-name: says co-Buchi"),
@@ -177,6 +179,13 @@ GOOD = 'HOA: v1\nAP: 1 "a"\nStates: 1\nStart: 0\nAcceptance: 1 Inf(0)\n--BODY--\
         ("State: 0 {0}", "State: [0] 0 {0}", 8, "so that its edges have none"),
         ("[0] 0", "[0] 0&0", 8, "alternating"),
         ("[0] 0", "[0] 1", 8, "state 1 does not exist"),
+        ("States: 1\nStart: 0", "States: 3\nStart: 2", 4, "state 2 is never defined"),
+        (
+            "States: 1",
+            "properties: deterministic !complete !deterministic",
+            3,
+            "says !deterministic, and the automaton",
+        ),
         ("[0] 0", "[1] 0", 8, "proposition 1 does not exist"),
         ("[0] 0", "[99] 0", 8, "proposition 99 does not exist"),
         ("[0] 0", "[@x] 0", 8, "alias @x is not defined"),
@@ -249,6 +258,55 @@ def test_names_that_agree_with_the_acceptance(acceptance: str) -> None:
     accepts_exactly(parse_hoa(text), "G a")
 
 
+@pytest.mark.parametrize(("edge", "line", "column"), [("\n[!0] 7", 9, 6), ("\n  [!0] 1", 9, 8), ("\n[f] 5", 9, 5)])
+@pytest.mark.parametrize("states", ["", "States: 9"])
+def test_an_edge_to_a_state_that_is_never_defined_is_refused(edge: str, line: int, column: int, states: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        parse_hoa(GOOD.replace("States: 1", states).replace("[0] 0", f"[0] 0{edge}"))
+    (fault,) = caught.value.faults
+    assert (fault.line, fault.column) == (line, column)
+    assert "is never defined" in fault.message
+
+
+def test_states_that_nothing_leads_to_need_not_be_defined() -> None:
+    assert parse_hoa(GOOD.replace("States: 1", "States: 4")).size == 4
+
+
+@pytest.mark.parametrize(
+    ("condition", "formula"),
+    [
+        ("2 Inf(0)|Inf(1)", "G F a | G F b"),
+        ("3 (Inf(0)|Inf(1)) & Inf(2)", "(G F a | G F b) & G F (a & b)"),
+        ("3 Inf(2) | Inf(0)&Inf(1)", "G F (a & b) | G F a & G F b"),
+        ("3 Inf(!0) | Inf(1)", "G F !a | G F b"),
+        ("2 Inf(0)&(Inf(1)|Inf(0))", "G F a"),
+        ("2 Inf(0)|t", "true"),
+    ],
+)
+def test_sets_that_recur_are_read_in_any_combination(condition: str, formula: str) -> None:
+    edges = "[0&!1] 0 {0} [!0&1] 0 {1} [0&1] 0 {0 1 2} [!0&!1] 0"
+    edges = edges if condition[0] == "3" else edges.replace("0 1 2", "0 1")
+    text = f'HOA: v1 AP: 2 "a" "b" Start: 0 Acceptance: {condition} --BODY-- State: 0 {edges} --END--'
+    accepts_exactly(parse_hoa(text), formula)
+
+
+def test_version_1_1_adds_names_with_dots_and_properties_that_are_denied() -> None:
+    more = "HOA: v1.1\nspot.highlight.edges: 1 2\ncontrollable-AP: 0\nproperties: !complete deterministic x.y !weak"
+    assert parse_generalised(GOOD.replace("HOA: v1", more)) == parse_generalised(GOOD)
+    assert parse_generalised(GOOD.replace("HOA: v1", "HOA: v1.1")) == parse_generalised(GOOD)
+    with pytest.raises(SpecError, match=r"version v1\.2 of the format is not known"):
+        parse_hoa(GOOD.replace("HOA: v1", "HOA: v1.2"))
+    with pytest.raises(SpecError, match=r"Spot\.x: is not known, and could change"):
+        parse_hoa(GOOD.replace("HOA: v1", "HOA: v1.1 Spot.x: 1"))
+
+
+def test_a_byte_order_mark_is_read() -> None:
+    assert parse_generalised("\ufeff" + GOOD) == parse_generalised(GOOD)
+    with pytest.raises(SpecError) as caught:
+        parse_hoa("\ufeff" + GOOD.replace("HOA: v1", "HOA: v2"))
+    assert (caught.value.faults[0].line, caught.value.faults[0].column) == (1, 6)
+
+
 def parity(width: int) -> str:
     """Aliases of few characters each; the last one is true where an odd number of propositions holds."""
     odd = [f"Alias: @{i} @{i - 1}&!{i}|!@{i - 1}&{i}" for i in range(1, width)]
@@ -261,16 +319,19 @@ def header(propositions: int, sets: int, more: str = "") -> str:
     return f"HOA: v1 AP: {propositions} {names} Start: 0 Acceptance: {sets} {condition} {more} --BODY--\n"
 
 
+REST = "".join(f" State: {i}" for i in range(1, 24))
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         (header(32, 1, parity(32)) + "State: 0 {0} [@31] 0 --END--", "too complicated"),
         (
-            header(24, 2) + "State: 0 " + " ".join(f"[{i}] {i} {{0}}" for i in range(24)) + " --END--",
+            header(24, 2) + "State: 0 " + " ".join(f"[{i}] {i} {{0}}" for i in range(24)) + REST + " --END--",
             "24 states and 2 acceptance sets, too many",
         ),
         (
-            header(1, 64) + "".join(f"State: {i} [0] {i + 1}\n" for i in range(4000)) + "--END--",
+            header(1, 64) + "".join(f"State: {i} [0] {i + 1}\n" for i in range(4000)) + "State: 4000 --END--",
             "4001 states and 64 acceptance sets",
         ),
     ],
