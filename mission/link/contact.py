@@ -222,7 +222,7 @@ class Contact:
         self.out.append(self._codec.setpoint(self._system_id, setpoint))
 
     def explained(self, what: str, since_s: float) -> str:
-        """``what`` with the vehicle's own words since a time of the clock here."""
+        """``what`` with the vehicle's own words since a vehicle time."""
         words = self.vehicle.words_since(since_s)
         return f"{what}; it says: {words}" if words else what
 

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from typing import Final
 
-from mission.errors import LinkError, VehicleError
+from mission.errors import LinkError, MissionError, VehicleError
 from mission.link.requests import Answer, RequestChannel
 from mission.link.steps import Scene, Step
 from mission.link.values import Command, Result
 
 _WORDS_WITHIN_S: Final = 0.5
-"""How long, on the clock here, an explanation may follow a refusal."""
+"""How long an explanation may follow a refusal, on the clock here, or come before the step, by the vehicle's."""
 
 _AGAIN_S: Final = 1.0
 _PASSING: Final = (Result.TEMPORARILY_REJECTED, Result.FAILED)
@@ -24,7 +24,7 @@ class Procedure:
     """
 
     def __init__(self, steps: tuple[Step, ...], channel: RequestChannel, words_since: Callable[[float], str]) -> None:
-        """Begin; ``words_since`` gives what the vehicle has said since a time of the clock here."""
+        """Begin; ``words_since`` gives what the vehicle has said since a vehicle time."""
         self._steps = list(steps)
         self._channel = channel
         self._words_since = words_since
@@ -32,7 +32,7 @@ class Procedure:
         self._ask_at_s = 0.0
         self._asked: Command | None = None
         self._refused: tuple[Answer, float] | None = None
-        self._began_local_s = 0.0
+        self._unanswered = False
         self.entered = 0
 
     @property
@@ -50,7 +50,10 @@ class Procedure:
         step = self.step
         if step is None or self._started_s is None or answer.command is not self._asked:
             return  # of what was asked beside the steps
-        if answer.result is Result.ACCEPTED:
+        self._unanswered = answer.result is None
+        if answer.result is None:
+            self._ask_at_s = vehicle_s  # the way may be long: telemetry tells, and what is late is still an answer
+        elif answer.result is Result.ACCEPTED:
             self._ask_at_s = vehicle_s + step.repeat_s
         elif answer.result in _PASSING and vehicle_s - self._started_s < step.patience_s:
             self._ask_at_s = vehicle_s + _AGAIN_S
@@ -67,11 +70,11 @@ class Procedure:
 
         Raises:
             VehicleError: The vehicle refused, or did not do what it accepted; with its own words.
-            LinkError: It never answered.
+            LinkError: It never answered, nor did it do what it was asked to.
         """
         while (step := self.step) is not None:
             if self._started_s is None:
-                self._enter(step, vehicle_s, local_s)
+                self._enter(step, vehicle_s)
             scene = scene_at(vehicle_s - (self._started_s or vehicle_s))
             if not step.confirmed(scene):
                 break
@@ -82,16 +85,16 @@ class Procedure:
             self._judge_refusal(local_s)
         elif scene.in_step_s > step.limit_s:
             if not step.suffices(scene):
-                raise VehicleError(self._explained(f"the vehicle {step.missing} within {step.limit_s:.0f} s"))
+                raise self._overdue(step)
             self._leave()
         elif step.command is not None and not self._channel.busy and vehicle_s >= self._ask_at_s:
             self._ask_at_s = float("inf")  # until it is answered
             self._asked = step.command(scene)
             self._channel.ask(self._asked, local_s)
 
-    def _enter(self, step: Step, vehicle_s: float, local_s: float) -> None:
+    def _enter(self, step: Step, vehicle_s: float) -> None:
         self._started_s = vehicle_s
-        self._began_local_s = local_s
+        self._unanswered = False
         self._ask_at_s = vehicle_s + step.wait_s
         self._refused = None
         self.entered += 1
@@ -105,12 +108,15 @@ class Procedure:
         if self._refused is None:
             return
         answer, heard_s = self._refused
-        if answer.result is None:
-            raise LinkError(self._explained(f"the vehicle never answered the command to {answer.command.name}"))
-        if local_s - heard_s >= _WORDS_WITHIN_S:
+        if answer.result is not None and local_s - heard_s >= _WORDS_WITHIN_S:
             refusal = answer.result.name.lower().replace("_", " ")
             raise VehicleError(self._explained(f"the vehicle refused to {answer.command.name} ({refusal})"))
 
+    def _overdue(self, step: Step) -> MissionError:
+        if self._unanswered and self._asked is not None:
+            return LinkError(self._explained(f"the vehicle never answered the command to {self._asked.name}"))
+        return VehicleError(self._explained(f"the vehicle {step.missing} within {step.limit_s:.0f} s"))
+
     def _explained(self, what: str) -> str:
-        words = self._words_since(self._began_local_s - _WORDS_WITHIN_S)
+        words = self._words_since((self._started_s or 0.0) - _WORDS_WITHIN_S)
         return f"{what}; it says: {words}" if words else what

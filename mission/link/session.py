@@ -29,7 +29,9 @@ Anchoring = Callable[[Vector], Anchor]
 """Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""
 
 _LOOK_S: Final = 0.05
-_WORDS_S: Final = 5.0
+_WORDS_S: Final = 10.0
+"""Vehicle time: what came before has had its effect."""
+
 _ORIGIN_MOVED_DEG: Final = 5e-6
 _DESCENDING: Final = (Stage.TOUCH_DOWN, Stage.DISARM)
 _LANDING: Final = (Stage.LAND, *_DESCENDING)
@@ -273,12 +275,17 @@ class Session:
             return
         if heartbeat.custom_mode in step.modes or self.vehicle.heartbeats_in_mode < HEARTBEATS:
             return
-        mode = kind.mode_name(heartbeat.custom_mode)
-        if heartbeat.in_failsafe:
+        mode, since_s = kind.mode_name(heartbeat.custom_mode), self._lately_s(now_s)
+        if heartbeat.in_failsafe or self.vehicle.told_failsafe_since(since_s):
             ending, reason = Ending.FAILSAFE, f"a failsafe put the vehicle into {mode}"
         else:
             ending, reason = Ending.HANDED_OVER, f"someone else put the vehicle into {mode}"
-        self._end(ending, self.contact.explained(reason, now_s - _WORDS_S))
+        self._end(ending, self.contact.explained(reason, since_s))
+
+    def _lately_s(self, now_s: float) -> float:
+        """Vehicle time since when what the vehicle has said is part of the reason."""
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        return -math.inf if vehicle_s is None else vehicle_s - _WORDS_S
 
     def _check_origin(self, origin: Origin, now_s: float) -> None:
         """A local frame that moves under a flight makes every setpoint mean another place."""
@@ -311,7 +318,7 @@ class Session:
         step = self._procedure.step
         if step is not None and step.armed and not self.vehicle.armed:
             what = f"the vehicle disarmed itself while {step.stage}"
-            self.give_up(VehicleError(self.contact.explained(what, now_s - _WORDS_S)), now_s)
+            self.give_up(VehicleError(self.contact.explained(what, self._lately_s(now_s))), now_s)
         if step is None:
             if self._failure is not None:
                 raise self._failure

@@ -4,6 +4,7 @@ https://mavlink.io/en/messages/common.html#STATUSTEXT: pieces of one text share 
 fills its 50 bytes is followed by another.
 """
 
+import re
 from typing import Final, NamedTuple
 
 from mission.link.values import Words
@@ -12,6 +13,9 @@ _PIECE_BYTES: Final = 50
 _PATIENCE_S: Final = 1.0
 _MOST_PENDING: Final = 8
 _MOST_PIECES: Final = 32
+_FAILSAFE: Final = re.compile("failsafe|fence|breach", re.IGNORECASE)
+_OVER: Final = re.compile("clear|recover|resolved|off$", re.IGNORECASE)
+_NOTICE: Final = 5
 
 
 class Text(NamedTuple):
@@ -19,6 +23,16 @@ class Text(NamedTuple):
 
     severity: int
     text: str
+
+    @property
+    def grave(self) -> bool:
+        """Whether it explains what happens: notices, as ArduPilot's of a breached fence, and worse; not chatter."""
+        return self.severity <= _NOTICE
+
+    @property
+    def tells_failsafe(self) -> bool:
+        """Whether it says that the vehicle acts by itself; what is over again is no reason to."""
+        return self.grave and bool(_FAILSAFE.search(self.text)) and not _OVER.search(self.text)
 
 
 class _Pending:

@@ -32,9 +32,6 @@ HEARTBEATS: Final = 2
 _DOUBLED_S: Final = 0.3
 """The same heartbeat within this time is one that came twice; vehicles beat once a second."""
 
-_GRAVE: Final = 5
-"""Notices and worse explain what happened (ArduPilot gives notice of a breach of its fence); chatter does not."""
-
 _PARTS: Final = ((Sensors.GYRO, "gyro"), (Sensors.ACCELEROMETER, "accelerometer"), (Sensors.COMPASS, "compass"))
 _NEEDED: Final = (
     (Estimates.ATTITUDE, "attitude"),
@@ -45,9 +42,9 @@ _NEEDED: Final = (
 
 
 class Heard(NamedTuple):
-    """A text, with when it was heard on the clock here."""
+    """A text, with when it was heard, vehicle time; minus infinity before that was known."""
 
-    local_s: float
+    at_s: float
     text: Text
 
 
@@ -116,9 +113,13 @@ class VehicleState:
         """Texts of which a piece was lost."""
         return self._note(self._texts.overdue(local_s), local_s)
 
-    def words_since(self, local_s: float) -> str:
-        """What the vehicle said to explain itself since then, each text once, in its own words."""
-        said = [heard.text.text for heard in self._heard if heard.local_s >= local_s and heard.text.severity <= _GRAVE]
+    def told_failsafe_since(self, at_s: float) -> bool:
+        """Whether the vehicle said since then, vehicle time, that it acts by itself."""
+        return any(heard.at_s >= at_s and heard.text.tells_failsafe for heard in self._heard)
+
+    def words_since(self, at_s: float) -> str:
+        """What the vehicle said to explain itself since then, vehicle time, each text once, in its own words."""
+        said = [heard.text.text for heard in self._heard if heard.at_s >= at_s and heard.text.grave]
         return "; ".join(dict.fromkeys(text for text in said if text))
 
     def unready(self, *, absolute: bool) -> str:
@@ -220,7 +221,8 @@ class VehicleState:
             self.version = body
 
     def _note(self, texts: list[Text], local_s: float) -> list[Text]:
-        self._heard.extend(Heard(local_s, text) for text in texts)
+        at_s = self.clock.now_s(local_s)
+        self._heard.extend(Heard(-math.inf if at_s is None else at_s, text) for text in texts)
         return texts
 
 

@@ -309,3 +309,31 @@ class ScriptedVehicle:
         self._push(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(self._foreign))
         for command in (ARM, SET_MODE, TAKEOFF, LAND, 511):
             self._push(mavlink.MAVLink_command_ack_message(command, 2, 0, 0, *GROUND_STATION).pack(self._mav))
+
+
+class DistantVehicle(ScriptedVehicle):
+    """The same at the other end of a long way: each packet takes a time."""
+
+    def __init__(self, flavour: str, delay_s: float, script: Script | None = None) -> None:
+        super().__init__(flavour, script)
+        self._delay_s = delay_s
+        self._there: list[tuple[float, bytes]] = []
+        self._back: list[tuple[float, bytes]] = []
+
+    def send(self, data: bytes) -> None:
+        self._there.append((self.now_s() + self._delay_s, data))
+
+    def receive(self, within_s: float) -> list[bytes]:
+        until_s = self.now_s() + within_s
+        while True:
+            for data in self._arrived(self._there):
+                super().send(data)
+            self._back += [(self.now_s() + self._delay_s, data) for data in super().receive(0.0)]
+            arrived = self._arrived(self._back)
+            if arrived or self.now_s() >= until_s:
+                return arrived
+
+    def _arrived(self, way: list[tuple[float, bytes]]) -> list[bytes]:
+        arrived = [data for due_s, data in way if due_s <= self.now_s()]
+        del way[: len(arrived)]
+        return arrived

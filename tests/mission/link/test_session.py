@@ -24,6 +24,7 @@ from tests.support.scripted_vehicle import (
     SET_MODE,
     STABILIZE,
     TAKEOFF,
+    DistantVehicle,
     Script,
     ScriptedVehicle,
 )
@@ -270,6 +271,59 @@ def test_whoever_else_flies_is_never_fought(flavour: str, failsafe: bool) -> Non
     for _ in range(100):
         driven.turn()
     assert (len(vehicle.commands), len(vehicle.setpoints)) == (asked, setpoints)
+
+
+@pytest.mark.parametrize(
+    ("flavour", "text", "severity"),
+    [
+        ("ardupilot", "Max Alt fence breached", 5),
+        ("ardupilot", "EKF Failsafe: changed to RTL Mode", 2),
+        ("px4", "Geofence: approaching or outside geofence", 2),
+    ],
+)
+@pytest.mark.parametrize("before_s", [0.0, 9.0])
+def test_what_tells_of_a_failsafe_is_the_reason_though_the_status_stays_active(
+    flavour: str, text: str, severity: int, before_s: float
+) -> None:
+    vehicle = ScriptedVehicle(flavour)
+    driven = Driven(vehicle)
+    driven.until(Stage.FLY)
+    if before_s:
+        vehicle.say("GPS Glitch", 2)
+    vehicle.say(text, severity)
+    until_s = vehicle.now_s() + before_s - 1.5
+    while vehicle.now_s() < until_s:
+        driven.turn()
+    vehicle.mode = PX4_RTL if vehicle.px4 else RTL
+    driven.fly()
+    assert driven.session.ending is Ending.FAILSAFE
+    assert f"a failsafe put the vehicle into {'AUTO.RTL' if vehicle.px4 else 'RTL'}; it says: " in (
+        driven.session.ending_reason
+    )
+    assert text in driven.session.ending_reason
+    assert ("GPS Glitch" in driven.session.ending_reason) is bool(before_s)
+
+
+@pytest.mark.parametrize(("text", "before_s"), [("GCS Failsafe", 11.0), ("Fence breach cleared", 0.0)])
+def test_what_is_over_is_no_reason(text: str, before_s: float) -> None:
+    vehicle = ScriptedVehicle("ardupilot")
+    driven = Driven(vehicle)
+    driven.until(Stage.CLIMB)
+    vehicle.say(text)
+    until_s = vehicle.now_s() + before_s
+    while vehicle.now_s() < until_s:
+        driven.turn()
+    vehicle.mode = STABILIZE
+    driven.fly()
+    assert driven.session.ending is Ending.HANDED_OVER
+    assert "someone else put the vehicle into STABILIZE" in driven.session.ending_reason
+
+
+@FLAVOURS
+def test_two_seconds_on_the_way_are_no_silence(flavour: str) -> None:
+    driven = Driven(DistantVehicle(flavour, 2.0))
+    driven.fly(within_s=400.0)
+    assert driven.session.ending is Ending.LANDED
 
 
 def test_one_late_heartbeat_is_not_someone_else() -> None:

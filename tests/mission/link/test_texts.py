@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.link.texts import Text, TextAssembler
-from mission.link.values import Words
+from mission.link.values import LocalPosition, Words
+from mission.link.vehicle_state import VehicleState
 
 LONG = "PreArm: a sentence that is a good deal longer than the fifty bytes that one message can hold, twice over"
 
@@ -58,3 +59,15 @@ def test_memory_is_bounded_whatever_comes(stream: list[Words]) -> None:
     for i, words in enumerate(stream):
         assembler.take(words, 0.01 * i)
     assert len(assembler._pending) <= 9
+
+
+def test_how_long_ago_something_was_said_goes_by_the_vehicles_clock() -> None:
+    state = VehicleState()
+    for i in range(200):  # at twenty times real time, 40 s of the vehicle are two here
+        state.take(LocalPosition(200 * i, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), 0.01 * i)
+        if i == 100:
+            state.take(Words(4, "GCS Failsafe", 0, 0), 0.01 * i)
+    assert state.words_since(19.9) == "GCS Failsafe"
+    assert state.told_failsafe_since(19.9)
+    assert not state.words_since(20.5)
+    assert not state.told_failsafe_since(20.5)
