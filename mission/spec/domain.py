@@ -31,7 +31,8 @@ from mission.spec.model import (
     RegionKind,
     TriangleShape,
 )
-from mission.spec.outlines import Outline, boundary_outline, pair, place, sound_outlines
+from mission.spec.outlines import Outline, boundary_outline, place, sound_outlines
+from mission.spec.scale import pair
 
 Domain = NodesDomain | BoundaryDomain
 

@@ -13,6 +13,7 @@ from mission.geometry.rings import edge_crossings, ring_edges, ring_fault
 from mission.geometry.simplices import ROUNDING
 from mission.spec.finding import Finding, Path
 from mission.spec.model import BoundaryDomain, NodesDomain, Point, PolygonShape, Region
+from mission.spec.scale import scale_finding
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +34,14 @@ def sound_outlines(
     domain: NodesDomain | BoundaryDomain, regions: Sequence[Region]
 ) -> tuple[list[Outline], list[Finding]]:
     """The outlines of the regions that can be meshed, and what is wrong with the domain's points and the others."""
+    key, corners = ("nodes", domain.nodes_m) if isinstance(domain, NodesDomain) else ("boundary", domain.boundary_m)
+    base = np.array(corners)
+    too_small = scale_finding(("domain", key), base)
+    if too_small:
+        return [], [too_small]
     findings = _nodes_findings(domain) if isinstance(domain, NodesDomain) else _boundary_findings(domain)
     if findings:
         return [], findings
-    base = np.array(domain.nodes_m if isinstance(domain, NodesDomain) else domain.boundary_m)
     tolerance_m = ROUNDING * float(np.ptp(base, axis=0).max())
     tree = cKDTree(base)
     outlines = []
@@ -64,11 +69,6 @@ def sound_outlines(
 def place(point: Point | FloatArray) -> str:
     """A point for people."""
     return f"({decimal(point[0])}, {decimal(point[1])})"
-
-
-def pair(point: Point | FloatArray) -> str:
-    """A point as a mission file has it."""
-    return f"[{decimal(point[0])}, {decimal(point[1])}]"
 
 
 def _nodes_findings(domain: NodesDomain) -> list[Finding]:

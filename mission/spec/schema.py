@@ -33,10 +33,11 @@ def _one_of(*keys: str) -> list[Schema]:
     return [{"required": [key]} for key in keys]
 
 
+COORDINATE: Final[Schema] = {"type": "number", "minimum": -MAX_COORDINATE_M, "maximum": MAX_COORDINATE_M}
 _POINT: Final[Schema] = {
     "description": "A place in the domain, [east, north] in metres.",
     "type": "array",
-    "items": {"type": "number", "minimum": -MAX_COORDINATE_M, "maximum": MAX_COORDINATE_M},
+    "items": COORDINATE,
     "minItems": 2,
     "maxItems": 2,
     "examples": [[12.5, 40.0]],

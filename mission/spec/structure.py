@@ -12,7 +12,8 @@ from jsonschema.exceptions import ValidationError
 from mission.decimals import decimal
 from mission.spec.finding import Finding, Path, dotted, listed, nearest, shortened
 from mission.spec.scalars import Oddity, number_hint, plain_value
-from mission.spec.schema import Schema, mission_schema
+from mission.spec.scale import projected_finding
+from mission.spec.schema import COORDINATE, Schema, mission_schema
 from mission.spec.yaml_tree import Mapping, Node, Scalar, Sequence
 
 MOST_ERRORS: Final = 1_000
@@ -58,9 +59,11 @@ def _plain(node: Node, path: Path, findings: list[Finding]) -> Any:  # noqa: ANN
 
 def structure_findings(data: Any, tree: Node) -> list[Finding]:  # noqa: ANN401 - any JSON value
     """Everything in which the data departs from the schema, as far as the first ``MOST_ERRORS`` of the validator."""
-    findings: list[Finding] = []
+    projected = projected_finding(data)
+    findings: list[Finding] = [projected] if projected else []
     for error in islice(_validator().iter_errors(data), MOST_ERRORS):
-        findings.extend(_worded(error, tree))
+        if not (projected and error.schema == COORDINATE):
+            findings.extend(_worded(error, tree))
     return list(dict.fromkeys(findings))
 
 

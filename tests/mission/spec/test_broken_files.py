@@ -84,6 +84,13 @@ EXPECTED = [
     ("decimal_comma", 13, 14, "flight.speed_m_s", "expected a number, found the text `3,5`"),
     ("deep_nesting", 2, 26, "", "lists and mappings are nested deeper than 20"),
     (
+        "degrees_as_metres",
+        3,
+        13,
+        "domain.boundary",
+        "the domain is 0.0012 m wide, less than 1 m: coordinates are metres, and these look like degrees",
+    ),
+    (
         "degenerate_triangle",
         3,
         57,
@@ -227,6 +234,13 @@ EXPECTED = [
         34,
         "regions.Field.polygon",
         "the polygon of Field is not simple: its corners all lie on one line",
+    ),
+    (
+        "projected_coordinates",
+        3,
+        13,
+        "domain.boundary",
+        "the points are farther than 1000000 m from [0, 0], as those of a map projection are (easting, northing)",
     ),
     ("quoted_number", 13, 14, "flight.speed_m_s", "expected a number, found the text `3.5`"),
     ("region_across_a_notch", 7, 37, "regions.Keep.polygon", "an edge of Keep crosses the boundary at (45, 30)"),

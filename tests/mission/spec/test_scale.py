@@ -1,0 +1,60 @@
+"""Degrees and projected coordinates: one fault each, and its cure ends in a sound file."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from mission.errors import SpecError
+from mission.geometry.geodesy import LatLon, enu_offset_m
+from mission.spec.loader import parse_mission
+
+BROKEN = Path(__file__).parents[3] / "missions" / "broken"
+PAIR = re.compile(r"\[(-?[0-9.]+), (-?[0-9.]+)\]")
+
+
+def hint_of(text: str) -> str:
+    with pytest.raises(SpecError) as caught:
+        parse_mission(text.encode())
+    (fault,) = caught.value.faults
+    return fault.hint
+
+
+def converted(text: str, change: Callable[[float, float], tuple[float, float]]) -> str:
+    return PAIR.sub(lambda found: "[{:.9f}, {:.9f}]".format(*change(float(found[1]), float(found[2]))), text)
+
+
+def test_projected_coordinates_less_what_the_hint_says_are_sound() -> None:
+    text = (BROKEN / "projected_coordinates.yaml").read_text(encoding="utf-8")
+    east, north = map(float, PAIR.findall(hint_of(text))[0])
+    assert parse_mission(converted(text, lambda x, y: (x - east, y - north)).encode()).start.position_m == (
+        12.41,
+        12.67,
+    )
+
+
+@pytest.mark.parametrize("place", [(8.54, 47.39), (-179.9995, -16.5), (179.9999, 0.0), (-58.4, -34.6)])
+def test_degrees_times_what_the_hint_says_are_sound(place: tuple[float, float]) -> None:
+    text = converted(
+        (BROKEN / "degrees_as_metres.yaml").read_text(encoding="utf-8"),
+        lambda x, y: (place[0] + (x - 8.54) / 20, place[1] + (y - 47.39) / 20),
+    )
+    hint = hint_of(text)
+    latitude, longitude = map(float, re.findall("_deg: (-?[0-9.]+)", hint))
+    factors = [float(factor) for factor in re.findall(r"\) \* ([0-9]+)", hint)]
+    metres = converted(text, lambda x, y: ((x - longitude) * factors[0], (y - latitude) * factors[1]))
+    east, north = parse_mission(metres.encode()).start.position_m
+    start = LatLon(place[1] + 0.0002 / 20, (place[0] + 0.0002 / 20 + 180.0) % 360.0 - 180.0)
+    assert (east, north) == pytest.approx(enu_offset_m(LatLon(latitude, longitude), start), abs=0.01)
+
+
+def test_a_small_domain_that_is_not_in_degrees_is_refused_too() -> None:
+    text = (BROKEN / "degrees_as_metres.yaml").read_text(encoding="utf-8")
+    assert hint_of(converted(text, lambda x, y: (x + 500.0, y))) == "write all points in metres, x east and y north"
+
+
+def test_one_point_far_away_is_a_slip_of_its_own() -> None:
+    text = (BROKEN / "projected_coordinates.yaml").read_text(encoding="utf-8")
+    text = converted(text, lambda x, y: (x - 500123, y - 5412345)).replace("[0.410000000", "[5412345.0", 1)
+    assert "write a number from -1000000 to 1000000" in hint_of(text)
