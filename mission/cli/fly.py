@@ -14,12 +14,13 @@ from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
 from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.cli.signals import EndingSignals
-from mission.clock import WallClock
+from mission.clock import Clock, WallClock
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
 from mission.link.address import parse_address
 from mission.link.contact import LinkOptions
 from mission.link.key_file import open_signatures
+from mission.link.lockstep import LockstepLink
 from mission.link.transport import Transport, open_transport
 from mission.plan import FlightPlan, plan_to_json
 from mission.report.files import write_whole
@@ -56,7 +57,7 @@ def run(arguments: Namespace) -> int:
     _report(flight.folder, pictures=flight.heard and not arguments.no_pictures, hurried=hurried)
     if flight.result is not None:
         with suppress(OSError):
-            _print_verdict(flight.result, flight.folder)
+            _print_verdict(flight.result, flight.folder, flight.elapsed_s)
     return flight.exit_code
 
 
@@ -69,26 +70,30 @@ class _Flown:
         heard: Whether there is a flight to draw.
         exit_code: What the program says of it.
         result: What it came to; None where it failed, which was told.
+        elapsed_s: How long it took on the wall clock; 0 where it failed.
     """
 
     folder: Path
     heard: bool
     exit_code: int
     result: FlightResult | None = None
+    elapsed_s: float = 0.0
 
 
 def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: StopSignals) -> _Flown:
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
-        vehicle, transport = _link(arguments, plan, stack)
+        vehicle, transport, clock = _link(arguments, plan, stack)
         folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
         stack.enter_context(record)
         display = stack.enter_context(Display(plan))
+        wall = WallClock()
+        began_s = wall.now_s()
         try:
             result = fly(
                 plan,
                 transport,
-                WallClock(),
+                clock,
                 record,
                 options=FlightOptions(link=link, land_when_stopped=vehicle is not None),
                 run=arguments.run,
@@ -107,8 +112,9 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
         except KeyboardInterrupt:
             err.print(f"interrupted; the record is kept in {folder}", markup=False)
             raise
+        elapsed_s = wall.now_s() - began_s
     _keep_plan(folder, result.plan)
-    return _Flown(folder, heard=True, exit_code=result.exit_code, result=result)
+    return _Flown(folder, heard=True, exit_code=result.exit_code, result=result, elapsed_s=elapsed_s)
 
 
 def _check_options(arguments: Namespace) -> None:
@@ -144,14 +150,17 @@ def _warn(words: str) -> None:
         print_warnings((words,))
 
 
-def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[BundledVehicle | None, Transport]:
-    """The bundled vehicle, if that is to be flown, and the link to what is."""
+def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[BundledVehicle | None, Transport, Clock]:
+    """The bundled vehicle, if that is to be flown, the link to what is, and the clock to fly by."""
     vehicle = None
     if arguments.connect is None:
         vehicle = stack.enter_context(BundledVehicle(_vehicle_options(arguments, plan)))
     transport = _opened(arguments.connect if vehicle is None else vehicle.address)
     stack.callback(transport.close)
-    return vehicle, transport
+    if vehicle is None:
+        return None, transport, WallClock()
+    lockstep = LockstepLink(transport, WallClock())
+    return vehicle, lockstep, lockstep
 
 
 def _opened(address: str) -> Transport:
@@ -227,10 +236,10 @@ def _report(folder: Path, *, pictures: bool, hurried: bool) -> None:
         err.print(f"the pictures are left out; `mission report {folder}` draws them", markup=False)
 
 
-def _print_verdict(result: FlightResult, folder: Path) -> None:
+def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None:
     flown = 0.0 if result.began_s is None or result.ended_s is None else result.ended_s - result.began_s
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for i, letter in enumerate(result.word) if _new(result, i))
-    out.print(f"flown     {flown:.0f} s of vehicle time in {result.elapsed_s:.1f} s", markup=False)
+    out.print(f"flown     {flown:.0f} s of vehicle time in {elapsed_s:.1f} s", markup=False)
     out.print(f"word      {word}", markup=False)
     out.print(
         f"tracking  at most {result.largest_distance_m:.2f} m from the trajectory; {_covered(result)}", markup=False

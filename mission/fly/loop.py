@@ -65,7 +65,8 @@ def fly(
     Args:
         plan: What to fly, planned from the mission's own start.
         transport: The link to the vehicle; it is left open.
-        clock: Paces repetitions on the link. The trajectory goes by the vehicle's own clock.
+        clock: Paces repetitions on the link. The trajectory goes by the vehicle's own clock, and so does all else where
+            the two run in lock-step (``LockstepLink``).
         record: Where everything is written down as it happens.
         options: How the flight is conducted.
         run: Which of the shortest runs to fly, where it is planned anew; the mission's choice by default.
@@ -150,8 +151,7 @@ class _Flight:
         self.interrupted = False
         self._given_up = False
         self._run = run
-        self._began_s = clock.now_s()
-        self._trusted_s = self._near_s = self._looked_s = -math.inf
+        self._trusted_s = self._near_s = self._looked_s = self._turned_s = -math.inf
 
     @property
     def newest_s(self) -> float | None:
@@ -161,13 +161,16 @@ class _Flight:
     def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
         """One turn of the loop: listen, think, speak."""
         session, clock = self.session, self.clock
-        for data in transport.receive(session.wait_s(clock.now_s())):
-            session.receive(data, clock.now_s())
-        session.advance(clock.now_s())
-        self.take_events()
-        if session.stage is Stage.STANDBY:
-            self.depart()
-        self.look_after()
+        arrived = transport.receive(session.wait_s(clock.now_s()))
+        if arrived or clock.now_s() != self._turned_s:  # else nothing is due: in lock-step, time stands still
+            for data in arrived:
+                session.receive(data, clock.now_s())
+            self._turned_s = clock.now_s()
+            session.advance(self._turned_s)
+            self.take_events()
+            if session.stage is Stage.STANDBY:
+                self.depart()
+            self.look_after()
         if request := stop_request():
             self.heed(request)
         for frame in session.outgoing():
@@ -273,7 +276,6 @@ class _Flight:
             vehicle=watch.vehicle,
             began_s=watch.began_s,
             ended_s=self.newest_s,
-            elapsed_s=self.clock.now_s() - self._began_s,
             largest_error_m=watch.tracking.largest_m,
             largest_distance_m=watch.largest_distance_m,
             beyond_tube_s=watch.beyond_tube_s,

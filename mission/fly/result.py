@@ -64,7 +64,6 @@ class FlightResult:
         vehicle: Which autopilot flew it.
         began_s: Vehicle time at which the trajectory began; None where it never did.
         ended_s: Vehicle time at the end.
-        elapsed_s: How long the whole took on the clock here.
         largest_error_m: Largest distance on an axis from the trajectory; the certificate's tube is about this.
         largest_distance_m: Largest horizontal distance from the trajectory.
         beyond_tube_s: Longest time without a break that the error was beyond the tube.
@@ -81,7 +80,6 @@ class FlightResult:
     vehicle: str
     began_s: float | None
     ended_s: float | None
-    elapsed_s: float
     largest_error_m: float
     largest_distance_m: float
     beyond_tube_s: float

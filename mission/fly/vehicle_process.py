@@ -19,9 +19,6 @@ from mission.errors import Fault, LinkError, SpecError
 from mission.geometry.geodesy import LatLon, place_at_offset
 from mission.spec.model import MissionSpec
 
-_PATIENCE_S: Final = 2.0
-"""Real time for which it waits for us: more than a busy machine makes us pause, less than we call a lost link."""
-
 _START_WITHIN_S: Final = 30.0
 _END_WITHIN_S: Final = 3.0
 _WORDS: Final = 2000
@@ -61,8 +58,8 @@ class VehicleOptions:
 
     def arguments(self) -> list[str]:
         """The vehicle's command line, without the program."""
-        arguments = ["--listen", "udpin:127.0.0.1:0", "--announce", "--exit-with-parent", "--quiet"]
-        arguments += [f"--speed={self.speed:g}", f"--patience={_PATIENCE_S:g}"]
+        arguments = ["--listen", "udpin:127.0.0.1:0", "--announce", "--exit-with-parent", "--quiet", "--lockstep"]
+        arguments.append(f"--speed={self.speed:g}")
         choices = {"seed": self.seed, "wind": self.wind, "flavour": self.flavour, "dynamics": self.dynamics}
         for name, value in (choices | {"faults": self.faults}).items():
             if value is not None:
@@ -87,7 +84,7 @@ def home_for(spec: MissionSpec) -> tuple[float, float, float] | None:
 
 
 class BundledVehicle:
-    """The running vehicle; a context that ends it whatever happens.
+    """The running vehicle, in lock-step with whoever flies it; a context that ends it whatever happens.
 
     Attributes:
         address: Where to call it.

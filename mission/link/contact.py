@@ -18,7 +18,7 @@ from mission.link.messages import AUTOPILOT_COMPONENT, Codec, vehicle_type_name
 from mission.link.requests import Answer, RequestChannel
 from mission.link.signing import Signatures
 from mission.link.texts import Text
-from mission.link.values import Acknowledgement, Body, Heartbeat, LocalPosition, LocalSetpoint, Received, Version
+from mission.link.values import Acknowledgement, Body, Heartbeat, LocalPosition, LocalSetpoint, Ping, Received, Version
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
 from mission.link.watchdog import Watchdog
 
@@ -67,6 +67,7 @@ class Contact:
         waiting_for: What is waited for before the vehicle can be flown, in plain words; empty where nothing is.
         events: What has happened, oldest first; whoever reads it empties it.
         out: Frames to send, likewise.
+        answers: Frames to send after these: the answers to PINGs, which vouch for having handled all before them.
     """
 
     def __init__(self, options: LinkOptions, *, needs_origin: bool) -> None:
@@ -77,6 +78,7 @@ class Contact:
         self.waiting_for = "no heartbeat yet"
         self.events: deque[Event] = deque()
         self.out: deque[bytes] = deque()
+        self.answers: deque[bytes] = deque()
         self._needs_origin = needs_origin
         self._codec = Codec(options.system_id, options.component_id, options.signatures)
         self.channel = RequestChannel(options.system_id, options.component_id)
@@ -102,6 +104,8 @@ class Contact:
                 self._others.add(received.system_id)
                 if self.options.vehicle_id in (0, received.system_id):
                     self._meet(received)
+            if isinstance(received.body, Ping):
+                self._answer(received, received.body)
             known = self.autopilot is not None and received.system_id == self._system_id
             if known and received.component_id == AUTOPILOT_COMPONENT:
                 self._heard_s = now_s
@@ -225,6 +229,11 @@ class Contact:
         """``what`` with the vehicle's own words since a vehicle time."""
         words = self.vehicle.words_since(since_s)
         return f"{what}; it says: {words}" if words else what
+
+    def _answer(self, asked: Received, ping: Ping) -> None:
+        """Whoever asks all is answered; system 0 is nobody, and an answer to it would ask all again."""
+        if ping.target_system == 0 and asked.system_id != 0:
+            self.answers.append(self._codec.answer(asked, ping))
 
     def _meet(self, received: Received) -> None:
         heartbeat = received.body

@@ -28,6 +28,7 @@ from mission.link.values import (
     LocalPosition,
     LocalSetpoint,
     Origin,
+    Ping,
     Received,
     Result,
     Sensors,
@@ -83,6 +84,7 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "EKF_STATUS_REPORT": lambda m: EstimatorReport(Estimates(m.flags)),
     "ESTIMATOR_STATUS": lambda m: EstimatorReport(Estimates(m.flags)),
     "EXTENDED_SYS_STATE": lambda m: Landing(LandedState(m.landed_state)),
+    "PING": lambda m: Ping(m.time_usec, m.seq, m.target_system),
     "AUTOPILOT_VERSION": lambda m: Version(
         (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
     ),
@@ -131,6 +133,12 @@ class Codec:
             )
         )
 
+    def answer(self, asked: Received, ping: Ping) -> bytes:
+        """The answer to a PING: the same, to whoever sent it. https://mavlink.io/en/services/ping.html."""
+        return self._packed(
+            mavlink.MAVLink_ping_message(ping.time_us, ping.number, asked.system_id, asked.component_id)
+        )
+
     def command(self, target_system: int, command: Command, attempt: int) -> bytes:
         """A COMMAND_LONG to the autopilot of a system; ``attempt`` counts from 0."""
         parameters = (*command.parameters, *(0.0,) * (7 - len(command.parameters)))
@@ -163,6 +171,17 @@ class Codec:
         frame = bytes(message.pack(self._mav))
         self._mav.seq = (self._mav.seq + 1) & 0xFF
         return frame
+
+
+def asked_last(datagram: bytes) -> Ping | None:
+    """The PING for all with which an autopilot ends a datagram; None where it ends with anything else."""
+    frames, _ = split(datagram)
+    if not frames or frames[-1].number != mavlink.MAVLINK_MSG_ID_PING:
+        return None
+    message = mavlink.MAVLink(None).decode(bytearray(frames[-1].data))
+    if message.target_system != 0 or message.get_srcComponent() != AUTOPILOT_COMPONENT:
+        return None
+    return Ping(message.time_usec, message.seq, message.target_system)
 
 
 def set_message_interval(stream: Stream, hertz: float) -> Command:

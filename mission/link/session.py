@@ -220,8 +220,9 @@ class Session:
 
     def outgoing(self) -> list[bytes]:
         """Frames to send, oldest first; they are forgotten here."""
-        frames = list(self.contact.out)
+        frames = [*self.contact.out, *self.contact.answers]
         self.contact.out.clear()
+        self.contact.answers.clear()
         return frames
 
     def events(self) -> list[Event]:

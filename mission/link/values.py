@@ -191,6 +191,15 @@ class Version:
     firmware: tuple[int, int, int]
 
 
+@dataclass(frozen=True, slots=True)
+class Ping:
+    """PING: a request that is for all, of target 0, or what one system was answered; the time is the asker's."""
+
+    time_us: int
+    number: int
+    target_system: int
+
+
 Body = (
     Heartbeat
     | Words
@@ -204,6 +213,7 @@ Body = (
     | EstimatorReport
     | Landing
     | Version
+    | Ping
 )
 
 

@@ -13,11 +13,12 @@ from mission.cli import main
 from mission.clock import WallClock
 from mission.errors import LinkError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, Progress, StopSignals, VehicleOptions, fly
+from mission.link.lockstep import LockstepLink
 from mission.link.session import Ending
 from mission.link.transport import open_transport
 from mission.monitor.stage import Stage
 from mission.report.reading import read_record
-from mission.report.record import FlightRecord
+from mission.report.record import RECORD_FILE, FlightRecord
 from tests.support.commands import ROOT
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
@@ -27,17 +28,18 @@ SPEED = 15.0
 class TwoProcesses:
     """One flight; what is watched may act on the vehicle's process."""
 
-    def __init__(self, folder: Path, flavour: str = "ardupilot", text: str = SMALL) -> None:
-        self.folder, self.flavour, self.text = folder, flavour, text
+    def __init__(self, folder: Path, flavour: str = "ardupilot", text: str = SMALL, speed: float = SPEED) -> None:
+        self.folder, self.flavour, self.text, self.speed = folder, flavour, text, speed
         self.process_id = 0
 
     def run(self) -> FlightResult:
         plan = plan_of(self.text)
         acted: list[bool] = []
-        options = VehicleOptions(speed=SPEED, flavour=self.flavour, ground_station=False)
+        options = VehicleOptions(speed=self.speed, seed=1, flavour=self.flavour, ground_station=False)
         with FlightRecord.in_folder(self.folder, "small") as record, BundledVehicle(options) as vehicle:
             self.process_id = vehicle.process_id
             transport = open_transport(vehicle.address)
+            link = LockstepLink(transport, WallClock())
 
             def watch(progress: Progress) -> None:
                 if progress.stage is Stage.FLY and progress.trajectory_s > 5.0 and not acted:
@@ -48,8 +50,8 @@ class TwoProcesses:
                 try:
                     return fly(
                         plan,
-                        transport,
-                        WallClock(),
+                        link,
+                        link,
                         record,
                         options=FlightOptions(land_when_stopped=True),
                         on_progress=watch,
@@ -72,14 +74,17 @@ def is_running(process_id: int) -> bool:
 
 
 @pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
-def test_a_flight_over_udp(tmp_path: Path, flavour: str) -> None:
-    flight = TwoProcesses(tmp_path, flavour)
-    result = flight.run()
-    assert result.achieved, result.reason
-    assert not is_running(flight.process_id)
+def test_a_flight_over_udp_is_the_same_at_any_speed(tmp_path: Path, flavour: str) -> None:
+    for speed in (8.0, 500.0):
+        flight = TwoProcesses(tmp_path, flavour, speed=speed)
+        result = flight.run()
+        assert result.achieved, result.reason
+        assert not is_running(flight.process_id)
     record = read_record(tmp_path / "small-1")
     assert record.verdict is not None
     assert len(record.setpoints.t_s) > 100
+    one, other = ((tmp_path / folder / RECORD_FILE).read_bytes() for folder in ("small-1", "small-2"))
+    assert one == other
 
 
 def test_the_vehicle_killed_in_flight_is_a_link_failure_with_a_readable_record(tmp_path: Path) -> None:

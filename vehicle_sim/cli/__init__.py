@@ -54,6 +54,7 @@ def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
     from vehicle_sim.protocol.flavour import TABLES, Rates  # noqa: PLC0415
     from vehicle_sim.server.fleet import fleet_of  # noqa: PLC0415
     from vehicle_sim.server.key_file import KeyFile, signing_time  # noqa: PLC0415
+    from vehicle_sim.server.lockstep import Lockstep  # noqa: PLC0415
     from vehicle_sim.server.log_folder import keep_logs  # noqa: PLC0415
     from vehicle_sim.server.parameter_file import keep_parameters  # noqa: PLC0415
     from vehicle_sim.server.party import Fleet, Party  # noqa: PLC0415
@@ -112,7 +113,9 @@ def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
         bound = [port.address for port in ports]
         _tell(options, [endpoint.system_id for endpoint in endpoints], bound)
         patience = [Patience(options.patience) for _ in endpoints] if options.patience > 0.0 else []
-        Server(endpoints, ports, clock=WallClock(), notify=_notify, patience=patience).run(options.speed, stopping)
+        lockstep = Lockstep(endpoints, _notify) if options.lockstep else None
+        server = Server(endpoints, ports, clock=WallClock(), notify=_notify, patience=patience, lockstep=lockstep)
+        server.run(options.speed, stopping)
     finally:
         for endpoint in endpoints:
             endpoint.recorder.finish()

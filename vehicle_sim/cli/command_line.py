@@ -60,17 +60,23 @@ faults:
     link: drop, duplicate, corrupt, reorder (likelihoods), delay_s, jitter_s; up: 0 or down: 0 spares a direction
   The same by parameter in flight: SIM_GPS1_ENABLE, SIM_ACC1_BIAS_X and so on, as in ArduPilot's simulator.
 
+lock-step:
+  With --lockstep, vehicle time stands still until those who fly have had their turn: after each 0.04 s at most, the
+  vehicle sends a PING on the links of --listen and --connect, and goes on when it is answered. It stands at zero until
+  somebody has answered, and goes on without those who have not answered for 30 s. A program that handles what it is
+  told before it answers, as `mission` does, then flies the same flight at any speed and on any machine.
+
 patience:
-  At many times real time, a client that the machine keeps from its turn for a moment misses seconds of the vehicle's
-  time. With --patience, vehicle time stands still while the vehicle flies by setpoints and the newest is older than
-  0.15 s, or while heartbeats that have come each second of vehicle time stay away. A stream that does not go on within
-  that many seconds of real time has ended: vehicle time goes on, and failsafes come as ever. Heartbeats that come by
-  real time, as from a ground station, are not waited for.
+  For clients that answer no PING: at many times real time, one that the machine keeps from its turn for a moment
+  misses seconds of the vehicle's time. With --patience, vehicle time stands still while the vehicle flies by setpoints
+  and the newest is older than 0.15 s, or while heartbeats that have come each second of vehicle time stay away. A
+  stream that does not go on within that many seconds of real time has ended: vehicle time goes on, and failsafes come
+  as ever. Heartbeats that come by real time, as from a ground station, are not waited for.
 
 examples:
   vehicle-sim
   vehicle-sim --flavour px4 --speed 5 --wind 4@270 --gusts 1
-  vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station --speed 20 --patience 2
+  vehicle-sim --listen udpin:127.0.0.1:14551 --no-ground-station --speed 20 --lockstep
   vehicle-sim --count 20 --spacing 8 --shared tcpin:127.0.0.1:6000
 """
 
@@ -144,7 +150,11 @@ def build_parser() -> argparse.ArgumentParser:
         "--system-id", "--sysid", dest="sysid", type=system_id, metavar="N", help="MAVLink system id, 1 to 255 (1)"
     )
     vehicle.add_argument("--speed", type=speed, default=1.0, metavar="N", help="multiples of real time (1)")
-    vehicle.add_argument(
+    pace = vehicle.add_mutually_exclusive_group()
+    pace.add_argument(
+        "--lockstep", action="store_true", help="vehicle time goes on only when those who fly have had their turn"
+    )
+    pace.add_argument(
         "--patience",
         type=patience,
         default=0.0,

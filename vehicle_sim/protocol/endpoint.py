@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.attitudes import AttitudeService
 from vehicle_sim.protocol.commands import CommandService
-from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
+from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT, mavlink
 from vehicle_sim.protocol.failures import FailureService
 from vehicle_sim.protocol.fences import FenceService
 from vehicle_sim.protocol.files import FileService
@@ -235,7 +235,35 @@ class Endpoint:
         Raises:
             KeyError: There is no such link.
         """
-        return self._links[link].drain()
+        speaker = self._links[link]
+        return speaker.closed(self._carried(link, speaker.drain()))
+
+    def _carried(self, _link: str, datagrams: list[bytes]) -> list[bytes]:
+        """What a line makes of datagrams: here nothing."""
+        return datagrams
+
+    @property
+    def flight_links(self) -> list[str]:
+        """The links of those who may fly the vehicle, and not only watch it as a ground station does."""
+        return [link.name for link, rates in self._purposes.items() if rates is Rates.ONBOARD]
+
+    def tells_position(self, link: str) -> bool:
+        """Whether a report of the local position waits to be sent by a link.
+
+        Raises:
+            KeyError: There is no such link.
+        """
+        return self._links[link].tells_position
+
+    def ping(self, link: str, number: int) -> None:
+        """Ask the peer of a link to answer all that it is told until then: with a PING, the last message of it.
+
+        No fault of the line touches this: it is about the program at the other end. Its time is that of the vehicle.
+
+        Raises:
+            KeyError: There is no such link.
+        """
+        self._links[link].send_last(mavlink.MAVLink_ping_message(self.now_us, number, 0, 0))
 
     def advance(self) -> None:
         """Step the vehicle once and queue what is due then."""

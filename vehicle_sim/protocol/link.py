@@ -44,6 +44,7 @@ class Link:
         is_secure: Whether nobody can listen or speak in between: a line that does not leave the machine.
         unknown: Frames of messages that the dialect does not know, oldest first; whoever reads it empties it. Their
             checksums cannot be checked. While signing is required they are rightly signed.
+        tells_position: Whether a LOCAL_POSITION_NED waits to be sent, which tells those who fly where they are.
     """
 
     def __init__(
@@ -83,8 +84,10 @@ class Link:
         self._speaks_v1 = False
         self._heard_v2 = False
         self._rest = b""
+        self.tells_position = False
         self._filling = bytearray()
         self._waiting: deque[bytes] = deque(maxlen=_MAX_WAITING)  # a peer that never reads loses the oldest
+        self._last = b""
 
     def speak_for(self, system_id: int) -> None:
         """Send as another system from now on."""
@@ -150,6 +153,16 @@ class Link:
 
     def send(self, message: Message) -> None:
         """Queue a message of the vehicle; what MAVLink 1 cannot carry is left out on a link that speaks it."""
+        frame = self._packed(message)
+        if frame:
+            self.tells_position |= message.get_msgId() == mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED
+            self._queue(frame)
+
+    def send_last(self, message: Message) -> None:
+        """Send a message behind all that waits now, and behind what is queued until then."""
+        self._last = self._packed(message)
+
+    def _packed(self, message: Message) -> bytes:
         mav = self._mav
         mav.signing.sign_outgoing = self.checks_signatures and not self.speaks_v1
         if mav.signing.sign_outgoing:
@@ -160,9 +173,9 @@ class Link:
         elif message.get_msgId() <= LAST_V1_ID:
             frame = _without_extensions(message, message.pack(mav, force_mavlink1=True))
         else:
-            return
+            return b""
         mav.seq = (mav.seq + 1) & 0xFF
-        self._queue(frame)
+        return frame
 
     def forward(self, frame: bytes) -> None:
         """Queue a frame of another system as it came; never MAVLink 2 to a peer that only speaks MAVLink 1."""
@@ -177,6 +190,7 @@ class Link:
 
     def drain(self) -> list[bytes]:
         """Return the queued datagrams, oldest first, and forget them."""
+        self.tells_position = False
         if self._filling:
             self._waiting.append(bytes(self._filling))
             self._filling = bytearray()
@@ -185,6 +199,13 @@ class Link:
         datagrams = list(self._waiting)
         self._waiting.clear()
         return datagrams
+
+    def closed(self, datagrams: list[bytes]) -> list[bytes]:
+        """Return the datagrams with the last message behind them, if there is one, and forget it."""
+        last, self._last = self._last, b""
+        if last and datagrams and len(datagrams[-1]) + len(last) <= MAX_DATAGRAM:
+            return [*datagrams[:-1], datagrams[-1] + last]
+        return [*datagrams, last] if last else datagrams
 
 
 def _frame_length(data: bytes, at: int) -> int:

@@ -2,7 +2,7 @@
 
 Step k is due at start + k * step / speed. Where the machine cannot keep that up, the start is moved: vehicle time
 slows instead of jumping, and whoever runs the program is told so once. With patience, it also slows for a client that
-the machine has kept from its turn.
+the machine has kept from its turn; in lock-step, it stands still until each client has had its turn.
 """
 
 import select
@@ -14,6 +14,7 @@ from vehicle_sim.autopilot import Mode
 from vehicle_sim.clock import Clock
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.endpoint import Endpoint
+from vehicle_sim.server.lockstep import Lockstep
 from vehicle_sim.server.patience import Patience, Source, StreamKind
 from vehicle_sim.server.ports import Notify, Port
 
@@ -97,6 +98,7 @@ class Server:
         clock: Clock,
         notify: Notify,
         patience: Sequence[Patience] = (),
+        lockstep: Lockstep | None = None,
     ) -> None:
         """Serve.
 
@@ -107,14 +109,18 @@ class Server:
             notify: Takes sentences for whoever runs the program.
             patience: One for each vehicle: decides when vehicle time waits, above real time only. It never does
                 without.
+            lockstep: Decides whether vehicle time stands still, at any speed, where clients are to have their turn.
 
         Raises:
-            ValueError: There is no vehicle, or not one patience for each.
+            ValueError: There is no vehicle, not one patience for each, or patience and lock-step together.
         """
         if not endpoints or (patience and len(patience) != len(endpoints)):
             raise ValueError("serve at least one vehicle, with one patience for each or none at all")
+        if patience and lockstep is not None:
+            raise ValueError("in lock-step nobody is late: there is nothing to be patient about")
         self._endpoints, self._ports = tuple(endpoints), tuple(ports)
         self._clock, self._notify = clock, notify
+        self._lockstep = lockstep
         self._patient = list(zip(endpoints, patience, strict=True)) if patience else []
         for endpoint, patient in self._patient:
             endpoint.on_message = partial(_hear, endpoint, patient)
@@ -128,14 +134,13 @@ class Server:
         told = False
         while not stopping():
             now_s = self._clock.now_s()
-            waits = speed > 1.0 and self._wait_for_clients(now_s)
-            if waits:
+            if self._lockstep is not None and not self._lockstep.begun:
+                began_s, pacer = now_s, Pacer(step_s=step_s, speed=speed, now_s=now_s)  # nobody is there yet
+            late = speed > 1.0 and self._wait_for_clients(now_s)
+            if late:
                 pacer.stand_still(now_s)
-            steps = 0 if waits else min(pacer.due(now_s), batch)
-            for _ in range(steps):
-                for endpoint in self._endpoints:
-                    endpoint.advance()
-            pacer.made(steps)
+            waits = late or (self._lockstep is not None and self._lockstep.waits(now_s))
+            pacer.made(self._advance(0 if waits else min(pacer.due(now_s), batch), now_s))
             self._flush()
             if pacer.slowed_to is not None and not told:
                 told = True
@@ -146,6 +151,16 @@ class Server:
                     + (f", {waited:.0%} of the time waiting for clients" if waited else "")
                 )
             self._poll(_LONGEST_WAIT_S if waits else pacer.wait_s(self._clock.now_s()))
+
+    def _advance(self, steps: int, now_s: float) -> int:
+        """Make so many steps, or those that are left of the turn; return how many."""
+        for made in range(1, steps + 1):
+            for endpoint in self._endpoints:
+                endpoint.advance()
+            if self._lockstep is not None and self._lockstep.made():
+                self._lockstep.waits(now_s)  # which asks at once
+                return made
+        return steps
 
     def _wait_for_clients(self, now_s: float) -> bool:
         """Whether any vehicle waits; each is asked, for each counts how long."""
