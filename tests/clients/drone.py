@@ -23,6 +23,7 @@ class Drone:
     Attributes:
         action, geofence, ...: The plugins.
         stream: Opens a stream of telemetry by its name.
+        flights: Opens the stream of what is told of the present flight.
         progress: Opens the stream of a mission's progress, of the plugin `mission` or `mission_raw`.
         types: The module of a plugin by name: where its types and errors are.
     """
@@ -38,6 +39,7 @@ class Drone:
     param: Any
     telemetry: Any
     stream: Callable[[str], AsyncIterator[Any]]
+    flights: Callable[[], AsyncIterator[Any]]
     progress: Callable[[str], AsyncIterator[Any]]
     types: Callable[[str], Any]
 

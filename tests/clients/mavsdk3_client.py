@@ -46,6 +46,7 @@ async def played(system: System, scenario: str) -> None:
             param=system.param,
             telemetry=system.telemetry,
             stream=lambda name: getattr(system.telemetry, name)(),
+            flights=system.info.flight_information,
             progress=lambda plugin: getattr(system, plugin).mission_progress(),
             types=lambda plugin: importlib.import_module(f"mavsdk.{plugin}"),
         )

@@ -33,13 +33,13 @@ async def main(address: str, scenario: str) -> None:
         tell("autopilot", await system.autopilot_type())
         tell("vehicle", await system.vehicle_type())
         tell("system", [await system.get_system_id(), await system.component_ids()])
-        telemetry = TelemetryAsync(system)
+        telemetry, info = TelemetryAsync(system), InfoAsync(system)
         missions = {"mission": MissionAsync(system), "mission_raw": MissionRawAsync(system)}
         await SCENARIOS[scenario](
             Drone(
                 action=ActionAsync(system),
                 geofence=GeofenceAsync(system),
-                info=InfoAsync(system),
+                info=info,
                 log_files=LogFilesAsync(system),
                 ftp=FtpAsync(system),
                 mission=missions["mission"],
@@ -48,6 +48,7 @@ async def main(address: str, scenario: str) -> None:
                 param=ParamAsync(system),
                 telemetry=telemetry,
                 stream=lambda name: getattr(telemetry, f"subscribe_{name}")(),
+                flights=info.subscribe_flight_information,
                 progress=lambda plugin: missions[plugin].subscribe_mission_progress(),
                 types=lambda plugin: importlib.import_module(f"mavsdk.asyncio.plugins.{plugin}"),
             )

@@ -28,6 +28,7 @@ STREAMS: Final = (
     "flight_mode",
     "heading",
     "unix_epoch_time",
+    "imu",
 )
 """Telemetry that every autopilot has."""
 
@@ -45,6 +46,7 @@ RATES: Final = (
     "gps_info",
     "battery",
     "unix_epoch_time",
+    "imu",
     "health",
 )
 
@@ -62,12 +64,11 @@ async def look(drone: Drone) -> None:
     await told("version", drone.info.get_version())
     await told("product", drone.info.get_product())
     await told("identification", drone.info.get_identification())
+    await told("flight", seen(drone.flights()))
     await ready(drone)
     await asyncio.gather(*(told(name, seen(drone.stream(name))) for name in STREAMS))
     await told("origin", drone.telemetry.get_gps_global_origin())
-    await asyncio.gather(
-        *(told(name, seen(drone.stream(name), within_s=1.0)) for name in ("odometry", "altitude", "imu"))
-    )
+    await asyncio.gather(*(told(name, seen(drone.stream(name), within_s=1.0)) for name in ("odometry", "altitude")))
 
 
 async def configure(drone: Drone) -> None:

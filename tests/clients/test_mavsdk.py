@@ -69,7 +69,10 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert min(facts["heading"]["heading_deg"], 360.0 - facts["heading"]["heading_deg"]) < 5.0
     assert facts["unix_epoch_time"] > 1.7e15
     assert facts["origin"]["latitude_deg"] == pytest.approx(47.39774, abs=1e-4)
-    px4_only = {"odometry", "altitude", "imu"}
+    assert facts["imu"]["acceleration_frd"]["down_m_s2"] == pytest.approx(-9.8, abs=0.5)
+    assert facts["flight"]["flight_uid"] == facts["flight"]["duration_since_arming_ms"] == 0
+    assert facts["flight"]["time_boot_ms"] > 0
+    px4_only = {"odometry", "altitude"}
     assert {name for name in px4_only if name in facts} == (px4_only if is_px4 else set())
 
 

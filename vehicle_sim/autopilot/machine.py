@@ -53,6 +53,7 @@ class Machine(State):
         """Note the time and the estimate, so that requests act on the newest ones."""
         self._now_s = now_s
         self._estimate = estimate
+        self._watch_origin()
 
     def advance(self, thrust_m_s2: float, wind_ned_m_s: Vector = (0.0, 0.0, 0.0)) -> None:
         """Do what is due.
@@ -61,7 +62,6 @@ class Machine(State):
             thrust_m_s2: The specific thrust that the controller asked for last.
             wind_ned_m_s: The wind that the vehicle feels.
         """
-        self._watch_origin()
         self._wind_ned_m_s = wind_ned_m_s
         situation = self._situation()
         fresh = self.guard.look_at_fence(situation)
@@ -84,7 +84,8 @@ class Machine(State):
         if not self._origin_known and self._estimate.origin is not None:
             self._origin_known = True
             self.texts.extend(texts.ORIGIN_SET[self.flavour])
-        if self.home is None and self._estimate.status.position_ok:
+        # Whoever hears of a position, or of one that is predicted, looks for home.
+        if self.home is None and self._origin_known:
             self.place_home(self._here())
 
     def _obstacle(self, mode: Mode) -> str:
@@ -153,6 +154,7 @@ class Machine(State):
     def _disarm(self, text: StatusText) -> None:
         if self.armed:
             self.texts.append(text)
+            self.flights += 1
         self.armed = False
         self._disarmed_at_s = self._now_s
         self._takeoff_height_m = None
@@ -179,6 +181,7 @@ class Machine(State):
         spooled = self._now_s - self._armed_at_s >= self.settings.spool_up_s
         if not self.flying and spooled and task.lifts(self._estimate):
             self.flying = self._has_flown = True
+            self._taken_off_at_s = self._now_s
             self.guard.trust_position(self._now_s)
             self._detector.reset()
             self.texts.extend(texts.TAKEN_OFF[self.flavour])

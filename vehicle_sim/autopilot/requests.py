@@ -298,7 +298,8 @@ class Autopilot(Machine):
         return self.guard.fence.forbids((north, east, down), self._home_ned_m, origin)
 
     def take_over(self, before: Machine) -> None:
-        """Keep what is stored over a restart of the autopilot `before`: mission, fence and rally points."""
+        """Keep what is stored over a restart of the autopilot `before`: mission, fence, rally points and flights."""
+        self.flights = before.flights
         if before.mission.items:
             self.mission.load(before.mission.items)
         self.guard.fence.load(before.guard.fence.plan)

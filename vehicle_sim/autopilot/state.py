@@ -44,10 +44,10 @@ _FARTHEST_HOME_M: Final = 50_000.0
 class State:
     """Modes, arming, tasks and failsafes of one vehicle, as they are now.
 
-    Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `home`,
-    `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps velocities lower than
-    asked), `guard`, `pilot` (who may be at the sticks), and `texts`, a queue whose reader pops what it has taken (old
-    ones drop out of a full queue). To be set: `rally`.
+    Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `flights` (how often
+    it was disarmed), `home`, `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps
+    velocities lower than asked), `guard`, `pilot` (who may be at the sticks), and `texts`, a queue whose reader pops
+    what it has taken (old ones drop out of a full queue). To be set: `rally`.
     """
 
     def __init__(self, flavour: Flavour, settings: FlightSettings, battery: Battery, estimate: Estimate) -> None:
@@ -75,7 +75,9 @@ class State:
         self.rally: tuple[RallyPoint, ...] = ()
         self.intended_mode = self._armable_mode = self.mode
         self._wind_ned_m_s: Vector = (0.0, 0.0, 0.0)
+        self.flights = 0
         self._armed_at_s = 0.0
+        self._taken_off_at_s = 0.0
         self._has_flown = False
         self._landed_at_s = -inf
         self._disarmed_at_s = -inf
@@ -98,6 +100,16 @@ class State:
     def rule(self) -> ModeRule:
         """The table's row of the present mode."""
         return self.modes[self.mode]
+
+    @property
+    def armed_at_s(self) -> float | None:
+        """When it was armed; None while it is not."""
+        return self._armed_at_s if self.armed else None
+
+    @property
+    def taken_off_at_s(self) -> float | None:
+        """When it left the ground for the first time since it was armed; None before, and once it is disarmed."""
+        return self._taken_off_at_s if self.armed and self._has_flown else None
 
     @property
     def target(self) -> Setpoint | None:

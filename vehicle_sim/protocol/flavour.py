@@ -190,7 +190,7 @@ _ARDUPILOT: Final = FlavourTable(
             "AHRS", "WIND", "SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"
         ),
     },
-    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "HIGHRES_IMU")) | {CURRENT_MODE_ID},
+    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY")) | {CURRENT_MODE_ID},
     no_stream=Outcome.DENIED,
     no_message=Outcome.FAILED,
     no_mode=Outcome.FAILED,

@@ -154,6 +154,16 @@ def estimator_status(host: Host) -> Message | None:
     )
 
 
+def flight_information(host: Host) -> Message | None:
+    """FLIGHT_INFORMATION: when it was armed and took off, in microseconds since boot, and how many flights are over.
+
+    The fields' names speak of a date and of an identifier; that is history.
+    """
+    autopilot = host.vehicle.autopilot
+    armed_us, airborne_us = (round((at_s or 0.0) * 1e6) for at_s in (autopilot.armed_at_s, autopilot.taken_off_at_s))
+    return mavlink.MAVLink_flight_information_message(host.now_us // 1000, armed_us, airborne_us, autopilot.flights)
+
+
 def autopilot_version(host: Host) -> Message | None:
     """AUTOPILOT_VERSION: capabilities and the version of the autopilot that it answers like."""
     table = host.table

@@ -86,7 +86,7 @@ def scaled_imu(host: Host) -> Message | None:
 
 
 def highres_imu(host: Host) -> Message | None:
-    """HIGHRES_IMU (PX4): all that is measured, in SI units, gauss and hPa; nothing before each sensor has."""
+    """HIGHRES_IMU: all that is measured, in SI units, gauss and hPa; nothing before each sensor has."""
     imu, _gps, baro, compass = host.vehicle.readings
     if baro is None or compass is None:
         return None

@@ -37,6 +37,7 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     mavlink.MAVLINK_MSG_ID_VIBRATION: sensing.vibration,
     mavlink.MAVLINK_MSG_ID_HOME_POSITION: motion.home_position,
     mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: health.extended_sys_state,
+    mavlink.MAVLINK_MSG_ID_FLIGHT_INFORMATION: health.flight_information,
     mavlink.MAVLINK_MSG_ID_ODOMETRY: motion.odometry,
     mavlink.MAVLINK_MSG_ID_ATTITUDE_TARGET: guidance.attitude_target,
     mavlink.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: guidance.nav_controller_output,

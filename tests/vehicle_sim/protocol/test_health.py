@@ -200,3 +200,40 @@ def test_extended_parameters_are_a_matter_of_cameras(flavour: Flavour) -> None:
     station.send(mavlink.MAVLink_param_ext_request_list_message(1, 1))
     station.send(mavlink.MAVLink_param_ext_request_read_message(1, 1, b"CAM", -1))
     assert station.heard == []
+
+
+@BOTH
+def test_a_flight_is_told_by_arming_take_off_and_number(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+
+    def told() -> tuple[int, int, int]:
+        assert station.request(mavlink.MAVLINK_MSG_ID_FLIGHT_INFORMATION) == ACCEPTED
+        message = station.last("FLIGHT_INFORMATION")
+        assert message.time_boot_ms == station.endpoint.now_us // 1000
+        return message.arming_time_utc, message.takeoff_time_utc, message.flight_uuid
+
+    assert told() == (0, 0, 0)
+    station.take_off(2.0)
+    armed_us, taken_off_us, number = told()
+    assert 0 < armed_us < taken_off_us < station.endpoint.now_us
+    assert number == 0
+    assert station.command(mavlink.MAV_CMD_NAV_LAND) == ACCEPTED
+    station.wait_until(lambda: not station.endpoint.vehicle.autopilot.armed, within_s=30.0)
+    assert told() == (0, 0, 1)
+    # Clients that want it again and again ask for a rate.
+    assert station.command(SET, mavlink.MAVLINK_MSG_ID_FLIGHT_INFORMATION, 1e6) == ACCEPTED
+    # The count is stored: it goes on after a restart.
+    assert station.command(mavlink.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == ACCEPTED
+    station.run(1.0)
+    assert told() == (0, 0, 1)
+
+
+@BOTH
+def test_what_is_measured_is_told_in_units_of_physics(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    assert station.command(SET, mavlink.MAVLINK_MSG_ID_HIGHRES_IMU, 20_000) == ACCEPTED
+    station.run(2.0)
+    measured = station.last("HIGHRES_IMU")
+    assert measured.zacc == pytest.approx(-9.8, abs=0.3)
+    assert 900.0 < measured.abs_pressure < 1020.0
+    assert measured.fields_updated & 0b1_1111_1111 == 0b1_1111_1111
