@@ -1,4 +1,4 @@
-"""How far and how long a plan flies, in words."""
+"""How far and how long a plan flies, and what it leaves out, in words."""
 
 from mission.plan import FlightPlan
 
@@ -15,3 +15,10 @@ def extent(plan: FlightPlan, digits: int = 0) -> str:
     laps = "1 lap" if trajectory.laps == 1 else f"{trajectory.laps:,} laps"
     length_m = plan.path.length_m + (trajectory.laps - 1) * lap.length_m
     return f"{laps} of {each}, all in all {length_m:.{digits}f} m in {trajectory.duration_s:.0f} s"
+
+
+def without(plan: FlightPlan) -> str:
+    """``; without visit: [S3] (weight 2)``: the wishes that the plan gives up; empty where it meets all."""
+    if not plan.dropped:
+        return ""
+    return "; without " + ", ".join(f"{task.task} (weight {task.weight:g})" for task in plan.dropped)

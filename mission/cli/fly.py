@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
-from mission.cli.extent import extent
+from mission.cli.extent import extent, without
 from mission.cli.inputs import planned, reason, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
@@ -50,7 +50,9 @@ def run(arguments: Namespace) -> int:
     link = _link_options(arguments)
     plan = planned(arguments.file, arguments.run, arguments.laps)
     with suppress(OSError):
-        out.print(f"{plan.spec.name}: {extent(plan)}, proved {reach(plan.certificate.tube_m)}", markup=False)
+        proved = f"proved {reach(plan.certificate.tube_m)}"
+        out.print(f"{plan.spec.name}: {extent(plan)}, {proved}{without(plan)}", markup=False)
+    print_warnings(plan.warnings, arguments.file)
     with StopSignals() as stop:
         flight = _flown(arguments, link, plan, stop)
         hurried = stop.take() is not None
@@ -241,24 +243,28 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for i, letter in enumerate(result.word) if _new(result, i))
     out.print(f"flown     {flown:.0f} s of vehicle time in {elapsed_s:.1f} s", markup=False)
     out.print(f"word      {word}", markup=False)
-    out.print(
-        f"tracking  at most {result.largest_distance_m:.2f} m from the trajectory; {_covered(result)}", markup=False
-    )
+    out.print(f"tracking  {tracked(result)}", markup=False)
     if result.plan.run.recurrent:
         asked = result.plan.trajectory.laps
         out.print(f"laps      {result.laps}{'' if asked is None else f' of {asked}'}", markup=False)
     out.print(f"report    {folder / 'report.html'}", markup=False)
     colour, name = ("green", "ACHIEVED") if result.achieved else ("red", "NOT ACHIEVED")
     out.print(f"[bold {colour}]{name}[/]  ", end="")
-    out.print(result.reason, markup=False)
+    out.print(f"{result.reason}{without(result.plan)}", markup=False)
 
 
-def _covered(result: FlightResult) -> str:
-    """Whether the proof speaks of the flight that was made."""
+def tracked(result: FlightResult) -> str:
+    """How closely the trajectory was followed, and whether the proof speaks of that."""
+    if result.began_s is None:
+        return "none: the trajectory was not begun"
     tube_m = result.plan.certificate.tube_m
-    if result.largest_error_m <= tube_m:
-        return f"within the {tube_m:g} m per axis of the proof"
-    return f"beyond the {tube_m:g} m per axis of the proof for up to {result.beyond_tube_s:.1f} s"
+    followed = f"at most {result.largest_error_m:.2f} m per axis from the trajectory"
+    if tube_m > 0.0:
+        if result.largest_error_m <= tube_m:
+            followed += f", within the {tube_m:g} m per axis of the proof"
+        else:
+            followed += f", beyond the {tube_m:g} m per axis of the proof for up to {result.beyond_tube_s:.1f} s"
+    return f"{followed} ({result.largest_distance_m:.2f} m as a distance)"
 
 
 def _new(result: FlightResult, index: int) -> bool:

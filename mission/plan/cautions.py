@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Final
 
 from mission.errors import AutomatonSizeError
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
@@ -13,7 +14,10 @@ from mission.logic.formula.syntax import Formula, Operator, negation, postorder
 from mission.logic.formula.word import Letter
 from mission.plan.missing_letters import violated_by_first
 from mission.plan.specification import Specification
-from mission.spec.model import NamedAutomaton, Semantics
+from mission.spec.model import Flight, Limits, NamedAutomaton, Semantics
+
+_HIGHEST_M: Final = 120.0
+"""Above ground: the open category of the EU, Regulation 2019/947, UAS.OPEN.010; 14 CFR 107.51 has 400 feet."""
 
 
 def cautions(
@@ -38,6 +42,22 @@ def cautions(
         found += _of_empty(name, compile_to_alphabet(specification.outside, letters), letters, start, semantics)
     for conjunct in conjuncts(specification.formula):
         found += _of_conjunct(conjunct, letters, start, semantics)
+    return tuple(found)
+
+
+def flight_cautions(flight: Flight, limits: Limits) -> tuple[str, ...]:
+    """Warnings for how a mission is to be flown, whatever it is about."""
+    found: list[str] = []
+    if flight.altitude_m > _HIGHEST_M:
+        found.append(
+            f"flight.altitude_m: {flight.altitude_m:.12g} m above the take-off point is more than the {_HIGHEST_M:g} m "
+            "above ground to which drones are limited in most countries without a permission"
+        )
+    if flight.speed_m_s > limits.speed_m_s:
+        found.append(
+            f"flight.speed_m_s: {flight.speed_m_s:.12g} m/s is above limits.speed_m_s, so it is flown at "
+            f"{limits.speed_m_s:.12g} m/s at most"
+        )
     return tuple(found)
 
 

@@ -10,7 +10,7 @@ from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import TRUE, Formula
-from mission.plan.cautions import cautions
+from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import transition_weights
 from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.specification import Specification
@@ -138,6 +138,7 @@ class FlightPlan:
         """What the writer of the mission may not have meant, in words; empty where nothing is odd."""
         start = int(self.labelling.letter_of[self.run.states[0]])
         return (
+            *flight_cautions(self.spec.flight, self.spec.limits),
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
             *((_NO_WAY_BACK,) if self.run.recurrent and not self._returns else ()),

@@ -84,7 +84,7 @@ def page(
     if record is not None:
         parts += [
             "<h2>Flight</h2>",
-            _facts(_flown_rows(numbers["flown"], numbers["certificate"])),
+            _facts(_flown_rows(numbers)),
             "<h2>Word flown</h2>",
             _word(numbers["flown"]["word"]),
             "<h2>Vehicle</h2>",
@@ -188,15 +188,18 @@ def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
     ]
 
 
-def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> list[Row]:
+def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
+    flown, certificate = numbers["flown"], numbers["certificate"]
+    achieved = numbers["verdict"]["achieved"]
     rows = [
-        ("Verdict on every continuation", _so_far(flown["judged"])),
-        ("Largest tracking error", _metres(flown["largest_error_m"])),
+        ("Continuations of the word flown", _continuations(flown["judged"]["so_far"], achieved, numbers["planned"])),
+        ("Progress of the automaton", _progress(flown["judged"], achieved)),
+        ("Largest distance from the trajectory", _metres(flown["largest_error_m"])),
         (
             "Largest error on one axis",
             _against_tube(flown["largest_error_per_axis_m"], certificate["tube_m"]),
         ),
-        ("Tracking error, rms", _metres(flown["rms_error_m"])),
+        ("Distance from the trajectory, rms", _metres(flown["rms_error_m"])),
         *(
             (f"Smallest distance to {name}", _metres(distance))
             for name, distance in flown["distance_to_restricted_m"].items()
@@ -212,12 +215,21 @@ def _flown_rows(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> lis
     return rows
 
 
-def _so_far(judged: Mapping[str, Any]) -> str:
-    """The three-valued verdict, with the progress of the automaton."""
-    words = {"true": "true: all satisfy the formula", "false": "false: none satisfies the formula"}
-    text = words.get(judged["so_far"], "open: some satisfy the formula")
-    waits = f"; it waits for {' or '.join(judged['awaited'])}" if judged["awaited"] else ""
-    return f"{text}; progress of the automaton {judged['done']} of {judged['total']}{waits}"
+def _continuations(so_far: str, achieved: object, planned: Mapping[str, Any]) -> str:
+    """The three-valued verdict, and why the flight's own may be another: that is about one continuation alone."""
+    known = {"true": "true: all satisfy the formula", "false": "false: none satisfies the formula"}
+    if so_far in known:
+        return known[so_far]
+    text = "open: some satisfy the formula"
+    if achieved is True:
+        others = "as laps without end would" if planned["recurrent"] else "as staying in the last region does"
+        return f"{text}, {others}, and some do not"
+    return text
+
+
+def _progress(judged: Mapping[str, Any], achieved: object) -> str:
+    waits = f"; it waits for {' or '.join(judged['awaited'])}" if judged["awaited"] and achieved is not True else ""
+    return f"{judged['done']} of {judged['total']}{waits}"
 
 
 def _against_tube(error_m: float | None, tube_m: float) -> str:

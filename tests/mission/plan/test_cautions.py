@@ -39,3 +39,26 @@ def test_a_plan_carries_its_warnings() -> None:
     plan = plan_of(SMALL.replace("formula: F (goal", "formula: F home & F (goal"))
     assert [warning.split(" already")[0] for warning in plan.warnings] == ["`F home`"]
     assert plan_of(SMALL).warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (
+            ("altitude_m: 6", "altitude_m: 3000"),
+            "flight.altitude_m: 3000 m above the take-off point is more",
+        ),
+        (
+            ("speed_m_s: 4.0", "speed_m_s: 6.5"),
+            "flight.speed_m_s: 6.5 m/s is above limits.speed_m_s, so it is flown",
+        ),
+    ],
+)
+def test_how_it_is_flown_may_be_odd(change: tuple[str, str], says: str) -> None:
+    (warning,) = plan_of(SMALL.replace(*change)).warnings
+    assert warning.startswith(says)
+
+
+def test_limits_themselves_are_not_odd() -> None:
+    text = SMALL.replace("altitude_m: 6", "altitude_m: 120").replace("speed_m_s: 4.0", "speed_m_s: 6.0")
+    assert plan_of(text).warnings == ()

@@ -165,6 +165,23 @@ def test_what_a_vehicle_or_a_file_says_is_text_and_nothing_else() -> None:
     assert not [value for name, value in parsed.attributes if name.startswith("on") or "alert" in (value or "")]
 
 
+@pytest.mark.parametrize(
+    ("achieved", "words"),
+    [
+        (True, "open: some satisfy the formula, as staying in the last region does, and some do not"),
+        (False, "open: some satisfy the formula"),
+    ],
+)
+def test_what_could_have_come_is_told_from_what_came(achieved: bool, words: str) -> None:  # noqa: FBT001 - a case
+    plan = plan_of(PAPER_TOUR)
+    record = replace(record_of(plan), verdict={"achieved": achieved, "reason": ""})
+    numbers = summary(plan, record)
+    numbers["flown"]["judged"] = {"so_far": "open", "done": 2, "total": 3, "awaited": ["home"]}
+    said = Page(page(plan, record, numbers, ())).words
+    assert words in said
+    assert said[said.index("Progress of the automaton") + 1] == ("2 of 3" if achieved else "2 of 3; it waits for home")
+
+
 def test_a_plan_that_was_not_flown_has_a_report_too(tmp_path: Path) -> None:
     plan = plan_of(PAPER_TOUR)
     numbers = write_report(plan, None, tmp_path, pictures=False)
