@@ -1,6 +1,7 @@
 """From the first byte to a vehicle that is known and talks: find it, identify it, ask it for telemetry."""
 
-from typing import TYPE_CHECKING, Final
+from collections import deque
+from typing import Final
 
 from mission.errors import VehicleError
 from mission.link.ardupilot import ARDUPILOT
@@ -31,9 +32,6 @@ from mission.link.values import (
     Received,
     Version,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 AUTOPILOTS: Final = {kind.number: kind for kind in (ARDUPILOT, PX4)}
 _BODIES: Final[dict[Stream, type[Body]]] = {
@@ -80,31 +78,32 @@ def autopilot_of(heartbeat: Heartbeat) -> Autopilot:
 
 
 class StreamRequests:
-    """Asks for each message at its rate, and again for those that do not come."""
+    """Asks for each message at its rate, and again for those that do not come.
+
+    A rate that was accepted may bring nothing: PX4 sends the origin when it changes and when it is asked for, no more.
+    """
 
     def __init__(self, autopilot: Autopilot) -> None:
         """Ask for what this autopilot sends."""
         self._rates_hz = autopilot.rates_hz
         self._turn = 0
-        self._first: Iterator[Command] = iter(
-            [
+        self._round = deque(
+            (
                 *(set_message_interval(stream, rate) for stream, rate in autopilot.rates_hz.items()),
+                request_message(Stream.GPS_GLOBAL_ORIGIN),
                 request_message(Stream.AUTOPILOT_VERSION),
-            ]
+            )
         )
 
     def next(self) -> Command | None:
-        """The next command of the first round; None after it."""
-        return next(self._first, None)
+        """The next command of this round; None after it."""
+        return self._round.popleft() if self._round else None
 
-    def again(self, heard: set[type[Body]]) -> Command | None:
-        """The command of a message that has not come though it was asked for, in turn; None where all have come."""
-        missing = [stream for stream in self._rates_hz if _BODIES[stream] not in heard]
-        if not missing:
-            return None
-        self._turn += 1
-        stream = missing[self._turn % len(missing)]
-        return set_message_interval(stream, self._rates_hz[stream])
+    def begin_again(self, heard: set[type[Body]]) -> None:
+        """Begin a round for what has not come though it was asked for: at its rate, and once."""
+        for stream, rate_hz in self._rates_hz.items():
+            if _BODIES[stream] not in heard:
+                self._round += (set_message_interval(stream, rate_hz), request_message(stream))
 
     def renewal(self, bodies: tuple[type[Body], ...]) -> Command:
         """The command of one of these messages, in turn; each is one that this autopilot is asked for."""

@@ -177,10 +177,9 @@ class Contact:
             self.channel.ask(command, now_s)
             return False
         if now_s >= self._ask_again_s:
-            first, self._ask_again_s = math.isinf(self._ask_again_s), now_s + _ASK_AGAIN_S
-            missing = None if first else self._streams.again(self.vehicle.heard_kinds)
-            if missing is not None:
-                self.channel.ask(missing, now_s)
+            if math.isfinite(self._ask_again_s):
+                self._streams.begin_again(self.vehicle.heard_kinds)
+            self._ask_again_s = now_s + _ASK_AGAIN_S
         return True
 
     def ask_for_overdue(self, now_s: float) -> None:

@@ -14,9 +14,11 @@ from typing import Any
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 STEP_S = 0.02
+_PLACED = (32, 33, 49)  # not before it knows where it is
 GROUND_STATION = (255, 190)
 ACCEPTED, REJECTED, FAILED = 0, 1, 4
-ARM, TAKEOFF, LAND, SET_MODE = 400, 22, 21, 176
+ARM, TAKEOFF, LAND, SET_MODE, REQUEST = 400, 22, 21, 176, 512
+ORIGIN = 49
 GUIDED, BRAKE, AP_LAND, RTL, STABILIZE = 4, 17, 9, 6, 0
 PX4_OFFBOARD, PX4_HOLD, PX4_TAKEOFF, PX4_LAND, PX4_RTL = 0x60000, 0x3040000, 0x2040000, 0x6040000, 0x5040000
 
@@ -31,6 +33,7 @@ class Script:
     silent_about: Counter[int] = field(default_factory=Counter)
     refuses: dict[int, tuple[int, int, str]] = field(default_factory=dict)  # command: times, result, words
     ignores: Counter[int] = field(default_factory=Counter)  # accepted, not done
+    on_request_only: frozenset[int] = frozenset()  # messages that an accepted rate does not bring
     lose: float = 0.0
     double: float = 0.0
     shuffle: bool = False
@@ -166,6 +169,13 @@ class ScriptedVehicle:
                 self._push(other.pack(self._other))
                 far = mavlink.MAVLink_local_position_ned_message(ms + 9000, 500.0, 500.0, -500.0, 9.0, 9.0, 9.0)
                 self._push(far.pack(self._other))
+        messages = self._messages()
+        for number, period in self._streams.items():
+            if number in messages and (located or number not in _PLACED) and self._due(number, period):
+                self._emit(messages[number]())
+
+    def _messages(self) -> dict[int, Callable[[], Any]]:
+        ms, located = self.time_boot_ms, self.now_s() >= self.script.origin_at_s
         flags = 0x33F if located else 0x81
         if self.px4 and self.velocity == [0.0, 0.0, 0.0]:
             flags |= 0x80  # PX4 calls that a constant position, however good it is
@@ -177,7 +187,7 @@ class ScriptedVehicle:
             round((self.origin[1] + east / (111_319.49 * math.cos(math.radians(self.origin[0])))) * 1e7),
         )
         above = self.height_m + 0.0
-        messages = {
+        return {
             32: lambda: mavlink.MAVLink_local_position_ned_message(ms, *self.position, *self.velocity),
             33: lambda: mavlink.MAVLink_global_position_int_message(
                 ms, *place, round((self.script.home_alt_m + above) * 1000), round(above * 1000), 0, 0, 0, 0
@@ -193,9 +203,6 @@ class ScriptedVehicle:
                 round(self.origin[0] * 1e7), round(self.origin[1] * 1e7), 90_000
             ),
         }
-        for number, period in self._streams.items():
-            if number in messages and (located or number not in (32, 33, 49)) and self._due(number, period):
-                self._emit(messages[number]())
 
     def _heartbeat(self) -> Any:  # noqa: ANN401 - pymavlink ships no types
         base = (29 if self.px4 else 81) | (128 if self.armed else 0)
@@ -250,7 +257,8 @@ class ScriptedVehicle:
             known = 193 if not self.px4 else 230
             if int(message.param1) in (193, 230) and int(message.param1) != known:
                 return FAILED
-            self._streams[int(message.param1)] = message.param2 / 1e6
+            if int(message.param1) not in self.script.on_request_only:
+                self._streams[int(message.param1)] = message.param2 / 1e6
         elif number == SET_MODE:
             return self._set_mode(message)
         elif number == ARM:
@@ -259,8 +267,18 @@ class ScriptedVehicle:
             return self._take_off(message)
         elif number == LAND:
             self.mode = PX4_LAND if self.px4 else AP_LAND
-        elif number != 512:
+        elif number == 512:
+            return self._send_once(int(message.param1))
+        else:
             return 3
+        return ACCEPTED
+
+    def _send_once(self, number: int) -> int:
+        messages = self._messages()
+        if number in _PLACED and self.now_s() < self.script.origin_at_s:
+            return FAILED
+        if number in messages:
+            self._emit(messages[number]())
         return ACCEPTED
 
     def _set_mode(self, message: Any) -> int:  # noqa: ANN401 - the same

@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -17,9 +18,11 @@ from tests.support.scripted_vehicle import (
     FAILED,
     GUIDED,
     LAND,
+    ORIGIN,
     PX4_HOLD,
     PX4_RTL,
     REJECTED,
+    REQUEST,
     RTL,
     SET_MODE,
     STABILIZE,
@@ -111,6 +114,15 @@ def test_it_waits_for_the_position_and_says_so(flavour: str) -> None:
         reasons.add(driven.session.waiting_for)
     assert any("position" in reason for reason in reasons)
     assert ARM not in [c.command for c in vehicle.commands]
+    driven.fly()
+    assert driven.session.ending is Ending.LANDED
+
+
+@pytest.mark.parametrize("script", [Script(), Script(origin_at_s=20.0), Script(deaf_to=Counter({REQUEST: 7}))])
+def test_an_origin_that_is_sent_on_request_only_is_asked_for_until_it_comes(script: Script) -> None:
+    script = replace(script, on_request_only=frozenset((ORIGIN,)))
+    driven = Driven(ScriptedVehicle("px4", script), Session(needs_origin=True))
+    driven.until(Stage.MODE, within_s=max(script.origin_at_s, 10.0) + 5.0)
     driven.fly()
     assert driven.session.ending is Ending.LANDED
 
