@@ -19,6 +19,7 @@ from mission.link.course import Course
 from mission.link.session import Ending, Session
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
+from mission.monitor.gaps import gaps_text
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan, plan_mission
 
@@ -267,6 +268,7 @@ class _Flight:
         if ending is Ending.LANDED:
             outcome = watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent)
             achieved, reason = outcome.achieved, outcome.reason
+        reason = _joined(reason, gaps_text(watch.gaps))
         result = FlightResult(
             plan=self.plan,
             achieved=achieved,
@@ -281,6 +283,7 @@ class _Flight:
             beyond_tube_s=watch.beyond_tube_s,
             word=watch.monitor.word,
             laps=watch.monitor.laps,
+            gaps=tuple(watch.gaps),
             violations=watch.monitor.violations,
         )
         self.record.write(
@@ -319,7 +322,7 @@ class _Flight:
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
         self._take_what_can_be_taken()
-        reason = f"{why}; {left}" if left else str(why)
+        reason = _joined(str(why), left, gaps_text(self.watch.gaps))
         with contextlib.suppress(Exception):
             self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="failed")
         if isinstance(error, (LinkError, VehicleError)):
@@ -332,3 +335,7 @@ class _Flight:
             for event in self.session.events():
                 with contextlib.suppress(Exception):
                     self.watch.take(event)
+
+
+def _joined(*parts: str) -> str:
+    return "; ".join(filter(None, parts))

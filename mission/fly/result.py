@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from mission.link.session import Ending
+from mission.monitor.gaps import Gap
 from mission.monitor.monitor import Violation
 from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
@@ -69,6 +70,7 @@ class FlightResult:
         beyond_tube_s: Longest time without a break that the error was beyond the tube.
         word: The letters that were flown.
         laps: How often the loop of a recurrent run was flown.
+        gaps: Where nothing was known of the position, or the trajectory paused; the reason names them.
         violations: Departures from the domain and entries into restricted regions.
     """
 
@@ -85,6 +87,7 @@ class FlightResult:
     beyond_tube_s: float
     word: tuple[frozenset[str], ...]
     laps: int
+    gaps: tuple[Gap, ...]
     violations: tuple[Violation, ...]
 
     @property

@@ -10,7 +10,7 @@ from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.monitor.stage import Stage
 
-_LONGEST_S: Final = 120.0
+_LONGEST_S: Final = 600.0
 """On the clock here; steps that wait for the vehicle have limits of their own, by its time."""
 
 _MOST_FAULTS: Final = 50

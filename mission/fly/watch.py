@@ -21,7 +21,8 @@ from mission.link.events import (
 )
 from mission.link.session import Session
 from mission.monitor.flight import FlightMonitor
-from mission.monitor.stage import Stage
+from mission.monitor.gaps import GAP_S, Gap, Missing
+from mission.monitor.stage import WATCHED, Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
 
@@ -37,6 +38,7 @@ class FlightWatch:
         beyond_tube_s: Longest time without a break that the vehicle was beyond the certified tube.
         began_s: Vehicle time at which the trajectory began; None before.
         vehicle: Name of the autopilot; empty before it is known.
+        gaps: Where nothing was known of the position, or the trajectory paused, from its start on.
         returning: Whether the vehicle was asked to return after the lap that it was in.
     """
 
@@ -51,6 +53,8 @@ class FlightWatch:
         self.began_s: float | None = None
         self.vehicle = ""
         self.returning = False
+        self.gaps: list[Gap] = []
+        self._told_s = math.inf
         self._record = record
         self._stage = Stage.CONNECT
         self._visits_written = self._violations_written = 0
@@ -63,6 +67,8 @@ class FlightWatch:
             self._moved(event)
         elif isinstance(event, SetpointSent):
             reference = event.reference
+            if event.gap is not None:
+                self._note_gap(event.gap)
             self._record.write(
                 "setpoint",
                 event.t_s,
@@ -127,8 +133,19 @@ class FlightWatch:
             self.tracking.observe(event.t_s, place, planned)
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
+        if self.began_s is not None and self._stage in WATCHED:
+            gap_s = event.t_s - self._told_s
+            if gap_s > GAP_S:
+                self._note_gap(Gap(Missing.POSITION, self._told_s, gap_s))
+            self._told_s = event.t_s
         self.judged.report(self._stage, event.t_s, place)
         self._write_visits(event.t_s)
+
+    def _note_gap(self, gap: Gap) -> None:
+        self.gaps.append(gap)
+        self._record.write(
+            "event", gap.from_s + gap.for_s, name="gap", missing=gap.missing, from_s=gap.from_s, for_s=gap.for_s
+        )
 
     def _write_visits(self, t_s: float) -> None:
         visits, violations = self.monitor.visits, self.monitor.violations

@@ -13,6 +13,7 @@ import numpy as np
 
 from mission.geometry.arrays import FloatArray
 from mission.link.frames import Vector, heading_of, wrapped
+from mission.monitor.gaps import GAP_S
 
 _TURN_RAD_S: Final = 0.5
 _MOVING_M_S: Final = 0.01
@@ -124,7 +125,7 @@ class Course:
 
     def turn(self, reference: Reference, now_s: float) -> float:
         """The heading at ``now_s``, on the way to the direction of flight of ``reference``."""
-        elapsed = 0.0 if self._turned_s is None else max(now_s - self._turned_s, 0.0)
+        elapsed = 0.0 if self._turned_s is None else min(max(now_s - self._turned_s, 0.0), GAP_S)
         self._turned_s = now_s
         if math.hypot(*reference.velocity_m_s) > _MOVING_M_S:
             most = _TURN_RAD_S * elapsed

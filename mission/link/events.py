@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from mission.link.course import Reference
 from mission.link.frames import Vector
+from mission.monitor.gaps import Gap
 from mission.monitor.stage import Stage
 
 
@@ -84,12 +85,13 @@ class Moved:
 
 @dataclass(frozen=True, slots=True)
 class SetpointSent:
-    """A setpoint was sent; ``trajectory_s`` as in ``Moved``."""
+    """A setpoint was sent; ``trajectory_s`` as in ``Moved``; ``gap`` is the pause of the trajectory that it ended."""
 
     t_s: float
     reference: Reference
     yaw_rad: float
     trajectory_s: float | None
+    gap: Gap | None
 
 
 Event = Identified | VersionTold | StageEntered | Said | Asked | Answered | Anchored | Moved | SetpointSent

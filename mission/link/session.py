@@ -362,9 +362,9 @@ class Session:
     def _send_setpoint(self, guidance: Guidance, vehicle_s: float) -> None:
         due = guidance.due(vehicle_s)
         if due is not None:
-            reference, setpoint = due
+            reference, setpoint, gap = due
             self.contact.send_setpoint(setpoint)
-            self._note(SetpointSent(vehicle_s, reference, setpoint.yaw_rad, guidance.trajectory_s(vehicle_s)))
+            self._note(SetpointSent(vehicle_s, reference, setpoint.yaw_rad, guidance.trajectory_s(vehicle_s), gap))
 
     # Ends.
 

@@ -15,11 +15,10 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
+from mission.monitor.gaps import GAP_S
+
 AHEAD_S: Final = 0.2
 """Most vehicle time that is shown beyond the newest telemetry."""
-
-GAP_S: Final = 0.5
-"""Vehicle time that passes between two messages and is more than this was not seen to pass."""
 
 _WINDOW_S: Final = 1.0
 _SHORTEST_S: Final = 0.02

@@ -6,6 +6,7 @@ from html import escape
 from typing import Any
 
 from mission.decimals import decimal
+from mission.monitor.gaps import Missing
 from mission.plan import FlightPlan
 from mission.report.figures import Picture
 from mission.report.reading import Entry, Record
@@ -206,6 +207,7 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
         ),
         ("Length flown", _number(flown["length_m"], "m", 2)),
         ("Time on the trajectory", _number(flown["duration_s"], "s", 1)),
+        *_gaps(flown["gaps"]),
         ("Largest speed", _number(flown["largest_speed_m_s"], "m/s", 2)),
         ("Largest tilt", _number(flown["largest_tilt_deg"], "°", 1)),
         ("Positions reported", f"{flown['reports']:,}, {flown['reports_on_trajectory']:,} of them on the trajectory"),
@@ -320,3 +322,14 @@ def _text(value: object) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_text(part)}" for name, part in value.items())
     return "not known" if value is None else str(value)
+
+
+def _gaps(gaps: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
+    """A row for each kind of gap that there was."""
+    titles = {Missing.POSITION: "Gaps between positions", Missing.SETPOINT: "Pauses of the trajectory"}
+    rows = []
+    for missing, title in titles.items():
+        lengths_s = [float(gap["for_s"]) for gap in gaps if gap["missing"] == missing]
+        if lengths_s:
+            rows.append((title, f"{len(lengths_s)}, the longest {max(lengths_s):.1f} s, {sum(lengths_s):.1f} s in all"))
+    return rows

@@ -13,7 +13,8 @@ telemetry               position_m, velocity_m_s, attitude_rad (roll, pitch, yaw
 setpoint                position_m, velocity_m_s, acceleration_m_s2, yaw_rad, trajectory_s (time on the planned
                         trajectory; null for a setpoint that is not of the trajectory, as before and after it)
 visit                   triangle (-1 outside), labels: a new letter or triangle of the word that the vehicle spells
-event                   name, and any values
+event                   name, and any values; of a gap (no position was told, or no setpoint sent and the trajectory
+                        paused): missing, from_s, for_s
 text                    severity (MAVLink), text: a STATUSTEXT
 verdict                 achieved, reason, and any values; of a flight that came to its end also what was known of the
                         word: so_far (true, false, open), done and total (progress of the automaton), awaited (regions)

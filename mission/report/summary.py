@@ -92,6 +92,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
     speeds = np.hypot(*tracking.velocity_m_s.T)
     return {
         "record_is_cut": record.cut,
+        "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == "gap"],
         "reports": len(record.track.t_s),
         "reports_on_trajectory": len(distance),
         "duration_s": float(tracking.t_s[-1] - tracking.t_s[0]) if tracked else None,

@@ -35,6 +35,7 @@ def result_of(plan: FlightPlan, **values: Any) -> FlightResult:  # noqa: ANN401 
         beyond_tube_s=0.0,
         word=plan.certificate.word,
         laps=0,
+        gaps=(),
         violations=(),
     )
     return replace(flown, **values)

@@ -1,13 +1,18 @@
 """A vehicle that goes silent in part, or for a while: asked again, then held; a gap that ends goes by one rule."""
 
+import re
 from collections.abc import Callable
+from itertools import groupby
 from typing import Any
 
+import numpy as np
 import pytest
 
 from mission.errors import LinkError
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
+from mission.report.page import page
+from mission.report.summary import summary
 from tests.support.scripted_flight import Flight
 from tests.support.scripted_vehicle import BRAKE, PX4_HOLD, ScriptedVehicle
 from tests.support.small_missions import SMALL, plan_of
@@ -98,3 +103,37 @@ def test_a_gap_that_ends_is_survived_whatever_is_heard_first_after_it(
     flight.at_stage[Stage.FLY] = go
     result = flight.run()
     assert result.achieved, result.reason
+
+
+def test_after_a_gap_the_trajectory_goes_on_from_where_it_stood_and_everyone_is_told(plan: FlightPlan) -> None:
+    vehicle = ScriptedVehicle("ardupilot")
+    flight = Flight(vehicle, plan)
+
+    def freeze() -> None:
+        began_s = vehicle.now_s() + 2.0
+        vehicle.script.at |= {
+            began_s: lambda _: setattr(vehicle, "gone", True),
+            began_s + 4.2: lambda _: setattr(vehicle, "gone", False),
+        }
+
+    flight.at_stage[Stage.FLY] = freeze
+    result = flight.run()
+    assert result.achieved
+    assert [letter for letter, _ in groupby(result.word)] == [letter for letter, _ in groupby(plan.certificate.word)]
+    record = flight.record
+    steps_m = np.hypot(*np.diff(record.setpoints.position_m, axis=0).T[:2])
+    assert steps_m.max() < 0.5
+    on_it_s = record.setpoints.trajectory_s[~np.isnan(record.setpoints.trajectory_s)]
+    assert np.diff(on_it_s).max() < 0.2
+    gaps = [event.values for event in record.events if event.text == "gap"]
+    assert sorted(gap["missing"] for gap in gaps) == ["position", "setpoint"]
+    assert all(gap["for_s"] == pytest.approx(4.2, abs=0.3) for gap in gaps)
+    said = r"satisfies the specification; where it was is unknown for 4\.\d s, the trajectory paused for 4\.\d s"
+    assert re.search(said, result.reason)
+    assert record.verdict is not None
+    assert record.verdict["reason"] == result.reason
+    numbers = summary(plan, record)
+    html = page(plan, record, numbers, ())
+    assert len(numbers["flown"]["gaps"]) == 2
+    assert "Pauses of the trajectory" in html
+    assert "Gaps between positions" in html
