@@ -5,14 +5,17 @@ import math
 import re
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from typing import NoReturn
 
+from mission.printable import printable
 from mission.spec.model import MOST_LAPS, UNTIL_STOPPED
 
 PROGRAM = "mission"
 _DIGITS = 18
 _MOST_ID = 255
+_INVALID = re.compile(r"invalid choice: '(.*)' \(choose from (.*)\)$", re.DOTALL)
 _EXIT_CODES = """\
 exit codes:
   0  done; for a flight: the specification was achieved
@@ -51,6 +54,15 @@ addresses:
 """
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says of a word that is none of those to choose from which one is like it."""
+
+    def error(self, message: str) -> NoReturn:
+        wrong = _INVALID.search(message)
+        likely = get_close_matches(wrong[1], re.findall(r"[\w-]+", wrong[2]), 1) if wrong else []
+        super().error(printable(f"{message}; did you mean {likely[0]}?" if likely else message))
+
+
 class _Version(argparse.Action):
     """Looks the version up when it is asked for: reading the metadata of packages is slow."""
 
@@ -62,7 +74,7 @@ class _Version(argparse.Action):
 
 def build_parser() -> argparse.ArgumentParser:
     """Build the parser of the whole program."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog=PROGRAM,
         description="Plan drone missions written in linear temporal logic, prove the plan, and fly it over MAVLink.",
         epilog=_EXIT_CODES,

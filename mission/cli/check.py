@@ -7,6 +7,7 @@ from mission.cli.inputs import planned
 from mission.cli.screen import count, err, out, print_error, print_warnings
 from mission.decimals import decimal
 from mission.errors import MissionError
+from mission.printable import printable
 
 
 def run(arguments: Namespace) -> int:
@@ -21,7 +22,8 @@ def run(arguments: Namespace) -> int:
             continue
         codes.append(0)
         out.print(
-            f"{name}: sound; {count(plan.partition.size, 'triangle')}, {count(plan.shortest_runs, 'shortest run')}, "
+            f"{printable(name)}: sound; "
+            f"{count(plan.partition.size, 'triangle')}, {count(plan.shortest_runs, 'shortest run')}, "
             f"{extent(plan, 1)}, proved",
             markup=False,
         )

@@ -23,6 +23,7 @@ from mission.link.key_file import open_signatures
 from mission.link.lockstep import LockstepLink
 from mission.link.transport import Transport, open_transport
 from mission.plan import FlightPlan, plan_to_json
+from mission.printable import printable
 from mission.report.files import write_whole
 from mission.report.record import FlightRecord
 
@@ -51,7 +52,7 @@ def run(arguments: Namespace) -> int:
     plan = planned(arguments.file, arguments.run, arguments.laps)
     with suppress(OSError):
         proved = f"proved {reach(plan.certificate.tube_m)}"
-        out.print(f"{plan.spec.name}: {extent(plan)}, {proved}{without(plan)}", markup=False)
+        out.print(f"{printable(plan.spec.name)}: {extent(plan)}, {proved}{without(plan)}", markup=False)
     print_warnings(plan.warnings, arguments.file)
     with StopSignals() as stop:
         flight = _flown(arguments, link, plan, stop)

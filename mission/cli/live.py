@@ -12,6 +12,7 @@ from mission.cli.screen import err
 from mission.fly import Progress as Moment
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
+from mission.printable import printable
 
 _WIDE = 100
 
@@ -56,7 +57,7 @@ class Display:
             words += " the last lap, then back"
         if self._live:
             flying = 0.0 < moment.trajectory_s < moment.duration_s
-            shown = self._flying(moment) if flying else words
+            shown = printable(self._flying(moment) if flying else words)
             self._bar.update(
                 self._task, description=escape(shown), completed=moment.trajectory_s, total=_total(moment.duration_s)
             )

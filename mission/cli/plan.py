@@ -13,6 +13,7 @@ from mission.decimals import decimal
 from mission.plan import FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT, run_costs
 from mission.planning.run import Run
+from mission.printable import printable
 from mission.spec.model import Cost
 from mission.spec.tasks import task_text
 from mission.steering.trajectory import Trajectory
@@ -37,9 +38,9 @@ def run(arguments: Namespace) -> int:
     if arguments.out is not None or arguments.pictures is not None:
         _print()
     if arguments.out is not None:
-        _print(f"Plan           {arguments.out}")
+        _print(f"Plan           {printable(arguments.out)}")
     if arguments.pictures is not None:
-        _print(f"Pictures       {arguments.pictures}")
+        _print(f"Pictures       {printable(arguments.pictures)}")
     return 0
 
 
@@ -132,7 +133,7 @@ def _print_mission(plan: FlightPlan) -> None:
 
 def _print_plan(plan: FlightPlan) -> None:
     spec = plan.spec
-    _print(spec.name)
+    _print(printable(spec.name))
     _print_mission(plan)
     _print()
     _print("Triangles of the partition (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")

@@ -2,12 +2,14 @@
 
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 
 from mission.errors import Fault, FormulaSyntaxError, MissionError, SpecError
+from mission.printable import printable, shows
 
 _EXCERPT = 96
 _BEFORE = 64
@@ -19,6 +21,18 @@ class _Console(Console):
     def on_broken_pipe(self) -> None:
         """Pass the error on; rich would end the program here."""
         raise  # noqa: PLE0704 - rich calls this while it handles the BrokenPipeError
+
+    def print(self, *objects: Any, **options: Any) -> None:  # noqa: ANN401 - rich's own
+        """Print; whatever the words are made of, the terminal obeys none of them. Line ends are the program's own."""
+        super().print(*map(_shown, objects), **options)
+
+    def out(self, *objects: Any, **options: Any) -> None:  # noqa: ANN401 - rich's own
+        """Print without markup and wrapping, and as harmlessly."""
+        super().out(*map(_shown, objects), **options)
+
+
+def _shown(content: object) -> object:
+    return printable(content, keep="\n") if isinstance(content, str) else content
 
 
 out = _Console(highlight=False, soft_wrap=True, emoji=False)
@@ -55,20 +69,20 @@ def print_error(error: MissionError, source: str = "") -> None:
         if error.hint:
             err.print(f"    {escape(error.hint)}")
     else:
-        place = f"[bold]{escape(source)}:[/] " if source else ""
+        place = f"[bold]{escape(printable(source))}:[/] " if source else ""
         err.print(f"{place}[bold red]error:[/] {escape(str(error))}")
 
 
 def print_warnings(warnings: tuple[str, ...], source: str = "") -> None:
     """Show on standard error what the writer of a mission may not have meant."""
-    place = f"[bold]{escape(source)}:[/] " if source else ""
+    place = f"[bold]{escape(printable(source))}:[/] " if source else ""
     for warning in warnings:
         err.print(f"{place}[bold yellow]warning:[/] {escape(warning)}")
 
 
 def _print_fault(fault: Fault, source: str) -> None:
     place = ":".join(str(part) for part in (source, fault.line, fault.column) if part)
-    where = " ".join(f"{part}:" for part in (place, fault.path) if part)
+    where = printable(" ".join(f"{part}:" for part in (place, fault.path) if part))
     err.print(f"[bold]{escape(where)}[/] {escape(fault.message)}" if where else f"error: {escape(fault.message)}")
     if fault.line and fault.column:
         _print_excerpt(Path(source), fault.line, fault.column)
@@ -90,6 +104,6 @@ def _print_pointed(text: str, column: int) -> None:
     """A line, or the part of it around a column, with a caret under that."""
     begin = max(0, column - 1 - _BEFORE)
     # A file may hold what would move the cursor or colour the terminal.
-    shown = "".join(c if c.isprintable() else " " if c in "\t\r\n" else "?" for c in text[begin : begin + _EXCERPT])
+    shown = "".join(c if shows(c) else " " if c in "\t\r\n" else "?" for c in text[begin : begin + _EXCERPT])
     err.print(f"    [dim]|[/] {escape(shown.rstrip())}")
     err.print(f"    [dim]|[/] {' ' * cell_len(shown[: column - 1 - begin])}[bold red]^[/]")

@@ -16,6 +16,7 @@ from mission.plan import (
     plan_mission,
     plan_to_json,
 )
+from mission.printable import printable
 
 _DOMAIN: Final = ("partition", "labels")  # what the proof stands on
 
@@ -23,12 +24,12 @@ _DOMAIN: Final = ("partition", "labels")  # what the proof stands on
 def run(arguments: Namespace) -> int:
     """Read a plan, certify its trajectory anew, plan its mission anew, and say what was proved and what differs."""
     plan, text = read_plan(Path(arguments.plan))
-    fault = _fault(plan, json.loads(text))
+    fault, name = _fault(plan, json.loads(text)), printable(arguments.plan)
     if fault:
-        out.print(f"{arguments.plan}: not proved: {fault}", markup=False)
+        out.print(f"{name}: not proved: {fault}", markup=False)
         return 1
     out.print(
-        f"{arguments.plan}: proved: every word within {plan.certificate.tube_m:g} m per axis of the trajectory "
+        f"{name}: proved: every word within {plan.certificate.tube_m:g} m per axis of the trajectory "
         f"satisfies {plan.specification}\n"
         f"the rest of the file is what its mission plans to from this start",
         markup=False,

@@ -8,6 +8,7 @@ import re
 from typing import Final, NamedTuple
 
 from mission.link.values import Words
+from mission.printable import shows
 
 _PIECE_BYTES: Final = 50
 _PATIENCE_S: Final = 1.0
@@ -80,4 +81,4 @@ class TextAssembler:
 
 def _clean(severity: int, text: str) -> Text:
     """Without what a terminal would obey: texts come from outside."""
-    return Text(severity, "".join(c if c.isprintable() else " " for c in text).strip())
+    return Text(severity, "".join(c if shows(c) else " " for c in text).strip())

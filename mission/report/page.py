@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape
+from html import escape as escaped
 from typing import Any
 
 from mission.decimals import decimal
 from mission.monitor.gaps import Missing
 from mission.plan import FlightPlan
+from mission.printable import printable
 from mission.report.figures import Picture
 from mission.report.reading import Entry, Record
 from mission.spec.tasks import task_text
@@ -47,6 +48,11 @@ figcaption { color: #333; margin-top: .5rem; }
 """
 
 Row = tuple[str, str]
+
+
+def escape(text: str) -> str:
+    """Text for the page: neither markup, nor what would change how the rest reads."""
+    return escaped(printable(text, keep="\n\t"))
 
 
 def page(

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Final
 
 from vehicle_sim.cli.command_line import GROUND_STATION, USAGE_ERROR, build_parser, with_negative_values
 from vehicle_sim.cli.option_values import HOME_FIELDS
+from vehicle_sim.cli.printable import printable
 from vehicle_sim.errors import ConfigurationError, ParameterError
 from vehicle_sim.server.addresses import LISTENING, Address, parse_address
 
@@ -196,7 +197,7 @@ def _tell(options: argparse.Namespace, ids: Sequence[int], bound: list[Address])
 
 def _notify(sentence: str) -> None:
     with suppress(OSError):  # a vehicle that flies does not fall for want of a listener
-        print(f"vehicle-sim: {sentence}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
+        print(f"vehicle-sim: {printable(sentence)}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from vehicle_sim.cli.option_values import (
     whole,
     wind,
 )
+from vehicle_sim.cli.printable import printable
 
 GROUND_STATION: Final = "udpout:127.0.0.1:14550"
 USAGE_ERROR: Final = 2
@@ -96,7 +97,7 @@ class _OneLineParser(argparse.ArgumentParser):
     """Says what is wrong in one line, without the usage in front of it."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(USAGE_ERROR, f"{self.prog}: {message} (see {self.prog} --help)\n")
+        self.exit(USAGE_ERROR, f"{self.prog}: {printable(message)} (see {self.prog} --help)\n")
 
 
 class _Version(argparse.Action):

@@ -12,6 +12,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.ft2font import FT2Font
 from matplotlib.textpath import text_to_path
 
+from mission.printable import shows
 from mission.report.figures.palette import BLACK, QUIET, STYLE
 
 DPI = 150
@@ -74,7 +75,7 @@ def plain(text: str) -> str:
 
 @cache
 def _drawable(character: str) -> bool:
-    return character.isprintable() and _font().get_char_index(ord(character)) != 0
+    return shows(character) and _font().get_char_index(ord(character)) != 0
 
 
 @cache

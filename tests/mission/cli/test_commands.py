@@ -8,6 +8,7 @@ import pytest
 
 from mission.cli import main
 from tests.support.commands import MISSIONS, Ran, ran
+from tests.support.small_missions import SMALL
 
 PAPER = str(MISSIONS / "paper.yaml")
 
@@ -103,6 +104,21 @@ class TestCheck:
         assert result.code == 2
         assert "\x1b" not in result.err
         assert "name: [bold]x[/bold] ?[2J" in result.err
+
+    @pytest.mark.parametrize("command", ["check", "plan", "verify", "fly", "report"])
+    def test_neither_can_the_name_of_one(
+        self, command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        result = ran(capsys, command, str(tmp_path / "no\x1b[2J\n\u202esuch"))
+        assert result.code == 2
+        assert result.err.startswith(f"{tmp_path}/no\\x1b[2J\\n\\u202esuch: ")
+        assert all(character.isprintable() or character == "\n" for character in result.err)
+
+    def test_nor_can_the_name_in_one_that_is_sound(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        file = tmp_path / "evil\x1b[31m.yaml"
+        file.write_text(SMALL.replace("Small round", r'"small \u202Emission"'), "utf-8")
+        assert ran(capsys, "plan", str(file)).out.startswith("small \\u202emission\n")
+        assert ran(capsys, "check", str(file)).out.startswith(f"{tmp_path}/evil\\x1b[31m.yaml: sound")
 
     def test_nothing_depends_on_the_width_of_the_terminal(
         self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

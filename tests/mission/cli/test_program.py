@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from mission.cli import main
 from tests.support.commands import MISSIONS, ROOT
 
 PAPER = str(MISSIONS / "paper.yaml")
@@ -34,6 +35,18 @@ def loaded(*arguments: str) -> set[str]:
         [sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=True, cwd=ROOT
     )
     return set(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "likely"), [(["paln", PAPER], "plan"), (["fly", PAPER, "--flavour", "px"], "px4"), (["xyz"], "")]
+)
+def test_a_slip_of_the_pen_is_told_what_was_meant(
+    arguments: list[str], likely: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(arguments)
+    said = capsys.readouterr().err
+    assert f"; did you mean {likely}?" in said if likely else "did you mean" not in said
 
 
 def test_help_loads_no_library() -> None:

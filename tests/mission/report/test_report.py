@@ -182,6 +182,14 @@ def test_what_could_have_come_is_told_from_what_came(achieved: bool, words: str)
     assert said[said.index("Progress of the automaton") + 1] == ("2 of 3" if achieved else "2 of 3; it waits for home")
 
 
+def test_what_would_turn_the_page_round_is_told_by_its_code() -> None:
+    plan, evil = plan_of(PAPER_TOUR), "S1\u202e\x1b[2J"
+    record = replace(record_of(plan), vehicle={evil: evil}, verdict={"achieved": False, "reason": evil})
+    html = page(replace(plan, spec=replace(plan.spec, name=evil)), record, summary(plan, record), (), mission_text=evil)
+    assert html.count("S1\\u202e\\x1b[2J") >= 4
+    assert all(character.isprintable() or character == "\n" for character in html)
+
+
 def test_a_plan_that_was_not_flown_has_a_report_too(tmp_path: Path) -> None:
     plan = plan_of(PAPER_TOUR)
     numbers = write_report(plan, None, tmp_path, pictures=False)

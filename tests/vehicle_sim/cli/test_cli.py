@@ -73,6 +73,11 @@ def test_faults_are_one_line_and_exit_code_2(options: list[str], capsys: pytest.
     assert said.err.count("\n") == 1
 
 
+def test_a_name_cannot_colour_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["--faults", "no\x1b[31m\u202e\nsuch"]) == 2
+    assert capsys.readouterr().err.startswith("vehicle-sim: cannot read no\\x1b[31m\\u202e\\nsuch: ")
+
+
 def test_help_and_version(capsys: pytest.CaptureFixture[str]) -> None:
     for option, words in (("--help", "--no-ground-station"), ("--version", "vehicle-sim ")):
         with pytest.raises(SystemExit) as stop:
