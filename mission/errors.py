@@ -101,6 +101,18 @@ class NoPlanError(MissionError):
         super().__init__(message)
 
 
+class UnprovedError(NoPlanError):
+    """A path has no smoothing that is proved.
+
+    Attributes:
+        counterexample: Triangles of a violating flight, in order; empty unless a word is to blame.
+    """
+
+    def __init__(self, message: str, *, counterexample: tuple[int, ...]) -> None:
+        super().__init__(message)
+        self.counterexample = counterexample
+
+
 class LinkError(MissionError):
     """The MAVLink connection could not be opened, or was lost."""
 

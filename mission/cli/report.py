@@ -57,4 +57,4 @@ def _as_flown(plan: FlightPlan, record: Record) -> FlightPlan:
     if not starts or tuple(starts[-1]) == plan.start_m:
         return plan
     east, north = starts[-1]
-    return plan_mission(plan.spec, start_m=(float(east), float(north)), run=plan.run_index)
+    return plan_mission(plan.spec, start_m=(float(east), float(north)), run=plan.asked_run)

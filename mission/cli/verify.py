@@ -40,7 +40,7 @@ def run(arguments: Namespace) -> int:
 def _fault(plan: FlightPlan, written: dict[str, Any]) -> str | None:
     """Why the file is no proved plan of the mission in it; a proof covers no more than the trajectory's word."""
     try:
-        due = json.loads(plan_to_json(plan_mission(plan.spec, start_m=plan.start_m, run=plan.run_index)))
+        due = json.loads(plan_to_json(plan_mission(plan.spec, start_m=plan.start_m, run=plan.asked_run)))
     except NoPlanError as error:
         return f"its mission has no plan from this start: {error}"
     stated, built = ({part: document[part] for part in _DOMAIN} for document in (written, due))

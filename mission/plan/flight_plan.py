@@ -13,6 +13,7 @@ from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import transition_weights
 from mission.plan.homeward import Homeward, ends_of_flight
+from mission.plan.proved_run import PassedOver
 from mission.plan.specification import Specification
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
@@ -56,6 +57,7 @@ class FlightPlan:
             lap is repeated for ever.
         dropped: The soft tasks that could not be met, in the order of the file.
         homeward: The way back of a recurrent run; None where there is none on which nothing is violated.
+        passed_over: The shortest runs that were tried before the one that is flown, and were not proved.
     """
 
     spec: MissionSpec
@@ -75,6 +77,7 @@ class FlightPlan:
     certificate: Certificate
     dropped: tuple[DroppedTask, ...] = ()
     homeward: Homeward | None = None
+    passed_over: tuple[PassedOver, ...] = ()
 
     @property
     def specification(self) -> str:
@@ -140,8 +143,23 @@ class FlightPlan:
         return (
             *flight_cautions(self.spec.flight, self.spec.limits),
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
+            *((self._passing_over,) if self.passed_over else ()),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
             *((_NO_WAY_BACK,) if self.run.recurrent and not self._returns else ()),
+        )
+
+    @property
+    def asked_run(self) -> int | None:
+        """The number of the run that was asked for instead of the mission's own choice; None where that was left."""
+        return None if self.passed_over or self.run_index == self.spec.run else self.run_index
+
+    @property
+    def _passing_over(self) -> str:
+        first, more = self.passed_over[0], len(self.passed_over) - 1
+        others = f" and {more} others" if more > 1 else f" and run {self.passed_over[-1].index}" * more
+        return (
+            f"run {self.run_index} of the {self.shortest_runs} shortest is flown; run {first.index}{others} "
+            f"{'were' if more else 'was'} passed over for want of a proof: {first.reason}"
         )
 
     @property

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from mission.errors import NoPlanError
+from mission.errors import UnprovedError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import CompiledGeneralised
@@ -16,7 +16,13 @@ from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath, build_path
-from mission.steering.proved_smoothing import ProvedCurve, fit_legs, smooth_with_proof
+from mission.steering.proved_smoothing import (
+    FEWEST_FREQUENCIES,
+    MOST_FREQUENCIES,
+    ProvedCurve,
+    fit_legs,
+    smooth_with_proof,
+)
 from mission.steering.timing import time_law
 from mission.steering.trajectory import Leg, Trajectory
 
@@ -47,7 +53,13 @@ class PathPlanner:
         )
 
     def smoothed(
-        self, path: SteeringPath, certify: Callable[[JoinedCurve], Certificate], *, joins: bool, share: float = 1.0
+        self,
+        path: SteeringPath,
+        certify: Callable[[JoinedCurve], Certificate],
+        *,
+        joins: bool,
+        share: float = 1.0,
+        doubtful: bool = False,
     ) -> ProvedCurve:
         """Smooth a path and prove it, with as many frequencies as the mission asks for.
 
@@ -57,9 +69,10 @@ class PathPlanner:
             joins: Whether the path has legs that must join each other or another path's; they are continued oddly then,
                 whatever the mission asks for, for that keeps their ends.
             share: The part of the number of frequencies that the mission asks for, where it asks for one.
+            doubtful: Whether it is likely that there is no proof, so that the most frequencies are tried first.
 
         Raises:
-            NoPlanError: There is no proof.
+            UnprovedError: There is no proof.
         """
         smoothing, legs = self.spec.smoothing, path.legs
         extension = Extension.ODD if joins else smoothing.extension
@@ -69,18 +82,20 @@ class PathPlanner:
 
         if smoothing.frequencies == "auto":
             try:
-                return smooth_with_proof(legs, certify, extension=extension, refuses=refuses)
-            except NoPlanError as error:
-                raise NoPlanError(f"{error}; {_advice(self.spec)}") from error
+                first = MOST_FREQUENCIES if doubtful else FEWEST_FREQUENCIES
+                return smooth_with_proof(legs, certify, extension=extension, first_frequencies=first, refuses=refuses)
+            except UnprovedError as error:
+                raise UnprovedError(f"{error}; {_advice(self.spec)}", counterexample=error.counterexample) from error
         frequencies = max(1, round(share * smoothing.frequencies))
         curve = fit_legs(legs, frequencies, extension)
         certificate = certify(curve)
         fault = f"the tube of {certificate.tube_m:g} m around it {certificate.reason}" if not certificate.holds else ""
         fault = fault or refuses(curve)
         if fault:
-            raise NoPlanError(
+            raise UnprovedError(
                 f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: "
-                f"{fault}; ask for more frequencies, or for `auto`; {_advice(self.spec)}"
+                f"{fault}; ask for more frequencies, or for `auto`; {_advice(self.spec)}",
+                counterexample=certificate.counterexample,
             )
         return ProvedCurve(curve, certificate)
 

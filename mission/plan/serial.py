@@ -18,6 +18,7 @@ from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.homeward import Homeward
+from mission.plan.proved_run import PassedOver
 from mission.plan.specification import of_mission
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
@@ -57,6 +58,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "shortest_runs": plan.shortest_runs,
         "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
+        "passed_over": [asdict(run) for run in plan.passed_over],
         "run": _run_data(plan.run),
         "path": {
             "lap": path.lap,
@@ -121,6 +123,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         shortest_runs=int(document["shortest_runs"]),
         best_in_any_order=bool(document["best_in_any_order"]),
         run_index=int(document["run_index"]),
+        passed_over=tuple(PassedOver(int(run["index"]), str(run["reason"])) for run in document.get("passed_over", [])),
         run=_run(document["run"]),
         path=SteeringPath(
             tuple(_segment(segment) for segment in path["segments"]),

@@ -12,15 +12,19 @@ from mission.plan.costs import transition_weights
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.proved_path import PathPlanner, trajectory_of
+from mission.plan.proved_run import proved_run
 from mission.plan.specification import automaton_of, of_mission
 from mission.plan.tasks import dropped_tasks
 from mission.plan.way_back import way_back
 from mission.planning.product import Product
+from mission.planning.run import Run
 from mission.planning.search import ShortestRuns, search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Point
 from mission.steering.joined import JoinedCurve
+from mission.steering.path import SteeringPath
+from mission.steering.proved_smoothing import ProvedCurve
 
 
 def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | None = None) -> FlightPlan:
@@ -29,7 +33,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     Args:
         spec: The mission.
         start_m: Where the flight begins, ENU in the domain; the mission's own start by default.
-        run: Which of the shortest runs to fly; the mission's own choice by default.
+        run: Which of the shortest runs to fly; the mission's own choice by default. Where neither chooses, and the
+            first one is not proved, others are tried.
 
     Raises:
         FormulaSyntaxError: If the formula cannot be parsed.
@@ -62,12 +67,22 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
-    chosen = runs[index]
     planner = PathPlanner(spec, partition, labelling)
-    path = planner.path(chosen, found.product.automaton, start)
     refutation = compile_to_alphabet(specification.refutation, labelling.letters)
     prover = prover_of(spec, partition, labelling, refutation, restricted)
-    proved = planner.smoothed(path, partial(prover.certify, repeats=chosen.recurrent), joins=chosen.recurrent)
+
+    def smoothed(tried: Run, path: SteeringPath, doubtful: bool) -> ProvedCurve:  # noqa: FBT001 - as proved_run has it
+        certify = partial(prover.certify, repeats=tried.recurrent)
+        return planner.smoothed(path, certify, joins=tried.recurrent, doubtful=doubtful)
+
+    flown = proved_run(
+        runs,
+        index,
+        lambda tried: planner.path(tried, found.product.automaton, start),
+        smoothed,
+        others=run is None and spec.run == 0,
+    )
+    chosen, path, proved = flown.run, flown.path, flown.proved
     curve, homeward = proved.curve, None
     if chosen.recurrent:
         automaton = compile_to_alphabet(specification.automaton, labelling.letters)
@@ -85,7 +100,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         product_states_reachable=found.product.reachable_size,
         shortest_runs=runs.count,
         best_in_any_order=found.exact,
-        run_index=index,
+        run_index=flown.index,
         run=chosen,
         path=path,
         stops=stops,
@@ -93,6 +108,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         certificate=proved.certificate,
         dropped=dropped,
         homeward=homeward,
+        passed_over=flown.passed_over,
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from mission.errors import NoPlanError
+from mission.errors import UnprovedError
 from mission.spec.model import Extension
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
@@ -41,44 +41,47 @@ def smooth_with_proof(
     certify: Callable[[JoinedCurve], Certificate],
     *,
     extension: Extension,
+    first_frequencies: int = FEWEST_FREQUENCIES,
     most_frequencies: int = MOST_FREQUENCIES,
     refuses: Callable[[JoinedCurve], str] = lambda _: "",
 ) -> ProvedCurve:
     """Smooth a path with as few frequencies as the certificate needs.
 
-    The number is doubled from 4 until a certificate holds, then halved in between: the last number that failed and the
-    first that held are brought together by bisection, to neighbours. More frequencies follow the path more closely, so
-    the proof gets easier with them in general, but not always: the number found holds, and one less does not, yet a
-    still smaller one might.
+    The number is doubled from the first one until a certificate holds, then halved in between: the last number that
+    failed and the first that held are brought together by bisection, to neighbours. More frequencies follow the path
+    more closely, so the proof gets easier with them in general, but not always: the number found holds, and one less
+    does not, yet a still smaller one might.
 
     Args:
         legs: The planned path, as in ``fit_legs``.
         certify: Certifies curves of this mission.
         extension: As in ``fit_legs``.
+        first_frequencies: What to try first.
         most_frequencies: Where to give up; at least 1.
         refuses: What else is wrong with a curve, in plain words after "the smoothed path ..."; empty where nothing is.
 
     Raises:
-        NoPlanError: No certificate holds up to ``most_frequencies``; says what fails with that many, and where.
+        UnprovedError: No certificate holds up to ``most_frequencies``; says what fails with that many, and where.
     """
-    failed, count = 0, min(FEWEST_FREQUENCIES, most_frequencies)
+    failed, count = 0, min(first_frequencies, most_frequencies)
     fitted, longest = count, fit_legs(legs, count, extension)
     held: ProvedCurve | None = None
     while held is None:
         if count > fitted:
             fitted = min(most_frequencies, 4 * count)
             longest = fit_legs(legs, fitted, extension)
-        held, fault = _tried(_truncated(longest, count), certify, refuses)
+        held, fault, guilty = _tried(_truncated(longest, count), certify, refuses)
         if held is None and count >= most_frequencies:
-            raise NoPlanError(
+            raise UnprovedError(
                 f"no smoothing with up to {most_frequencies} frequencies is proved to satisfy the mission: "
-                f"with {most_frequencies}, {fault}"
+                f"with {most_frequencies}, {fault}",
+                counterexample=guilty,
             )
         if held is None:
             failed, count = count, min(most_frequencies, 2 * count)
     while held.curve.frequencies - failed > 1:
         middle = (held.curve.frequencies + failed) // 2
-        better, _ = _tried(_truncated(longest, middle), certify, refuses)
+        better, *_ = _tried(_truncated(longest, middle), certify, refuses)
         if better is None:
             failed = middle
         else:
@@ -98,12 +101,13 @@ def _truncated(curve: JoinedCurve, frequencies: int) -> JoinedCurve:
 
 def _tried(
     curve: JoinedCurve, certify: Callable[[JoinedCurve], Certificate], refuses: Callable[[JoinedCurve], str]
-) -> tuple[ProvedCurve | None, str]:
-    """The curve with its certificate if all is proved; else what is wrong with it."""
+) -> tuple[ProvedCurve | None, str, tuple[int, ...]]:
+    """The curve with its certificate if all is proved; else what is wrong with it, and the certificate's example."""
     fault = refuses(curve)
     if fault:
-        return None, f"the smoothed path {fault}"
+        return None, f"the smoothed path {fault}", ()
     certificate = certify(curve)
     if certificate.holds:
-        return ProvedCurve(curve, certificate), ""
-    return None, f"the tube of {certificate.tube_m:g} m around the smoothed path {certificate.reason}"
+        return ProvedCurve(curve, certificate), "", ()
+    reason = f"the tube of {certificate.tube_m:g} m around the smoothed path {certificate.reason}"
+    return None, reason, certificate.counterexample
