@@ -86,7 +86,7 @@ class _Flown:
 def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: StopSignals) -> _Flown:
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
-        vehicle, transport, clock = _link(arguments, plan, stack)
+        vehicle, transport, clock = _link(arguments, link, plan, stack)
         folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
         stack.enter_context(record)
         display = stack.enter_context(Display(plan))
@@ -153,12 +153,14 @@ def _warn(words: str) -> None:
         print_warnings((words,))
 
 
-def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[BundledVehicle | None, Transport, Clock]:
+def _link(
+    arguments: Namespace, link: LinkOptions, plan: FlightPlan, stack: ExitStack
+) -> tuple[BundledVehicle | None, Transport, Clock]:
     """The bundled vehicle, if that is to be flown, the link to what is, and the clock to fly by."""
     vehicle = None
     if arguments.connect is None:
         vehicle = stack.enter_context(BundledVehicle(_vehicle_options(arguments, plan)))
-    transport = _opened(arguments.connect if vehicle is None else vehicle.address)
+    transport = _opened(arguments.connect if vehicle is None else vehicle.address, link)
     stack.callback(transport.close)
     if vehicle is None:
         return None, transport, WallClock()
@@ -166,9 +168,9 @@ def _link(arguments: Namespace, plan: FlightPlan, stack: ExitStack) -> tuple[Bun
     return vehicle, lockstep, lockstep
 
 
-def _opened(address: str) -> Transport:
+def _opened(address: str, link: LinkOptions) -> Transport:
     try:
-        return open_transport(address)
+        return open_transport(address, None if link.signatures is None else link.signatures.is_genuine)
     except LinkError as error:
         cause = error.__cause__
         if not isinstance(cause, OSError):

@@ -17,6 +17,8 @@ _V1, _V2 = mavlink.PROTOCOL_MARKER_V1, mavlink.PROTOCOL_MARKER_V2
 _MAGIC: Final = re.compile(b"[%c%c]" % (_V1, _V2))
 _V1_HEADER: Final = 6
 _V2_HEADER: Final = 10
+_V1_COMPONENT: Final = 4
+_V2_COMPONENT: Final = 6
 _CHECKSUM: Final = 2
 _SIGNED: Final = 1
 _EXTRA: Final = {int(number): bytes((kind.crc_extra,)) for number, kind in mavlink.mavlink_map.items()}
@@ -27,6 +29,11 @@ class Frame(NamedTuple):
 
     number: int
     data: bytes
+
+    @property
+    def component_id(self) -> int:
+        """Which component it says that it comes from."""
+        return self.data[_V1_COMPONENT if self.data[0] == _V1 else _V2_COMPONENT]
 
 
 def split(data: bytes, *, goes_on: bool = False) -> tuple[list[Frame], int]:

@@ -59,7 +59,7 @@ class Signatures:
 
     def take(self, frame: bytes) -> bool:
         """Whether a whole frame is signed with the key and newer than all before it from its sender."""
-        if self._is_genuine(frame):
+        if self.is_genuine(frame):
             sender, stamp = (frame[5], frame[6], frame[-TRAILER]), int.from_bytes(frame[-12:-_HASH], "little")
             known = self._senders.get(sender)
             is_new = stamp > known if known is not None else len(self._senders) < _MOST_SENDERS
@@ -70,7 +70,8 @@ class Signatures:
         self.refused += 1
         return False
 
-    def _is_genuine(self, frame: bytes) -> bool:
+    def is_genuine(self, frame: bytes) -> bool:
+        """Whether a whole frame is signed with the key, be it new or heard before."""
         if frame[0] != _V2 or not frame[2] & _SIGNED:
             return False
         digest = hashlib.sha256(self.key)

@@ -18,6 +18,7 @@ import serial
 from mission.errors import LinkError
 from mission.link.address import Address, Scheme, parse_address
 from mission.link.framing import Stream
+from mission.link.peers import Peers
 
 _POLL_S: Final = 0.1
 _CONNECT_S: Final = 5.0
@@ -25,8 +26,6 @@ _SEND_S: Final = 2.0
 _MOST_WAITING: Final = 4096
 _DATAGRAM: Final = 65535
 _BUFFER: Final = 1 << 20
-_MOST_PEERS: Final = 16
-_PEER_SILENT_S: Final = 10.0
 _STREAMS: Final = (Scheme.TCP_IN, Scheme.TCP_OUT, Scheme.SERIAL)
 
 
@@ -167,13 +166,13 @@ class _UdpOut:
 
 
 class _UdpIn:
-    """Datagrams from whoever calls; answers go to everyone who was heard of late."""
+    """Datagrams from every vehicle that calls; answers go to all who were heard of late."""
 
-    def __init__(self, address: Address) -> None:
+    def __init__(self, address: Address, is_genuine: Callable[[bytes], bool] | None) -> None:
         link = _udp_socket(address, bound=True)
         self.port = int(link.getsockname()[1])
         self._socket = _Socket(link)
-        self._peers: dict[tuple[object, ...], float] = {}
+        self._peers = Peers(is_genuine)
         self._lock = threading.Lock()
 
     def read(self) -> bytes:
@@ -181,17 +180,11 @@ class _UdpIn:
             return b""
         data, peer = self._socket.socket.recvfrom(_DATAGRAM)
         with self._lock:
-            self._peers.pop(peer, None)
-            self._peers[peer] = time.monotonic()
-            while len(self._peers) > _MOST_PEERS:
-                del self._peers[next(iter(self._peers))]
-        return data
+            return data if self._peers.take(peer, data, time.monotonic()) else b""
 
     def write(self, data: bytes) -> None:
-        silent_since = time.monotonic() - _PEER_SILENT_S
         with self._lock:
-            self._peers = {peer: heard for peer, heard in self._peers.items() if heard >= silent_since}
-            peers = tuple(self._peers)
+            peers = self._peers.present(time.monotonic())
         for peer in peers:
             with contextlib.suppress(ConnectionError):
                 self._socket.socket.sendto(data, peer)
@@ -262,7 +255,6 @@ class _Serial:
 
 
 _LINES: Final[Mapping[Scheme, Callable[[Address], _Line]]] = {
-    Scheme.UDP_IN: _UdpIn,
     Scheme.UDP_OUT: _UdpOut,
     Scheme.TCP_IN: _TcpIn,
     Scheme.TCP_OUT: _TcpOut,
@@ -270,8 +262,13 @@ _LINES: Final[Mapping[Scheme, Callable[[Address], _Line]]] = {
 }
 
 
-def open_transport(address: str) -> LinkTransport:
+def open_transport(address: str, is_genuine: Callable[[bytes], bool] | None = None) -> LinkTransport:
     """Open the link that an address names; see ``parse_address`` for the forms.
+
+    Args:
+        address: The link.
+        is_genuine: Judges the frames of whoever calls a port that listens for datagrams: only a vehicle of which one
+            passes is heard and answered. None lets any vehicle's pass.
 
     Raises:
         SpecError: The address is none.
@@ -279,7 +276,7 @@ def open_transport(address: str) -> LinkTransport:
     """
     parsed = parse_address(address)
     try:
-        line = _LINES[parsed.scheme](parsed)
+        line = _UdpIn(parsed, is_genuine) if parsed.scheme is Scheme.UDP_IN else _LINES[parsed.scheme](parsed)
     except (OSError, serial.SerialException, OverflowError, UnicodeError) as error:
         raise LinkError(f"cannot open {parsed}: {error}") from error
     if isinstance(line, (_UdpIn, _TcpIn)):

@@ -8,8 +8,10 @@ import contextlib
 import errno
 import socket
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Final, Protocol
 
+from vehicle_sim.clock import Clock, WallClock
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.protocol.flavour import Rates
 from vehicle_sim.protocol.policy import SigningPolicy
@@ -25,6 +27,10 @@ _BURST: Final = 64
 """Datagrams taken from one socket before the vehicle's time goes on."""
 
 _MOST_PEERS: Final = 32
+_SILENT_S: Final = 10.0
+"""Wall time; whoever was heard since then is not dropped for another one."""
+
+_WALL: Final = WallClock()
 _BUFFER: Final = 1 << 20
 _NOBODY_THERE: Final = frozenset(
     (errno.ECONNREFUSED, errno.ECONNRESET, errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ENETDOWN, errno.EPIPE)
@@ -121,10 +127,22 @@ def _send(through: socket.socket, datagrams: list[bytes], peer: tuple[str, int])
             return
 
 
-class UdpListener:
-    """Waits for peers; each one that speaks MAVLink is answered on a link of its own."""
+@dataclass(slots=True)
+class _Peer:
+    """Whose link it is that has this name, and when a valid message came by it."""
 
-    def __init__(self, address: Address, party: Party, rates: Rates, notify: Notify) -> None:
+    name: str
+    heard_s: float
+
+
+class UdpListener:
+    """Waits for peers; each one that speaks MAVLink is answered on a link of its own.
+
+    Where there are too many, the longest silent one makes room, but nobody who was heard of late: who flies the
+    vehicle goes on flying it, however many strangers call.
+    """
+
+    def __init__(self, address: Address, party: Party, rates: Rates, notify: Notify, clock: Clock = _WALL) -> None:
         """Bind; port 0 takes a free one, `address` tells which."""
         family, where = _resolved(address, socket.SOCK_DGRAM)
         self._socket = _quiet_datagram_socket(family)
@@ -134,8 +152,9 @@ class UdpListener:
             self._socket.close()
             raise
         self.address = address._replace(port=self._socket.getsockname()[1])
-        self._party, self._rates, self._notify = party, rates, notify
-        self._peers: dict[tuple[str, int], str] = {}
+        self._party, self._rates, self._notify, self._clock = party, rates, notify, clock
+        self._peers: dict[tuple[str, int], _Peer] = {}
+        self._refuses = False
 
     def sockets(self) -> Iterator[Readable]:
         """Return the one socket."""
@@ -144,36 +163,49 @@ class UdpListener:
     def read(self, _ready: Readable) -> None:
         """Handle the datagrams that wait; the first valid one of a stranger makes it a peer."""
         for data, peer in _datagrams(self._socket):
-            name = self._peers.get(peer)
-            if name is not None:
-                self._party.receive(name, data)
-                # The last one heard stands last, so that the first one is the longest silent.
-                self._peers[peer] = self._peers.pop(peer)
-                continue
-            name = f"{self.address} from {peer[0]}:{peer[1]}"
-            _open_link(self._party, name, self.address, self._rates)
-            if self._party.receive(name, data) == 0:
-                self._party.remove_link(name)
-                continue
-            self._peers[peer] = name
-            if len(self._peers) > _MOST_PEERS:
-                self._drop_longest_silent()
+            known = self._peers.get(peer)
+            if known is not None:
+                if self._party.receive(known.name, data):
+                    known.heard_s = self._clock.now_s()
+                    # The last one heard stands last, so that the first one is the longest silent.
+                    self._peers[peer] = self._peers.pop(peer)
+            elif self._has_room():
+                self._meet(peer, data)
 
-    def _drop_longest_silent(self) -> None:
-        name = self._peers.pop(next(iter(self._peers)))
-        self._party.remove_link(name)
-        self._notify(f"more than {_MOST_PEERS} peers: the longest silent one is dropped, {name}")
+    def _has_room(self) -> bool:
+        if len(self._peers) < _MOST_PEERS:
+            return True
+        longest_silent = next(iter(self._peers.values()))
+        if self._clock.now_s() - longest_silent.heard_s >= _SILENT_S:
+            return True
+        if not self._refuses:
+            self._refuses = True
+            self._notify(f"{_MOST_PEERS} peers are heard on {self.address}: others are refused")
+        return False
+
+    def _meet(self, peer: tuple[str, int], data: bytes) -> None:
+        name = f"{self.address} from {peer[0]}:{peer[1]}"
+        _open_link(self._party, name, self.address, self._rates)
+        if self._party.receive(name, data) == 0:
+            self._party.remove_link(name)
+            return
+        self._refuses = False
+        if len(self._peers) >= _MOST_PEERS:
+            silent = self._peers.pop(next(iter(self._peers)))
+            self._party.remove_link(silent.name)
+            self._notify(f"more than {_MOST_PEERS} peers: the longest silent one is dropped, {silent.name}")
+        self._peers[peer] = _Peer(name, self._clock.now_s())
 
     def flush(self) -> None:
         """Send each peer what waits for it."""
-        for peer, name in self._peers.items():
-            _send(self._socket, self._party.outgoing(name), peer)
+        for peer, known in self._peers.items():
+            _send(self._socket, self._party.outgoing(known.name), peer)
 
     def close(self) -> None:
         """Close the socket and the links of all peers."""
         self._socket.close()
-        for name in self._peers.values():
-            self._party.remove_link(name)
+        for known in self._peers.values():
+            self._party.remove_link(known.name)
         self._peers.clear()
 
 

@@ -11,6 +11,7 @@ from mission.link.messages import Codec
 from mission.link.transport import LinkTransport, Transport, open_transport
 
 WITHIN_S = 10.0
+BEAT = Codec(1, 1).heartbeat()
 
 
 def take(link: Transport, size: int) -> bytes:
@@ -33,8 +34,8 @@ def test_bytes_go_both_ways(listening: str, calling: str) -> None:
     listener, caller = pair(listening, calling)
     try:
         assert listener.address.port > 0
-        caller.send(b"from the caller")
-        assert take(listener, 15) == b"from the caller"
+        caller.send(BEAT)
+        assert take(listener, len(BEAT)) == BEAT
         listener.send(b"from the listener")
         assert take(caller, 17) == b"from the listener"
     finally:
@@ -45,7 +46,7 @@ def test_bytes_go_both_ways(listening: str, calling: str) -> None:
 def test_datagrams_stay_whole_and_in_order() -> None:
     listener, caller = pair("udpin", "udpout")
     try:
-        sent = [bytes([i]) * (i + 1) for i in range(40)]
+        sent = [BEAT + bytes([i]) * (i + 1) for i in range(40)]
         for datagram in sent:
             caller.send(datagram)
         received: list[bytes] = []
@@ -73,8 +74,8 @@ def test_every_caller_of_a_listening_udp_port_is_answered() -> None:
     callers = [open_transport(f"udpout:127.0.0.1:{listener.address.port}") for _ in range(2)]
     try:
         for caller in callers:
-            caller.send(b"x")
-        assert take(listener, 2) == b"xx"
+            caller.send(BEAT)
+        assert take(listener, 2 * len(BEAT)) == 2 * BEAT
         listener.send(b"answer")
         assert [take(caller, 6) for caller in callers] == [b"answer", b"answer"]
     finally:

@@ -123,19 +123,46 @@ def test_strangers_that_speak_no_mavlink_are_not_answered(bench: Bench) -> None:
         assert received(stranger) == []
 
 
-def test_more_peers_than_it_serves_are_not_dropped_silently(bench: Bench) -> None:
-    port = bench.open("udpin:127.0.0.1:0")
-    assert isinstance(port, UdpListener)
-    peers = [udp() for _ in range(33)]
+class _HandClock:
+    """Wall time that passes when a test says so."""
+
+    def __init__(self) -> None:
+        self.time_s = 0.0
+
+    def now_s(self) -> float:
+        return self.time_s
+
+
+def test_who_flies_the_vehicle_is_answered_however_many_strangers_call(bench: Bench) -> None:
+    clock = _HandClock()
+    port = UdpListener(parse_address("udpin:127.0.0.1:0"), bench.endpoint, Rates.SILENT, bench.said.append, clock)
+    bench.ports.append(port)
+    flying, strangers = udp(), [udp() for _ in range(70)]
+    there = ("127.0.0.1", port.address.port)
     try:
-        for peer in peers:
-            peer.sendto(frame(), ("127.0.0.1", port.address.port))
-            turn_until(bench, peer, "TIMESYNC")
+        for round_of in range(3):
+            flying.sendto(frame(), there)
+            turn_until(bench, flying, "TIMESYNC")
+            for stranger in strangers:
+                stranger.sendto(frame(), there)
+            for _ in range(5):
+                bench.turn()
+            clock.time_s += 4.0
+            assert len(port._peers) == len(bench.endpoint._links) == 32, round_of
+        assert len([said for said in bench.said if "others are refused" in said]) == 1
+        # Once strangers are silent, whoever comes gets the place of the longest silent one.
+        clock.time_s += 7.0
+        flying.sendto(frame(), there)
+        turn_until(bench, flying, "TIMESYNC")
+        with closing(udp()) as late:
+            late.sendto(frame(), there)
+            turn_until(bench, late, "TIMESYNC")
+        flying.sendto(frame(), there)
+        turn_until(bench, flying, "TIMESYNC")
         assert [said for said in bench.said if "longest silent" in said]
-        assert len(port._peers) == 32
-        assert len(bench.endpoint._links) == 32
+        assert len(port._peers) == len(bench.endpoint._links) == 32
     finally:
-        for peer in peers:
+        for peer in (flying, *strangers):
             peer.close()
 
 
