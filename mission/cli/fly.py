@@ -24,8 +24,8 @@ from mission.link.lockstep import LockstepLink
 from mission.link.transport import Transport, open_transport
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
-from mission.report.files import write_whole
 from mission.report.record import FlightRecord
+from mission.whole_file import write_whole
 
 _OF_THE_BUNDLED_VEHICLE = ("speed", "seed", "wind", "flavour", "dynamics", "faults", "no_ground_station")
 AUTOMATON_SUFFIX = ".hoa"

@@ -7,8 +7,8 @@ from typing import Literal
 
 from mission.errors import Fault, SpecError
 from mission.plan import FlightPlan, plan_from_json, plan_mission
-from mission.report.files import write_whole
 from mission.spec.loader import load_mission
+from mission.whole_file import write_whole
 
 _MOST_OF_A_PLAN = 1 << 28
 

@@ -14,11 +14,11 @@ from typing import Final
 
 from mission.errors import Fault, SpecError
 from mission.link.signing import EPOCH_UNIX_S, TICKS_PER_S, Signatures
+from mission.whole_file import write_whole
 
 _KEY_BYTES: Final = 32
 _HEXADECIMAL: Final = re.compile(r"[0-9A-Fa-f]{64}")
 _MOST_BYTES: Final = 4096
-_PRIVATE: Final = 0o600
 _FORMS: Final = "write 32 bytes, 64 hexadecimal digits, or a passphrase in one line"
 
 
@@ -92,11 +92,8 @@ def _kept(path: Path) -> int:
 
 
 def _keep(path: Path, stamp: int) -> None:
-    new = path.with_name(f"{path.name}.new")
     try:
-        with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, _PRIVATE), "w") as file:
-            file.write(f"{stamp}\n")
-        new.replace(path)
+        write_whole(path, f"{stamp}\n", private=True, durable=False)  # in flight, nothing waits for a disk
     except OSError as error:
         hint = "timestamps are kept beside the key: put it into a folder that can be written"
         raise _fault(f"{path} cannot be written: {error.strerror or error}", hint) from error

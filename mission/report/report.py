@@ -6,10 +6,10 @@ from typing import Any
 
 from mission.plan import FlightPlan
 from mission.report.figures import save_all
-from mission.report.files import write_whole
 from mission.report.page import page
 from mission.report.reading import Record
 from mission.report.summary import summary
+from mission.whole_file import write_whole
 
 PAGE_FILE = "report.html"
 SUMMARY_FILE = "summary.json"

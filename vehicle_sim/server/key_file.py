@@ -14,6 +14,7 @@ from typing import Final
 
 from vehicle_sim.errors import ConfigurationError
 from vehicle_sim.protocol.signing import EPOCH_UNIX_S, KEY_LENGTH, TICKS_PER_S
+from vehicle_sim.server.whole_file import write_whole
 
 _NS_PER_TICK: Final = 1_000_000_000 // TICKS_PER_S
 _LONGEST: Final = 4096
@@ -80,7 +81,7 @@ class KeyFile:
             ConfigurationError: It cannot be written.
         """
         try:
-            _write_whole(self._path, f"{key.hex()}\n")
+            write_whole(self._path, f"{key.hex()}\n".encode(), durable=True)
         except OSError as error:
             raise ConfigurationError(f"signing key {self._path}: {error.strerror or error}") from error
 
@@ -106,7 +107,7 @@ class KeyFile:
         """
         path = self._beside(system_id, component_id)
         try:
-            _write_whole(path, f"{timestamp}\n")
+            write_whole(path, f"{timestamp}\n".encode(), durable=True)
         except OSError as error:
             raise ConfigurationError(
                 f"{path}: {error.strerror or error}; signing keeps its timestamps beside the key, so put that where "
@@ -115,13 +116,3 @@ class KeyFile:
 
     def _beside(self, system_id: int, component_id: int) -> Path:
         return self._path.with_name(f"{self._path.name}.timestamp.{system_id}.{component_id}")
-
-
-def _write_whole(path: Path, text: str) -> None:
-    temporary = path.with_name(f"{path.name}.new")
-    descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, stat.S_IRUSR | stat.S_IWUSR)
-    with os.fdopen(descriptor, "w", encoding="ascii") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)

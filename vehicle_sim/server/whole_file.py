@@ -6,8 +6,11 @@ from contextlib import suppress
 from pathlib import Path
 
 
-def write_whole(path: Path, data: bytes) -> None:
-    """Write `data` under a temporary name beside `path`, then give it its name.
+def write_whole(path: Path, data: bytes, *, durable: bool = False) -> None:
+    """Write `data` under a temporary name beside `path`, for its owner alone, then give it its name.
+
+    The temporary name is one that nobody can guess and nothing has, so no link leads the writing elsewhere. What is
+    `durable` is on the disk before it has its name, so that it is whole after a loss of power, too.
 
     Raises:
         OSError: It cannot be written; what was there is still there.
@@ -16,6 +19,9 @@ def write_whole(path: Path, data: bytes) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
+            if durable:
+                file.flush()
+                os.fsync(file.fileno())
         Path(temporary).replace(path)
     except OSError:
         with suppress(OSError):

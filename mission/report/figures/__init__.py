@@ -13,8 +13,8 @@ from mission.report.figures.histories import control_signals, time_histories, tr
 from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path
 from mission.report.figures.quotient import quotient
-from mission.report.files import write_whole
 from mission.report.reading import Record
+from mission.whole_file import write_whole
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,21 @@ def test_timestamps_are_kept_beside_the_key(tmp_path: Path) -> None:
         open_signatures(tmp_path / "none", (255, 191), lambda _text: None)
 
 
+@pytest.mark.skipif(os.name != "posix", reason="permissions and links are POSIX")
+def test_timestamps_are_for_their_owner_and_lead_nowhere_else(tmp_path: Path) -> None:
+    file, victim = tmp_path / "key", tmp_path / "victim"
+    file.write_bytes(KEY)
+    victim.write_text("kept")
+    for name in ("key.timestamp.255.191.new", "key.timestamp.255.191"):
+        (tmp_path / name).symlink_to(victim)
+    victim.write_text("7")  # a link to read from does no harm
+    open_signatures(file, (255, 191), lambda _text: None).stamp()
+    assert victim.read_text() == "7"
+    beside = tmp_path / "key.timestamp.255.191"
+    assert not beside.is_symlink()
+    assert beside.stat().st_mode & 0o777 == 0o600
+
+
 def test_the_vehicle_that_was_asked_for_is_met_and_no_other() -> None:
     contact = Contact(LinkOptions(vehicle_id=2, connect_s=1.0), needs_origin=False)
     contact.receive(BEAT.pack(vehicle(None, system=1)), 0.0)

@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import math
+import os
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.errors import RecordError
-from mission.report.files import write_whole
 from mission.report.reading import parse_record, read_record
 from mission.report.record import SCHEMA, FlightRecord, new_flight_folder
 from mission.spec.model import RegionKind
+from mission.whole_file import write_whole
 
 
 def a_flight(record: FlightRecord) -> None:
@@ -177,6 +178,24 @@ def test_damage_before_the_end_is_an_error_with_its_line(data: bytes, line: int)
         parse_record(data)
     assert caught.value.line == line
     assert caught.value.exit_code == 2
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links are POSIX")
+@pytest.mark.parametrize("private", [False, True])
+def test_no_link_leads_the_writing_elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, private: bool) -> None:
+    victim, path = tmp_path / "victim", tmp_path / "plan.json"
+    victim.write_text("kept")
+    (tmp_path / f".plan.json.{os.getpid()}.part").symlink_to(victim)
+    path.symlink_to(victim)
+    write_whole(path, "written", private=private)
+    assert (victim.read_text(), path.read_text(), path.is_symlink()) == ("kept", "written", False)
+    assert (path.stat().st_mode & 0o077 == 0) == private
+    monkeypatch.setattr("mission.whole_file.token_hex", lambda _bytes: "guessed")
+    (tmp_path / ".guessed.part").symlink_to(victim)
+    with pytest.raises(FileExistsError):
+        write_whole(path, "written again", private=private)
+    assert (victim.read_text(), path.read_text()) == ("kept", "written")
+    assert (tmp_path / ".guessed.part").is_symlink()
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:

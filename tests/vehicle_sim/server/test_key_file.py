@@ -89,6 +89,20 @@ def test_another_key_is_kept_whole_and_for_its_owner(tmp_path: Path) -> None:
     assert KeyFile(path, said.append).key == KEY[::-1]
 
 
+@pytest.mark.skipif(os.name != "posix", reason="links are POSIX")
+def test_no_link_leads_a_key_or_a_timestamp_elsewhere(tmp_path: Path) -> None:
+    path, said = key_file(tmp_path)
+    victim = tmp_path / "victim"
+    victim.write_text("kept")
+    for name in ("key.new", "key.timestamp.1.1.new", "key.timestamp.1.1"):
+        (tmp_path / name).symlink_to(victim)
+    file = KeyFile(path, said.append)
+    file.keep_key(KEY[::-1])
+    file.keep_timestamp(1, 1, 7)
+    assert victim.read_text() == "kept"
+    assert (file.timestamp(1, 1), KeyFile(path, said.append).key) == (7, KEY[::-1])
+
+
 def test_the_time_of_signing_counts_from_2015() -> None:
     years = signing_time() / 100_000 / 86_400 / 365.25
     assert 9.0 < years < 60.0
