@@ -10,7 +10,7 @@ from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling, label_triangles, triangles_inside
 from mission.geometry.rings import ring_edges
-from mission.geometry.simplices import Partition
+from mission.geometry.simplices import ROUNDING, Partition
 from mission.geometry.triangulation import (
     SLIVER,
     EdgesInMesh,
@@ -31,7 +31,8 @@ from mission.spec.model import (
     RegionKind,
     TriangleShape,
 )
-from mission.spec.outlines import Outline, boundary_outline, place, sound_outlines
+from mission.spec.near_misses import NearMisses, Outline, Pair
+from mission.spec.outlines import boundary_outline, place, sound_outlines
 from mission.spec.scale import pair
 
 Domain = NodesDomain | BoundaryDomain
@@ -73,8 +74,9 @@ def examine_domain(
     outlines, findings = sound_outlines(domain, regions)
     if any(finding.path[0] == "domain" for finding in findings):
         return None, None, findings
+    misses = _near_misses(domain, outlines)
     try:
-        partition, found = _meshed(domain, outlines)
+        partition, found = _meshed(domain, outlines, misses)
     except GeometryError as error:
         section = "nodes" if isinstance(domain, NodesDomain) else "boundary"
         hint = "three nodes at least must not lie on one line"
@@ -89,44 +91,61 @@ def examine_domain(
         if not isinstance(region.shape, PolygonShape) or region.name in rings:
             members[region.name], found = _members(region, partition, locator, rings)
             findings.extend(found)
-    findings.extend(_degenerate(partition, _sources(domain, outlines)))
+    findings.extend(_degenerate(partition, _sources(domain, outlines), misses))
     if start_m is not None:
         restricted = [region.name for region in regions if region.kind is RegionKind.RESTRICTED]
         findings.extend(_start_findings(start_m, locator, {k: v for k, v in members.items() if k in restricted}))
+    findings = list(dict.fromkeys(findings))
     return partition, None if findings else label_triangles(partition.size, members), findings
 
 
-def _meshed(domain: Domain, outlines: list[Outline]) -> tuple[Partition | None, list[Finding]]:
+def _near_misses(domain: Domain, outlines: list[Outline]) -> NearMisses:
+    """Between outlines whose corners can be moved: those over nodes are where the nodes are."""
+    movable = [] if isinstance(domain, NodesDomain) else [boundary_outline(domain), *outlines]
+    extent_m = float(np.ptp(movable[0].ring_m, axis=0).max()) if movable else 0.0
+    return NearMisses(movable, extent_m, ROUNDING * extent_m)
+
+
+def _meshed(domain: Domain, outlines: list[Outline], misses: NearMisses) -> tuple[Partition | None, list[Finding]]:
     """The mesh, None where the boundary does not come out; and the edges that do not."""
     if isinstance(domain, NodesDomain):
         partition = triangulate_nodes(np.array(domain.nodes_m))
-        return partition, _missing_edges(partition, outlines, "domain.nodes")
+        return partition, _missing_edges(partition, outlines, "domain.nodes", misses)[0]
     fence = boundary_outline(domain)
     points = np.array(domain.points_m).reshape(-1, 2)
     mesh = mesh_of_boundary(fence.ring_m, points, [outline.ring_m for outline in outlines])
-    findings = _missing_edges(mesh, [fence, *outlines], "domain.points")
-    if any(finding.path[0] == "domain" for finding in findings):
+    findings, owners = _missing_edges(mesh, [fence, *outlines], "domain.points", misses)
+    if 0 in owners:
         return None, findings
     return inside_of(mesh, fence.ring_m), findings
 
 
-def _missing_edges(mesh: Partition, outlines: list[Outline], section: str) -> list[Finding]:
+def _missing_edges(
+    mesh: Partition, outlines: list[Outline], section: str, misses: NearMisses
+) -> tuple[list[Finding], set[int]]:
+    """What to do about edges that are missing in the mesh, and the outlines that they are of."""
     if not outlines:
-        return []
-    owners = [(outline, index) for outline in outlines for index in range(len(outline.ring_m))]
+        return [], set()
+    owners = [(number, index) for number, outline in enumerate(outlines) for index in range(len(outline.ring_m))]
     edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
     found = EdgesInMesh.of(mesh, edges)
     gaps = mesh.vertices_m[found.links[~found.present]].mean(axis=1)
     gap_of = found.edge_of[~found.present]
     findings = []
+    nearly: set[Pair] = set()
     for edge in found.missing.tolist():
-        outline, index = owners[edge]
+        number, index = owners[edge]
+        outline = outlines[number]
         a, b = edges[edge]
-        message = f"the edge of {outline.region or 'the boundary'} from {place(a)} to {place(b)} is no edge of the mesh"
+        beside = {of for of in misses.beside(a, b) if number in of}
+        if beside:
+            nearly |= beside
+            continue
+        message = f"the edge of {outline.name} from {place(a)} to {place(b)} is no edge of the mesh"
         middles = listed(map(pair, gaps[gap_of == edge]), most=4)
         hint = f"other points are too near; add to {section} a point on each gap in the edge, such as {middles}"
         findings.append(Finding((*outline.path, index), message, hint))
-    return findings
+    return [*findings, *misses.findings(nearly)], {owners[edge][0] for edge in found.missing.tolist()}
 
 
 def _members(
@@ -181,20 +200,26 @@ def _sources(domain: Domain, outlines: list[Outline]) -> list[tuple[Path, FloatA
     return [(fence.path, fence.ring_m), (("domain", "points"), points), *rings]
 
 
-def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]]) -> list[Finding]:
+def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]], misses: NearMisses) -> list[Finding]:
     owners: list[Path] = [(*path, index) for path, points in sources for index in range(len(points))]
     places = np.concatenate([points for _, points in sources])
     findings = []
+    nearly: set[Pair] = set()
     for index in slivers(partition).tolist():
+        longest = int(np.argmax(partition.edge_lengths_m[index]))
+        beside = misses.beside(*np.delete(partition.corners_m[index], longest, axis=0))
+        if beside:
+            nearly |= beside
+            continue
         # The corner opposite the longest side is the one that lies on it, or one of two that lie together.
-        corner = partition.corners_m[index, int(np.argmax(partition.edge_lengths_m[index]))]
+        corner = partition.corners_m[index, longest]
         owner = owners[int(np.argmin(np.linalg.norm(places - corner, axis=1)))]
         corners = " ".join(place(corner) for corner in partition.corners_m[index])
         height, side = partition.heights_m[index].min(), partition.edge_lengths_m[index].max()
         message = f"the triangle {corners} is degenerate: {measure(height)} m high on a side of {measure(side)} m"
         hint = f"move this corner or take it away; the height must be {decimal(SLIVER)} of the longest side at least"
         findings.append(Finding(owner, message, hint))
-    return findings
+    return [*findings, *misses.findings(nearly)]
 
 
 def _start_findings(start_m: Point, locator: Locator, restricted: dict[str, BoolArray]) -> list[Finding]:

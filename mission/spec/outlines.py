@@ -1,7 +1,6 @@
 """The outlines that a mission file draws, checked before they are meshed: nodes, boundary, polygons of regions."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -11,18 +10,10 @@ from mission.decimals import decimal, measure
 from mission.geometry.arrays import FloatArray
 from mission.geometry.rings import edge_crossings, ring_edges, ring_fault
 from mission.geometry.simplices import ROUNDING
-from mission.spec.finding import Finding, Path
+from mission.spec.finding import Finding
 from mission.spec.model import BoundaryDomain, NodesDomain, Point, PolygonShape, Region
-from mission.spec.scale import scale_finding
-
-
-@dataclass(frozen=True, eq=False)
-class Outline:
-    """A ring of corners, shape (K, 2), and whose it is; ``region`` is empty for the boundary of the domain."""
-
-    path: Path
-    ring_m: FloatArray
-    region: str
+from mission.spec.near_misses import NEARNESS, NearMisses, Outline
+from mission.spec.scale import pair, scale_finding
 
 
 def boundary_outline(domain: BoundaryDomain) -> Outline:
@@ -42,7 +33,8 @@ def sound_outlines(
     findings = _nodes_findings(domain) if isinstance(domain, NodesDomain) else _boundary_findings(domain)
     if findings:
         return [], findings
-    tolerance_m = ROUNDING * float(np.ptp(base, axis=0).max())
+    extent_m = float(np.ptp(base, axis=0).max())
+    tolerance_m = ROUNDING * extent_m
     tree = cKDTree(base)
     outlines = []
     for region in regions:
@@ -52,18 +44,20 @@ def sound_outlines(
         fault = ring_fault(outline.ring_m, tolerance_m)
         if fault:
             message = f"the polygon of {region.name} is not simple: {fault}"
-            findings.append(Finding(outline.path, message, "list its corners in order around it, each once"))
+            found = [Finding(outline.path, message, "list its corners in order around it, each once")]
         elif isinstance(domain, NodesDomain):
-            strangers = _strangers(outline, tree, tolerance_m)
-            findings.extend(strangers)
-            outlines.extend([] if strangers else [outline])
+            found = _strangers(outline, tree, tolerance_m, NEARNESS * extent_m)
         else:
-            outside = _outside(outline, base, tolerance_m)
-            findings.extend(outside)
-            outlines.extend([] if outside else [outline])
-    fence = [boundary_outline(domain)] if isinstance(domain, BoundaryDomain) else []
-    crossings, crossing = _crossings([*fence, *outlines], tolerance_m)
-    return [outline for outline in outlines if outline.region not in crossing], findings + crossings
+            found = _outside(outline, base, NEARNESS * extent_m)
+        findings.extend(found)
+        outlines.extend([] if found else [outline])
+    if isinstance(domain, NodesDomain):
+        crossings, crossing = _crossings(outlines, tolerance_m, None)
+    else:
+        outlines = [boundary_outline(domain), *outlines]
+        crossings, crossing = _crossings(outlines, tolerance_m, NearMisses(outlines, extent_m, tolerance_m))
+    sound = [outline for outline in outlines if outline.region and outline.region not in crossing]
+    return sound, findings + crossings
 
 
 def place(point: Point | FloatArray) -> str:
@@ -115,23 +109,24 @@ def _repeated(points: FloatArray) -> list[tuple[int, int]]:
     return [(first, later) for later, first in sorted(first_of.items())]
 
 
-def _strangers(outline: Outline, nodes: cKDTree, tolerance_m: float) -> list[Finding]:
+def _strangers(outline: Outline, nodes: cKDTree, tolerance_m: float, near_m: float) -> list[Finding]:
     """Corners of a region that are no nodes."""
-    distances = np.asarray(nodes.query(outline.ring_m)[0])
-    return [
-        Finding(
-            (*outline.path, index),
-            f"the corner {place(outline.ring_m[index])} of {outline.region} is not a node",
-            "add it to domain.nodes (at the end, so that no number changes)",
-        )
-        for index in np.flatnonzero(distances > tolerance_m).tolist()
-    ]
+    distances, nearest = map(np.asarray, nodes.query(outline.ring_m))
+    findings = []
+    for index in np.flatnonzero(distances > tolerance_m).tolist():
+        node = int(nearest[index])
+        hint = "add it to domain.nodes (at the end, so that no number changes)"
+        if distances[index] <= near_m:
+            hint = f"write {pair(nodes.data[node])}, which is node {node}"
+        message = f"the corner {place(outline.ring_m[index])} of {outline.region} is not a node"
+        findings.append(Finding((*outline.path, index), message, hint))
+    return findings
 
 
-def _outside(outline: Outline, boundary: FloatArray, tolerance_m: float) -> list[Finding]:
-    """The first corner of a region outside the boundary, if there is one."""
+def _outside(outline: Outline, boundary: FloatArray, near_m: float) -> list[Finding]:
+    """The first corner of a region that is not even near the inside of the boundary, if there is one."""
     distances = shapely.distance(shapely.Polygon(boundary), shapely.points(outline.ring_m))
-    outside = np.flatnonzero(distances > tolerance_m)
+    outside = np.flatnonzero(distances > near_m)
     if not len(outside):
         return []
     index = int(outside[0])
@@ -141,22 +136,42 @@ def _outside(outline: Outline, boundary: FloatArray, tolerance_m: float) -> list
     return [Finding((*outline.path, index), message, "move its corners inside, or widen domain.boundary")]
 
 
-def _crossings(outlines: list[Outline], tolerance_m: float) -> tuple[list[Finding], set[str]]:
-    """Edges of different outlines that cross, one finding for each pair; and the regions that take part."""
+def _crossings(
+    outlines: list[Outline], tolerance_m: float, misses: NearMisses | None
+) -> tuple[list[Finding], set[str]]:
+    """One finding for each pair of outlines whose edges cross, or of which one sticks out of the boundary; and who.
+
+    Where the ends of edges that cross nearly touch the other edge, the two outlines should meet there.
+    """
     if not outlines:
         return [], set()
     owner = np.repeat(np.arange(len(outlines)), [len(outline.ring_m) for outline in outlines])
     edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
     pairs, points = edge_crossings(edges, tolerance_m)
     findings: dict[tuple[int, int], Finding] = {}
-    for (a, b), point in zip(owner[pairs].tolist(), points, strict=True):
+    touching = {(0, later) for later in _sticking_out(outlines, tolerance_m)} if misses else set()
+    for (i, j), point in zip(pairs.tolist(), points, strict=True):
+        a, b = sorted((int(owner[i]), int(owner[j])))
         first, second = outlines[a], outlines[b]
-        if first.region:
+        if misses and (a, b) in misses.beside(*edges[i]) & misses.beside(*edges[j]):
+            touching.add((a, b))
+        elif first.region:
             message = f"an edge of {second.region} crosses an edge of {first.region} at {place(point)}"
             hint = "let the two regions share a corner there, or move one of them"
+            findings.setdefault((a, b), Finding(second.path, message, hint))
         else:
             message = f"an edge of {second.region} crosses the boundary at {place(point)}"
-            hint = "keep the whole region inside domain.boundary"
-        findings.setdefault((a, b), Finding(second.path, message, hint))
-    taking_part = {outlines[index].region for pair in findings for index in pair}
-    return list(findings.values()), taking_part
+            findings.setdefault((a, b), Finding(second.path, message, "keep the whole region inside domain.boundary"))
+    nearly = misses.findings(touching - findings.keys()) if misses else []
+    taking_part = {outlines[index].region for of in findings.keys() | touching for index in of}
+    return [*findings.values(), *nearly], taking_part
+
+
+def _sticking_out(outlines: list[Outline], tolerance_m: float) -> list[int]:
+    """The outlines with a corner outside the first, the boundary."""
+    inside = shapely.Polygon(outlines[0].ring_m)
+    return [
+        index
+        for index, outline in enumerate(outlines)
+        if (shapely.distance(inside, shapely.points(outline.ring_m)) > tolerance_m).any()
+    ]
