@@ -23,7 +23,7 @@ class FlightMonitor:
             plan.locator,
             plan.labelling,
             satisfied_by=plan.required.satisfied_by,
-            automaton=plan.compiled,
+            automata=plan.compiled_parts,
             refutation=plan.compiled_refutation,
             semantics=plan.spec.semantics,
             restricted=plan.restricted,

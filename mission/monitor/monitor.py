@@ -6,7 +6,7 @@ standard semantics only; at the end of a flight that stays, the last label repea
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -69,8 +69,8 @@ class Monitor:
         locator: Point location in the domain.
         labelling: Labels of the domain.
         satisfied_by: Whether a word satisfies the specification, by its definition.
-        automaton: Of the words that do, over ``labelling.letters``.
-        refutation: Of those that do not, over the same.
+        automata: Of the conjuncts of the specification, over ``labelling.letters``.
+        refutation: Of the words that do not satisfy it, over the same.
         semantics: Whether the label of the first triangle is read.
         restricted: Shape (M,), triangles that must not be entered.
         suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
@@ -83,7 +83,7 @@ class Monitor:
         labelling: Labelling,
         *,
         satisfied_by: Callable[[LassoWord], bool],
-        automaton: CompiledAutomaton,
+        automata: Sequence[CompiledAutomaton],
         refutation: CompiledAutomaton,
         semantics: Semantics,
         restricted: BoolArray,
@@ -93,7 +93,7 @@ class Monitor:
         self._locator, self._labelling = locator, labelling
         self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
-        self._watch = FormulaWatch(automaton, refutation, labelling.letters)
+        self._watch = FormulaWatch(automata, refutation, labelling.letters)
         self._laps = LapCounter(suffix, labelling) if suffix else None
         self._laps_asked = laps
         self._last: tuple[float, Point] | None = None
@@ -160,7 +160,7 @@ class Monitor:
 
     @property
     def progress(self) -> Progress:
-        """How far the automaton of the specification has come."""
+        """How far the automata of the specification have come."""
         return self._watch.progress
 
     @property

@@ -1,20 +1,21 @@
 """Three-valued verdicts on a word while it is being spelled, and how far it has come.
 
 A finite word is judged by its infinite continuations (Bauer, Leucker and Schallhart, "Runtime verification for LTL and
-TLTL", 2011): it is *true* if all of them satisfy the formula, *false* if none does, and *open* otherwise. With a Büchi
-automaton for the formula and one for its negation, both cleared of states from which nothing is accepted, the word is
-false when the first has no run left on it, and true when the second has none. Continuations are over the letters of
-the domain; that not every sequence of them can be flown is left out of account, so open may be said for a word whose
-fate the map has sealed.
+TLTL", 2011): it is *true* if all of them satisfy the specification, *false* if none does, and *open* otherwise. It is
+false when no continuation is accepted by the automata of all conjuncts together, which may be where each conjunct alone
+could still be satisfied; and true when an automaton of the words that violate it, cleared of states from which nothing
+is accepted, has no run left. Continuations are over the letters of the domain; that not every sequence of them can be
+flown is left out of account, so open may be said for a word whose fate the map has sealed.
 """
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from mission.logic.automata.automaton import CompiledAutomaton, states_with_nonempty_language
+from mission.logic.automata.automaton import CompiledAutomaton, generalised, states_with_nonempty_language
 from mission.logic.automata.components import strong_components
+from mission.logic.automata.side_by_side import SideBySide
 
 
 class Verdict(StrEnum):
@@ -27,12 +28,12 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far the automaton of the formula has come.
+    """How far the automata of the conjuncts have come.
 
     Attributes:
-        done: Letters that brought it nearer to where it accepts for ever.
+        done: Letters that brought them nearer to where they accept for ever.
         total: How many of them the whole way takes at least.
-        awaited: Region names any of which would bring it nearer; empty where none is needed, or any letter would do.
+        awaited: Region names any of which would bring one nearer; empty where none is needed, or any letter would do.
     """
 
     done: int
@@ -65,44 +66,72 @@ class FormulaWatch:
     """Reads a word letter by letter and says what is known of it.
 
     Args:
-        automaton: Of the formula, over ``letters``.
-        refutation: Of its negation, over the same.
+        automata: Of the conjuncts of the specification, over ``letters``; at least one.
+        refutation: Of what violates it, over the same.
         letters: The alphabet, sets of region names.
     """
 
     def __init__(
-        self, automaton: CompiledAutomaton, refutation: CompiledAutomaton, letters: tuple[frozenset[str], ...]
+        self,
+        automata: Sequence[CompiledAutomaton],
+        refutation: CompiledAutomaton,
+        letters: tuple[frozenset[str], ...],
     ) -> None:
-        self._runs, self._refuting = _Runs(automaton), _Runs(refutation)
-        self._letters = letters
-        self._forwards: dict[int, list[tuple[int, int]]] = {}
-        for source, letter, target in self._runs.edges():
-            self._forwards.setdefault(source, []).append((letter, target))
-        self._distance = self._distances(automaton)
-        self._total = min((self._distance[state] for state in self._runs.states), default=0)
+        self._all = SideBySide([generalised(automaton) for automaton in automata])
+        self._states = self._all.initial
+        self._parts = [_Part(automaton, letters) for automaton in automata]
+        self._refuting = _Runs(refutation)
 
     def read(self, letter: int) -> None:
         """Go on by one letter, an index into the alphabet."""
-        self._runs.read(letter)
+        self._states = self._all.after(self._states, letter)
+        for part in self._parts:
+            part.read(letter)
         self._refuting.read(letter)
 
     @property
     def verdict(self) -> Verdict:
         """What is known of every continuation of the word read so far."""
-        if not self._runs.states:
+        if not self._states:
             return Verdict.FALSE
         return Verdict.OPEN if self._refuting.states else Verdict.TRUE
 
     @property
     def progress(self) -> Progress:
-        """How far it has come, and what it waits for."""
-        if not self._runs.states:
-            return Progress(0, self._total, ())
-        left = min(self._distance[state] for state in self._runs.states)
-        done = max(0, self._total - left)
-        if self.verdict is Verdict.TRUE:
-            return Progress(self._total, self._total, ())
-        return Progress(done, self._total, self._awaited())
+        """How far it has come, and what it waits for: of all conjuncts together."""
+        total = sum(part.total for part in self._parts)
+        verdict = self.verdict
+        if verdict is not Verdict.OPEN:
+            return Progress(total if verdict is Verdict.TRUE else 0, total, ())
+        waiting = [part for part in self._parts if part.left] or self._parts
+        names = {name for part in waiting for name in part.awaited}
+        done = sum(max(0, part.total - part.left) for part in self._parts)
+        return Progress(done, total, tuple(sorted(names)))
+
+
+class _Part:
+    """How far the automaton of one conjunct has come.
+
+    Attributes:
+        total: Letters to where it accepts for ever, from the start.
+    """
+
+    def __init__(self, automaton: CompiledAutomaton, letters: tuple[frozenset[str], ...]) -> None:
+        self._runs, self._letters = _Runs(automaton), letters
+        self._forwards: dict[int, list[tuple[int, int]]] = {}
+        for source, letter, target in self._runs.edges():
+            self._forwards.setdefault(source, []).append((letter, target))
+        self._distance = self._distances(automaton)
+        self.total = self.left
+
+    def read(self, letter: int) -> None:
+        """Go on by one letter."""
+        self._runs.read(letter)
+
+    @property
+    def left(self) -> int:
+        """Letters that are still needed."""
+        return min((self._distance[state] for state in self._runs.states), default=0)
 
     def _distances(self, automaton: CompiledAutomaton) -> dict[int, int]:
         """Letters from each living state to an accepting state that recurs."""
@@ -128,7 +157,8 @@ class FormulaWatch:
                     queue.append(source)
         return distance
 
-    def _awaited(self) -> tuple[str, ...]:
+    @property
+    def awaited(self) -> tuple[str, ...]:
         """Names whose letters shorten the way to the next accepting state from where the best runs are."""
         ways = [
             (self._distance[target], letter)

@@ -173,6 +173,11 @@ class FlightPlan:
         return compile_to_alphabet(self.automaton, self.labelling.letters)
 
     @cached_property
+    def compiled_parts(self) -> tuple[CompiledAutomaton, ...]:
+        """An automaton of each conjunct, over the letters of the domain."""
+        return tuple(compile_to_alphabet(part, self.labelling.letters) for part in self.required.automata)
+
+    @cached_property
     def compiled_refutation(self) -> CompiledAutomaton:
         """The automaton of what the flight must not be, over the letters of the domain."""
         return compile_to_alphabet(self.required.refutation, self.labelling.letters)

@@ -15,6 +15,7 @@ from mission.logic.automata.conversion import with_accepting_states, with_marked
 from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import translate, translate_generalised
 from mission.logic.automata.weak import is_obligation
+from mission.logic.formula.conjuncts import separated
 from mission.logic.formula.rewriting import simplified
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.logic.formula.word import LassoWord, Letter, satisfies
@@ -40,6 +41,12 @@ class Specification:
     def automaton(self) -> BuchiAutomaton:
         """A Büchi automaton of the words that satisfy all of it."""
         return automaton_of(self.formula, self.given)
+
+    @cached_property
+    def automata(self) -> tuple[BuchiAutomaton, ...]:
+        """Büchi automata of its conjuncts, at least one: a word satisfies it if all of them accept it."""
+        given = () if self.given is None else (with_accepting_states(self.given.automaton),)
+        return (*given, *map(translate, separated(self.formula))) or (translate(TRUE),)
 
     @cached_property
     def outside(self) -> BuchiAutomaton | None:

@@ -37,7 +37,7 @@ def monitor(
         Locator(paper_partition()),
         labels,
         satisfied_by=lambda word: satisfies(word, parse_formula(formula)),
-        automaton=compiled(formula, labels.letters),
+        automata=(compiled(formula, labels.letters),),
         refutation=refuting(formula, labels.letters),
         semantics=semantics,
         restricted=marked(paper_partition(), (6,)),

@@ -6,10 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.refutation import refutation
+from mission.logic.formula.conjuncts import separated
 from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import TRUE
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
-from tests.support.curves import compiled, refuting
+from tests.support.curves import compiled
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
 FORMULAS = (
@@ -26,15 +30,20 @@ FORMULAS = (
     "true",
     "false",
     "F (a & b)",
+    "F a & G !a",
+    "F a & G (a -> X b) & G !b",
+    "F a & F b & G (a -> X G !b)",
+    "G F a & F G !b & (b W a)",
 )
 
 
 def watching(text: str) -> FormulaWatch:
-    return FormulaWatch(compiled(text, LETTERS), refuting(text, LETTERS), LETTERS)
+    parts = [compiled(str(part), LETTERS) for part in separated(parse_formula(text)) or (TRUE,)]
+    return FormulaWatch(parts, compile_to_alphabet(refutation(parse_formula(text)), LETTERS), LETTERS)
 
 
 @given(st.sampled_from(FORMULAS), st.lists(st.integers(0, 2), max_size=6))
-@settings(deadline=None, max_examples=120)
+@settings(deadline=None, max_examples=160)
 def test_the_verdict_is_that_of_all_continuations(text: str, word: list[int]) -> None:
     watch, formula = watching(text), parse_formula(text)
     for letter in word:
@@ -79,3 +88,21 @@ def test_recurrent_missions_await_the_next_region(word: str, awaited: tuple[str,
         watch.read("-ab".index(letter))
     assert watch.verdict is Verdict.OPEN
     assert watch.progress.awaited in (awaited, ("a", "b"))
+
+
+def test_a_prefix_may_be_bad_for_a_conjunction_and_for_none_of_its_parts() -> None:
+    """Twelve reactions, whose automaton would have thousands of states, and a reaction that is forbidden."""
+    letters = (frozenset[str](), *(frozenset({f"{name}{i}"}) for i in range(12) for name in "bc"))
+    reactions = [f"G (b{i} -> F c{i})" for i in range(12)]
+    parts = [compiled(text, letters) for text in (*reactions, "G !c3")]
+    outside = compile_to_alphabet(refutation(parse_formula(" & ".join((*reactions, "G !c3")))), letters)
+    watch = FormulaWatch(parts, outside, letters)
+    for names, verdict in (
+        (("b0", "c0", "b7", "b5"), Verdict.OPEN),
+        (("b3",), Verdict.FALSE),
+        (("c7",), Verdict.FALSE),
+    ):
+        for name in names:
+            watch.read(letters.index(frozenset({name})))
+        assert watch.verdict is verdict
+    assert watch.progress.done == 0
