@@ -268,7 +268,7 @@ class _Flight:
         if ending is Ending.LANDED:
             outcome = watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent)
             achieved, reason = outcome.achieved, outcome.reason
-        reason = _joined(reason, gaps_text(watch.gaps))
+        reason = _joined(reason, gaps_text(watch.gaps), self.record.lost_text)
         result = FlightResult(
             plan=self.plan,
             achieved=achieved,
@@ -322,7 +322,7 @@ class _Flight:
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
         self._take_what_can_be_taken()
-        reason = _joined(str(why), left, gaps_text(self.watch.gaps))
+        reason = _joined(str(why), left, gaps_text(self.watch.gaps), self.record.lost_text)
         with contextlib.suppress(Exception):
             self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="failed")
         if isinstance(error, (LinkError, VehicleError)):

@@ -25,6 +25,13 @@ class Recording:
         self._record, self._warn = record, warn
         self._told = 0
 
+    @property
+    def lost_text(self) -> str:
+        """How much could not be written, in plain words; empty where all was."""
+        return (
+            f"{self.lost:,} line{'s' if self.lost != 1 else ''} of the record could not be written" if self.lost else ""
+        )
+
     def write(self, kind: str, t_s: float | None, **values: object) -> None:
         """Write one line, after one that says how many were lost before it, if any were."""
         try:

@@ -151,7 +151,9 @@ class FullDisk:
 def test_a_record_that_cannot_be_written_costs_a_warning_and_not_the_flight(plan: FlightPlan, last: int) -> None:
     flight = Flight(ScriptedVehicle("ardupilot"), plan)
     flight.recorder = lambda record: FullDisk(record, first=300, last=last)
-    assert flight.run().achieved
+    result = flight.run()
+    assert result.achieved
+    assert result.reason.endswith(" lines of the record could not be written")
     assert flight.warnings == [
         "the record cannot be written: [Errno 28] No space left on device; the flight goes on without it"
     ]
