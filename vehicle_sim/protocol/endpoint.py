@@ -284,7 +284,7 @@ class Endpoint:
         for link in self._links.values():
             if link.streams.next_due_us <= now_us:
                 for message_id in link.streams.due(now_us):
-                    message = self.telemetry(message_id)
+                    message = None if message_id in self.table.told_on_change else self.telemetry(message_id)
                     if message is not None:
                         link.send(message)
         self.recorder.advance()

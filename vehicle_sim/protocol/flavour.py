@@ -62,6 +62,7 @@ class FlavourTable:
         stream_parameters: The parameter that holds the unasked rate of each group, by the link's purpose.
         stream_groups: Messages of each MAV_DATA_STREAM; empty where REQUEST_DATA_STREAM names a message id instead.
         absent_messages: Messages of the vehicle that this autopilot does not have.
+        told_on_change: Messages that no stream repeats, whatever rate was accepted: they come on change and on request.
         no_stream: Result of SET_MESSAGE_INTERVAL for a message that it does not have.
         no_message: Result of REQUEST_MESSAGE for such a message.
         no_mode: Result of a request for a mode that it does not have.
@@ -87,6 +88,7 @@ class FlavourTable:
     stream_parameters: Mapping[Rates, Mapping[int, str]]
     stream_groups: Mapping[int, tuple[int, ...]]
     absent_messages: frozenset[int]
+    told_on_change: frozenset[int]
     no_stream: Outcome
     no_message: Outcome
     no_mode: Outcome
@@ -191,6 +193,7 @@ _ARDUPILOT: Final = FlavourTable(
         ),
     },
     absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY")) | {CURRENT_MODE_ID},
+    told_on_change=frozenset(),
     no_stream=Outcome.DENIED,
     no_message=Outcome.FAILED,
     no_mode=Outcome.FAILED,
@@ -311,6 +314,7 @@ _PX4: Final = FlavourTable(
             "FENCE_STATUS",
         )
     ),
+    told_on_change=frozenset(_messages("GPS_GLOBAL_ORIGIN")),
     no_stream=Outcome.FAILED,
     no_message=Outcome.DENIED,
     no_mode=Outcome.TEMPORARILY_REJECTED,

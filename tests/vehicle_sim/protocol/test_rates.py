@@ -139,3 +139,20 @@ def test_stream_parameters_of_ardupilot_say_what_is_sent_unasked(rates: Rates, n
     assert station.command(SET, ATTITUDE, 0) == ACCEPTED  # back to what the parameter says
     assert station.command(GET, ATTITUDE) == ACCEPTED
     assert station.last("MESSAGE_INTERVAL").interval_us == (1_000_000 // hertz if hertz else -1)
+
+
+@pytest.mark.parametrize("flavour", Flavour)
+def test_the_origin_of_px4_comes_on_change_and_on_request_alone(flavour: Flavour) -> None:
+    origin = mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
+    station = Station(endpoint_of(flavour), rates=Rates.GROUND_STATION)
+    station.wait_for_position()
+    assert len(station.of("GPS_GLOBAL_ORIGIN")) == 1
+    late = Station(station.endpoint, "late", rates=Rates.GROUND_STATION)
+    assert late.command(SET, origin, 100_000) == ACCEPTED
+    assert late.command(GET, origin) == ACCEPTED
+    assert late.last("MESSAGE_INTERVAL").interval_us == 100_000
+    late.run(2.0)
+    assert len(late.of("GPS_GLOBAL_ORIGIN")) == (0 if flavour is Flavour.PX4 else 20)
+    late.forget()
+    assert late.request(origin) == ACCEPTED
+    assert late.last("GPS_GLOBAL_ORIGIN").latitude != 0
