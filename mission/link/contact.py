@@ -66,8 +66,7 @@ class Contact:
         autopilot: Which kind it is; None before it was heard.
         waiting_for: What is waited for before the vehicle can be flown, in plain words; empty where nothing is.
         events: What has happened, oldest first; whoever reads it empties it.
-        out: Frames to send, likewise.
-        answers: Frames to send after these: the answers to PINGs, which vouch for having handled all before them.
+        out: Frames to send, likewise; answers to PINGs come after them.
     """
 
     def __init__(self, options: LinkOptions, *, needs_origin: bool) -> None:
@@ -78,7 +77,7 @@ class Contact:
         self.waiting_for = "no heartbeat yet"
         self.events: deque[Event] = deque()
         self.out: deque[bytes] = deque()
-        self.answers: deque[bytes] = deque()
+        self._pings: list[tuple[Received, Ping]] = []
         self._needs_origin = needs_origin
         self._codec = Codec(options.system_id, options.component_id, options.signatures)
         self.channel = RequestChannel(options.system_id, options.component_id)
@@ -216,6 +215,17 @@ class Contact:
             self.out.append(self._codec.command(self._system_id, command, attempt))
             self.events.append(Asked(self.vehicle.clock.now_s(now_s), command.name, attempt))
 
+    def outgoing(self) -> list[bytes]:
+        """Frames to send, oldest first; they are forgotten here.
+
+        Answers to PINGs are the last, for they vouch for having handled all before them, and are made last: a signed
+        frame that is sent after a later one is refused.
+        """
+        frames = [*self.out, *(self._codec.answer(asked, ping) for asked, ping in self._pings)]
+        self.out.clear()
+        self._pings.clear()
+        return frames
+
     def hold_frames(self) -> list[bytes]:
         """The command to hold, beside the command under way."""
         return [] if self.autopilot is None else [self._codec.command(self._system_id, self.autopilot.hold, 0)]
@@ -232,7 +242,7 @@ class Contact:
     def _answer(self, asked: Received, ping: Ping) -> None:
         """Whoever asks all is answered; system 0 is nobody, and an answer to it would ask all again."""
         if ping.target_system == 0 and asked.system_id != 0:
-            self.answers.append(self._codec.answer(asked, ping))
+            self._pings.append((asked, ping))
 
     def _meet(self, received: Received) -> None:
         heartbeat = received.body

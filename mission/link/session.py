@@ -220,10 +220,7 @@ class Session:
 
     def outgoing(self) -> list[bytes]:
         """Frames to send, oldest first; they are forgotten here."""
-        frames = [*self.contact.out, *self.contact.answers]
-        self.contact.out.clear()
-        self.contact.answers.clear()
-        return frames
+        return self.contact.outgoing()
 
     def events(self) -> list[Event]:
         """What has happened since the last call, oldest first."""

@@ -87,7 +87,7 @@ class Link:
         self.tells_position = False
         self._filling = bytearray()
         self._waiting: deque[bytes] = deque(maxlen=_MAX_WAITING)  # a peer that never reads loses the oldest
-        self._last = b""
+        self._last: Message | None = None
 
     def speak_for(self, system_id: int) -> None:
         """Send as another system from now on."""
@@ -160,7 +160,7 @@ class Link:
 
     def send_last(self, message: Message) -> None:
         """Send a message behind all that waits now, and behind what is queued until then."""
-        self._last = self._packed(message)
+        self._last = message  # packed when it goes, for what is signed earlier must be sent earlier
 
     def _packed(self, message: Message) -> bytes:
         mav = self._mav
@@ -202,7 +202,9 @@ class Link:
 
     def closed(self, datagrams: list[bytes]) -> list[bytes]:
         """Return the datagrams with the last message behind them, if there is one, and forget it."""
-        last, self._last = self._last, b""
+        if self._last is None:
+            return datagrams
+        last, self._last = self._packed(self._last), None
         if last and datagrams and len(datagrams[-1]) + len(last) <= MAX_DATAGRAM:
             return [*datagrams[:-1], datagrams[-1] + last]
         return [*datagrams, last] if last else datagrams

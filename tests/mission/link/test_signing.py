@@ -43,6 +43,16 @@ def test_what_is_sent_is_signed_and_accepted_by_who_holds_the_key() -> None:
     assert stamps == [NOW, NOW + 1, NOW + 2]
 
 
+def test_what_is_sent_later_is_signed_later() -> None:
+    contact = Contact(LinkOptions(signatures=signatures()), needs_origin=False)
+    ping = mavlink.MAVLink_ping_message(1_000_000, 7, 0, 0)
+    contact.receive(bytes(ping.pack(vehicle(KEY))), 0.0)
+    contact.advance(0.0)
+    holder = vehicle(KEY, 0)
+    heard = [m.get_type() for frame in contact.outgoing() for m in holder.parse_buffer(frame)]
+    assert heard == ["HEARTBEAT", "PING"]
+
+
 def test_only_what_is_rightly_signed_and_new_is_heard() -> None:
     codec = Codec(255, 191, signatures())
     genuine = bytes(BEAT.pack(vehicle(KEY)))

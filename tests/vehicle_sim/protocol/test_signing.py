@@ -220,6 +220,15 @@ def test_timestamps_rise_over_all_links_and_never_fall_behind_the_clock() -> Non
     assert signer.next_timestamp() == 5001
 
 
+def test_what_is_sent_last_is_signed_last() -> None:
+    link = Link("a", system_id=1, signer=Signer(KEY))
+    link.send_last(mavlink.MAVLink_ping_message(1_000_000, 7, 0, 0))
+    link.send(mavlink.MAVLink_system_time_message(0, 1000))
+    (datagram,) = link.closed(link.drain())
+    heard = Link("b", system_id=255, signer=Signer(KEY)).decode(datagram)
+    assert [message.get_type() for message in heard] == ["SYSTEM_TIME", "PING"]
+
+
 def test_no_timestamp_is_given_before_it_is_reserved_and_none_twice_over_restarts() -> None:
     kept = [0]
     given: list[int] = []
