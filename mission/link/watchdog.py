@@ -1,8 +1,8 @@
 """What a flight needs to hear from the vehicle, and for how long it can do without.
 
 Not everything that is heard keeps a flight: a vehicle of which only heartbeats arrive can be neither led nor watched.
-Ages are counted on two clocks, and the greater one counts: on the one here, because the vehicle's own may be what has
-stopped, and on the vehicle's as far as it was seen to pass, because a simulator may run many times as fast as ours.
+Ages are counted on the vehicle's clock as far as it was seen to pass, because a simulator's may be many times as fast
+or as slow as ours. That of the position, without which this clock may stand, is counted on the clock here as well.
 """
 
 import math
@@ -21,16 +21,18 @@ class Need:
         name: What is missing without it, to be read after "the vehicle has not told".
         ask_s: At this age it is asked for again.
         patience: At so many times the patience of the link the flight is given up.
+        here: Whether its age on the clock here counts too, if that is greater.
     """
 
     body: type[Body]
     name: str
     ask_s: float
     patience: float
+    here: bool = False
 
 
 NEEDS: Final = (
-    Need(LocalPosition, "its position", 1.0, 1.0),
+    Need(LocalPosition, "its position", 1.0, 1.0, here=True),
     Need(EstimatorReport, "how well it knows its position", 3.0, 2.0),
     Need(Heartbeat, "its mode", math.inf, 2.0),
 )
@@ -64,4 +66,5 @@ class Watchdog:
     def _age_s(self, need: Need, now_s: float, seen_s: float) -> float:
         self._began = began = self._began or (now_s, seen_s)
         heard = self._heard.get(need.body, began)
-        return max(now_s - max(heard[0], began[0]), seen_s - max(heard[1], began[1]))
+        age_s = seen_s - max(heard[1], began[1])
+        return max(age_s, now_s - max(heard[0], began[0])) if need.here else age_s

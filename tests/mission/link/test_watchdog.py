@@ -41,9 +41,9 @@ def test_what_the_vehicle_can_be_asked_for_is_asked_for_first() -> None:
     watchdog = Watchdog(5.0)
     assert watchdog.overdue(0.0, 0.0) == ()
     assert watchdog.overdue(1.0, 0.0) == (LocalPosition,)
-    assert watchdog.overdue(4.0, 0.0) == (LocalPosition, EstimatorReport)  # its mode it tells unasked
-    watchdog.take(POSITION, 4.0, 0.0)
-    assert watchdog.overdue(4.5, 0.0) == (EstimatorReport,)
+    assert watchdog.overdue(4.0, 4.0) == (LocalPosition, EstimatorReport)  # its mode it tells unasked
+    watchdog.take(POSITION, 4.0, 4.0)
+    assert watchdog.overdue(4.5, 4.5) == (EstimatorReport,)
 
 
 def test_nothing_is_missed_that_was_due_before_the_first_look() -> None:
@@ -63,3 +63,10 @@ def test_a_vehicle_whose_time_is_fast_is_missed_by_its_own_time() -> None:
 def test_a_vehicle_whose_time_stands_is_missed_by_the_time_here() -> None:
     _, lost = watched(without=LocalPosition, until_s=6.0, rate=0.0)
     assert lost[0][0] == pytest.approx(5.1)
+
+
+def test_a_vehicle_whose_time_is_slow_is_not_missed_by_the_time_here() -> None:
+    watchdog = Watchdog(5.0)
+    for second in range(60):
+        watchdog.take(POSITION, float(second), 0.02 * second)
+        assert watchdog.lost(float(second), 0.02 * second) == ""
