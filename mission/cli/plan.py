@@ -64,7 +64,7 @@ def _asked_for(plan: FlightPlan, arguments: Namespace) -> dict[str, object]:
     if arguments.transitions:
         document["transitions"] = {
             "T": plan.successors.tolist(),
-            "A": [[edge.source, str(edge.guard), edge.target] for edge in plan.automaton.edges],
+            "A": [[edge.source, str(edge.guard), edge.target] for edge in plan.shown_automaton.edges],
         }
     return document
 
@@ -80,9 +80,10 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "dropped_tasks": [asdict(task) for task in plan.dropped],
         "warnings": list(plan.warnings),
         "triangles": plan.partition.size,
-        "automaton_states": plan.automaton.size,
-        "automaton_edges": plan.automaton.edge_count,
-        "automaton_deterministic": plan.automaton.deterministic,
+        "automaton_parts": plan.shown_parts,
+        "automaton_states": plan.shown_automaton.size,
+        "automaton_edges": plan.shown_automaton.edge_count,
+        "automaton_deterministic": all(part.deterministic for part in plan.required.shown),
         "searched_automaton_states": plan.product_states // plan.partition.size,
         "product_states": plan.product_states,
         "product_states_reachable": plan.product_states_reachable,
@@ -144,15 +145,17 @@ def _print_plan(plan: FlightPlan) -> None:
     ):
         across = " ".join("-" if n < 0 else str(n) for n in neighbours)
         _print(f"  {i:>6}  {' '.join(map(str, corners)):<20}{across:<22}{_label(plan, i)}")
-    automaton = plan.automaton
-    kind = "deterministic" if automaton.deterministic else "nondeterministic"
+    automaton, parts = plan.shown_automaton, plan.shown_parts
+    kind = "deterministic" if all(part.deterministic for part in plan.required.shown) else "nondeterministic"
+    beside = "" if parts == 1 else f"{parts} automata side by side, all of which must accept: "
     _print()
     _print(f"T  {count(plan.partition.size, 'state')}")
-    _print(f"A  {count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
+    _print(f"A  {beside}{count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
     searched = plan.product_states // plan.partition.size
-    several = (
-        "" if searched == automaton.size else f" (with A of {count(searched, 'state')} and several acceptance sets)"
-    )
+    one_set = parts == 1 and searched == automaton.size
+    several = "" if one_set else f" (with A of {count(searched, 'state')} and several acceptance sets)"
+    if parts > 1:
+        several = f" (with the product of A, of {count(searched, 'state')})"
     _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable{several}")
     _print(f"Best runs      {plan.shortest_runs:,}{_costs(plan)}")
     _print()
@@ -208,9 +211,10 @@ def _print_transitions(plan: FlightPlan) -> None:
     for i, successors in enumerate(plan.successors.tolist()):
         _print("  " + "   ".join(f"{i}, u{u} -> {target}" for u, target in enumerate(successors)))
     _print()
-    accepting = " ".join(f"q{q}" for q in sorted(plan.automaton.accepting))
-    _print(f"Transitions of A: initial {' '.join(f'q{q}' for q in plan.automaton.initial)}, accepting {accepting}")
-    for edge in plan.automaton.edges:
+    shown = plan.shown_automaton
+    accepting = " ".join(f"q{q}" for q in sorted(shown.accepting))
+    _print(f"Transitions of A: initial {' '.join(f'q{q}' for q in shown.initial)}, accepting {accepting}")
+    for edge in shown.edges:
         _print(f"  q{edge.source} --[{edge.guard}]--> q{edge.target}")
 
 

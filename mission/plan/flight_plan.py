@@ -8,6 +8,7 @@ from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.automata.combination import union
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
@@ -103,6 +104,16 @@ class FlightPlan:
     def automaton(self) -> BuchiAutomaton:
         """A Büchi automaton of what the flight satisfies."""
         return self.required.automaton
+
+    @property
+    def shown_parts(self) -> int:
+        """Of how many parts, all of which must accept, the automaton that is shown is; 1 where it is that of all."""
+        return len(self.required.shown)
+
+    @cached_property
+    def shown_automaton(self) -> BuchiAutomaton:
+        """The automaton for readers: that of all that the flight satisfies, or its parts side by side."""
+        return union(*self.required.shown)
 
     @property
     def curve(self) -> JoinedCurve:

@@ -8,12 +8,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
+from mission.errors import AutomatonSizeError
 from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.automata.combination import intersection, union
 from mission.logic.automata.complement import complement
 from mission.logic.automata.conversion import with_accepting_states, with_marked_transitions
 from mission.logic.automata.refutation import refutation
-from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.automata.translate import GLANCE, translate, translate_generalised
 from mission.logic.automata.weak import is_obligation
 from mission.logic.formula.conjuncts import separated
 from mission.logic.formula.rewriting import simplified
@@ -47,6 +48,16 @@ class Specification:
         """Büchi automata of its conjuncts, at least one: a word satisfies it if all of them accept it."""
         given = () if self.given is None else (with_accepting_states(self.given.automaton),)
         return (*given, *map(translate, separated(self.formula))) or (translate(TRUE),)
+
+    @cached_property
+    def shown(self) -> tuple[BuchiAutomaton, ...]:
+        """For readers: the automaton of all of it, or where that is large, those of its conjuncts."""
+        if len(self.automata) == 1:
+            return self.automata
+        try:
+            return (automaton_of(self.formula, self.given) if self.given else translate(self.formula, GLANCE),)
+        except AutomatonSizeError:
+            return self.automata
 
     @cached_property
     def outside(self) -> BuchiAutomaton | None:

@@ -45,8 +45,8 @@ def condensed(visits: Sequence[Visit]) -> list[tuple[Visit, list[int]]]:
 def _planned(plan: FlightPlan) -> dict[str, Any]:
     return {
         "triangles": plan.partition.size,
-        "automaton_states": plan.automaton.size,
-        "automaton_edges": plan.automaton.edge_count,
+        "automaton_states": plan.shown_automaton.size,
+        "automaton_edges": plan.shown_automaton.edge_count,
         "product_states": plan.product_states,
         "product_states_reachable": plan.product_states_reachable,
         "shortest_runs": plan.shortest_runs,

@@ -35,9 +35,7 @@ MAX_DEPTH: Final = 200
 MAX_PROPOSITIONS: Final = 100
 """Propositions of a formula that is translated."""
 
-_GROWTH: Final = 1_000_000  # nodes of diagrams for what is necessary
 _GROWTH_OF_EXTRAS: Final = 200_000  # and for each attempt at something smaller
-_WORK: Final = 20_000_000  # comparisons of clauses in a tableau that is necessary
 _WORK_OF_EXTRAS: Final = 2_000_000
 _LIMIT_OF_EXTRAS: Final = 1_000  # states of automata that serve only to find a smaller one
 _LIMIT_OF_PRODUCTS: Final = 10_000
@@ -49,13 +47,35 @@ _FEW_SETS: Final = 3  # acceptance sets of which all orders are tried
 _T = TypeVar("_T")
 
 
-def translate(formula: Formula) -> BuchiAutomaton:
+@dataclass(frozen=True)
+class Bounds:
+    """At what a translation gives up.
+
+    Attributes:
+        states: States of an automaton under construction.
+        growth: Nodes of diagrams for what is necessary.
+        work: Comparisons of clauses in a tableau that is necessary.
+    """
+
+    states: int
+    growth: int
+    work: int
+
+
+FULL: Final = Bounds(MAX_STATES, 1_000_000, 20_000_000)
+"""For an automaton that is needed."""
+
+GLANCE: Final = Bounds(200, 20_000, 300_000)
+"""For one that is good to have where it costs little."""
+
+
+def translate(formula: Formula, bounds: Bounds = FULL) -> BuchiAutomaton:
     """A Büchi automaton that accepts exactly the words that satisfy ``formula``.
 
     Raises:
         AutomatonSizeError: The formula or its automaton is too large to be built.
     """
-    return _Translation(formula).state_based()
+    return _Translation(formula, bounds).state_based()
 
 
 def translate_generalised(formula: Formula) -> GeneralisedBuchi:
@@ -72,6 +92,7 @@ class _Translation:
     """The translation of one formula, over one pool of diagrams."""
 
     formula: Formula
+    bounds: Bounds = FULL
 
     def __post_init__(self) -> None:
         self._names = proposition_order(self.formula)
@@ -86,30 +107,35 @@ class _Translation:
         for candidate in self._candidates():
             if best is not None and candidate.size > best[0][0]:
                 continue
-            candidate.diagrams.allow(_GROWTH)
+            candidate.diagrams.allow(self.bounds.growth)
             with suppress(TooLargeError):
                 for form in _state_based_forms(candidate):
                     rank = (form.size, not form.deterministic, form.edge_count)
                     if best is None or rank < best[0]:
                         best = rank, form
         if best is None:
-            raise _too_large()
+            raise self._too_large()
         try:
-            best[1].diagrams.allow(_GROWTH)
+            best[1].diagrams.allow(self.bounds.growth)
             return state_based(best[1])
         except TooLargeError as error:
-            raise _too_large() from error
+            raise self._too_large() from error
 
     def generalised(self) -> GeneralisedBuchi:
         candidates = self._candidates()
         if not candidates:
-            raise _too_large()
+            raise self._too_large()
         best = min(candidates, key=lambda candidate: (candidate.size, candidate.sets, candidate.edge_count))
         try:
-            best.diagrams.allow(_GROWTH)
+            best.diagrams.allow(self.bounds.growth)
             return transition_based(best)
         except TooLargeError as error:
-            raise _too_large() from error
+            raise self._too_large() from error
+
+    def _too_large(self) -> AutomatonSizeError:
+        return AutomatonSizeError(
+            f"the automaton of the formula has more than {self.bounds.states} states or too many letters"
+        )
 
     def _candidates(self) -> list[Structure]:
         """Small generalised automata of the formula, smallest first; none where all would be too large."""
@@ -118,11 +144,11 @@ class _Translation:
 
     def _obligation(self) -> Iterator[Structure]:
         diagrams = Diagrams()
-        diagrams.allow(_GROWTH)
-        limit = MAX_STATES
+        diagrams.allow(self.bounds.growth)
+        limit = self.bounds.states
         with suppress(TooLargeError):
             progression = Progression(diagrams, self._names)
-            minimal = pruned(weak_structure(progression, diagrams, self._names, self._short, MAX_STATES))
+            minimal = pruned(weak_structure(progression, diagrams, self._names, self._short, self.bounds.states))
             yield minimal
             if minimal.size <= _SMALL:
                 return
@@ -135,9 +161,9 @@ class _Translation:
 
     def _general(self) -> Iterator[Structure]:
         diagrams = Diagrams()
-        diagrams.allow(_GROWTH)
+        diagrams.allow(self.bounds.growth)
         with suppress(TooLargeError):
-            positive = self._tableau(diagrams, self._short, MAX_STATES, _WORK)
+            positive = self._tableau(diagrams, self._short, self.bounds.states, self.bounds.work)
             yield positive
             if positive.size > 1:
                 diagrams.allow(_GROWTH_OF_EXTRAS)
@@ -172,10 +198,6 @@ class _Translation:
             if found is not None:
                 return reduced(found)
         return None
-
-
-def _too_large() -> AutomatonSizeError:
-    return AutomatonSizeError(f"the automaton of the formula has more than {MAX_STATES} states or too many letters")
 
 
 def _guesses(

@@ -68,7 +68,8 @@ PICTURES: tuple[_OfPlan | _OfFlight, ...] = (
             "04_automaton.png",
             "Automaton",
             "The Büchi automaton of the specification. A flight satisfies that if its word can be read from the "
-            "arrow on the left so that a state with a double circle is met again and again.",
+            "arrow on the left so that a state with a double circle is met again and again; where there are several "
+            "automata, for each part of the specification one, in all of them.",
         ),
         automaton,
     ),

@@ -34,11 +34,14 @@ ACCEPTING_FILL = "#CCEBE3"  # GREEN at a fifth
 def automaton(plan: FlightPlan) -> Figure:
     """The automaton with its guards; of one with more than 30 states, the part that the run goes through.
 
+    Those of the parts of a specification, where one of the whole would be too large, stand side by side.
+
     Guards are written in full where they find room, else as short as the labels of the domain allow, else by a key.
     """
-    machine = plan.automaton
+    machine = plan.shown_automaton
     part, arrangement = _first_that_fits(machine, _parts(plan))
-    title = f"Automaton: {machine.size} states, {machine.edge_count} edges"
+    name = "Automaton" if plan.shown_parts == 1 else f"Automata of {plan.shown_parts} parts"
+    title = f"{name}: {machine.size} states, {machine.edge_count} edges"
     return _drawn(machine, part, arrangement, title)
 
 
@@ -118,7 +121,7 @@ def _drawn(machine: BuchiAutomaton, part: Part, arrangement: Arrangement, title:
 
 def _parts(plan: FlightPlan) -> Iterator[Part]:
     """Ways to show the plan's automaton on one page, the most complete first."""
-    machine = plan.automaton
+    machine = plan.shown_automaton
     states, notes = tuple(range(machine.size)), []
     if machine.size > MOST_STATES:
         states = tuple(sorted(states_along(plan)[:MOST_STATES]))
@@ -153,7 +156,7 @@ def states_along(plan: FlightPlan) -> list[int]:
     The word is that of the run's triangles; where the automaton has several readings, all states count from which the
     end of the second round of the loop can still be reached.
     """
-    machine = plan.automaton
+    machine = plan.shown_automaton
     triangles = [*plan.run.prefix, *plan.run.suffix, *plan.run.suffix]
     letters = [plan.labelling.label(triangle) for triangle in triangles]
     if plan.spec.semantics is Semantics.PAPER:
