@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Final
 from mission.errors import LinkError, MissionError, VehicleError
 from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
-from mission.link.messages import AUTOPILOT_COMPONENT, Codec, vehicle_type_name
+from mission.link.messages import AUTOPILOT_COMPONENT, Codec, Stream, request_message, vehicle_type_name
 from mission.link.requests import Answer, RequestChannel
 from mission.link.signing import Signatures
 from mission.link.texts import Text
@@ -181,12 +181,19 @@ class Contact:
             self._ask_again_s = now_s + _ASK_AGAIN_S
         return True
 
-    def ask_for_overdue(self, now_s: float) -> None:
-        """Ask again for what a flight needs and has not come of late, as after a vehicle has dropped our rates."""
+    def ask_for_overdue(self, now_s: float, *, origin: bool = False) -> None:
+        """Ask again for what a flight needs and has not come of late, as after a vehicle has dropped our rates.
+
+        Args:
+            now_s: The time here.
+            origin: Whether the origin of its local frame is to be told again, too.
+        """
         overdue = self._watchdog.overdue(now_s, self.vehicle.clock.seen_s)
-        if self._streams is not None and overdue and not self.channel.busy and now_s >= self._ask_again_s:
-            self._ask_again_s = now_s + _RENEW_S
-            self.channel.ask(self._streams.renewal(overdue), now_s)
+        if self._streams is None or self.channel.busy or now_s < self._ask_again_s or not (overdue or origin):
+            return
+        self._ask_again_s = now_s + _RENEW_S
+        again = self._streams.renewal(overdue) if overdue else request_message(Stream.GPS_GLOBAL_ORIGIN)
+        self.channel.ask(again, now_s)
 
     def ready(self, now_s: float) -> bool:
         """Whether position and health have been good enough to fly for a while.

@@ -33,6 +33,9 @@ _WORDS_S: Final = 10.0
 """Vehicle time: what came before has had its effect."""
 
 _ORIGIN_MOVED_DEG: Final = 5e-6
+_ORIGIN_AGAIN_S: Final = 0.2
+"""On the clock here: what comes sooner is the same report, twice on its way. Until then it is asked for."""
+
 _DESCENDING: Final = (Stage.TOUCH_DOWN, Stage.DISARM)
 _LANDING: Final = (Stage.LAND, *_DESCENDING)
 
@@ -76,7 +79,7 @@ class Session:
         self._origin: Origin | None = None
         self._ground_down_m: float | None = None
         self._procedure = self._procedure_of()
-        self._disarmed_from_s = math.inf
+        self._disarmed_from_s = self._origin_moved_s = math.inf
         self._land_when_stopped = land_when_stopped
         self._outcome: tuple[Ending, str] = (Ending.LANDED, "the vehicle has landed")
         self._failure: MissionError | None = None
@@ -286,13 +289,17 @@ class Session:
         return -math.inf if vehicle_s is None else vehicle_s - _WORDS_S
 
     def _check_origin(self, origin: Origin, now_s: float) -> None:
-        """A local frame that moves under a flight makes every setpoint mean another place."""
+        """A local frame that moves under a flight makes every setpoint mean another place; one report may be astray."""
         before = self._origin
         if before is None or self._ground_down_m is None or self.stage in _LANDING or self._failure is not None:
             return
         north = abs(origin.latitude_deg - before.latitude_deg)
         east = abs(origin.longitude_deg - before.longitude_deg)
-        if max(north, east) > _ORIGIN_MOVED_DEG:
+        if max(north, east) <= _ORIGIN_MOVED_DEG:
+            self._origin_moved_s = math.inf
+            return
+        self._origin_moved_s = min(self._origin_moved_s, now_s)
+        if now_s - self._origin_moved_s >= _ORIGIN_AGAIN_S:
             self.give_up(VehicleError("the vehicle moved the origin of its local frame in flight"), now_s)
 
     # The way.
@@ -329,7 +336,7 @@ class Session:
         if step.streaming and self.guidance is not None:
             self._send_setpoint(self.guidance, vehicle_s)
         if self._failure is None:
-            self.contact.ask_for_overdue(now_s)
+            self.contact.ask_for_overdue(now_s, origin=math.isfinite(self._origin_moved_s))
 
     def _take_ground(self) -> None:
         """Where the vehicle is armed, there is the ground, and the domain is tied to it."""

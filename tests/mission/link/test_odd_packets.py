@@ -48,6 +48,7 @@ _ODD: dict[str, Callable[[ScriptedVehicle], Any]] = {
     "a position that is no number": lambda v: mavlink.MAVLink_local_position_ned_message(
         v.time_boot_ms, *[_NAN, math.inf, _NAN] * 2
     ),
+    "an origin elsewhere": lambda _: mavlink.MAVLink_gps_global_origin_message(480_000_000, 80_000_000, 0),
     "a heartbeat of a vehicle that flies": lambda v: _beat(v, armed=True),
     "a heartbeat of a disarmed vehicle": lambda v: _beat(v, armed=False),
 }

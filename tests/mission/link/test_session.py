@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import LinkError, VehicleError
 from mission.link.contact import LinkOptions
@@ -380,11 +381,14 @@ def test_a_restart_is_a_failure() -> None:
         driven.fly()
 
 
-def test_an_origin_that_moves_in_flight_ends_it_holding() -> None:
-    vehicle = ScriptedVehicle("ardupilot")
-    driven = Driven(vehicle)
+@pytest.mark.parametrize("on_request_only", [frozenset[int](), frozenset((ORIGIN,))])
+def test_an_origin_that_moves_in_flight_ends_it_holding(on_request_only: frozenset[int]) -> None:
+    vehicle = ScriptedVehicle("ardupilot", Script(on_request_only=on_request_only))
+    driven = Driven(vehicle, Session(needs_origin=True))
     driven.until(Stage.FLY)
     vehicle.origin[0] += 0.001
+    if on_request_only:
+        vehicle.slip_in(mavlink.MAVLink_gps_global_origin_message(round(vehicle.origin[0] * 1e7), 80_000_000, 0))
     with pytest.raises(VehicleError, match="moved the origin"):
         driven.fly()
     assert vehicle.mode == BRAKE
