@@ -19,6 +19,9 @@ from mission.spec.structure import MOST_ERRORS, plain_data, structure_findings
 from mission.spec.values import mission_of
 from mission.spec.yaml_tree import MAX_BYTES, read_tree
 
+MAX_AUTOMATON_BYTES = 1 << 20
+"""The size of an automaton's file."""
+
 MOST_FAULTS = 100
 """As many faults are listed; the rest is counted."""
 
@@ -91,8 +94,8 @@ def _automaton(data: Any, structural: list[Finding], read: Reader) -> tuple[Name
     except UnreadableError as error:
         hint = "name a file in the Hanoi Omega-Automata format, by its path relative to the mission file"
         return None, [Finding(AUTOMATON, f"{shortened(file)}: {error.message}", hint)]
-    if len(content) > MAX_BYTES:
-        message = f"{shortened(file)}: the file is larger than {MAX_BYTES} bytes"
+    if len(content) > MAX_AUTOMATON_BYTES:
+        message = f"{shortened(file)}: the file is larger than {MAX_AUTOMATON_BYTES} bytes"
         return None, [Finding(AUTOMATON, message, "an automaton of this size cannot be planned with")]
     regions = data.get("regions")
     return named_automaton(file, content, regions if isinstance(regions, dict) else None)

@@ -2,7 +2,8 @@
 
 from mission.errors import Fault
 from mission.spec.finding import Finding, Path, dotted
-from mission.spec.yaml_tree import LINE_BREAK, Mapping, Node, Scalar, Sequence
+from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
+from mission.spec.yaml_errors import LINE_BREAK
 
 
 def placed(finding: Finding, tree: Node, text: str) -> Fault:
@@ -23,7 +24,7 @@ def _found(path: Path, tree: Node) -> tuple[Node, Scalar | None]:
     node: Node = tree
     key: Scalar | None = None
     for step in path:
-        if isinstance(node, Sequence) and isinstance(step, int) and step < len(node.items):
+        if isinstance(node, Sequence | Table) and isinstance(step, int) and step < len(node.items):
             node, key = node.items[step], None
         elif isinstance(node, Mapping) and step in node.values:
             key, node = node.keys[str(step)], node.values[str(step)]

@@ -43,9 +43,10 @@ _POINT: Final[Schema] = {
     "examples": [[12.5, 40.0]],
 }
 
+POINT_REFERENCE: Final[Schema] = {"$ref": "#/$defs/point"}
 _RING: Final[Schema] = {
     "type": "array",
-    "items": {"$ref": "#/$defs/point"},
+    "items": POINT_REFERENCE,
     "minItems": 3,
     "maxItems": 10_000,
     "examples": [[[0, 0], [20, 0], [20, 10]]],
@@ -59,7 +60,7 @@ _DOMAIN: Final = _object(
             "description": "Points whose convex hull is the domain; its Delaunay triangulation is the mesh. "
             "Regions name nodes by their number, from 0.",
             "type": "array",
-            "items": {"$ref": "#/$defs/point"},
+            "items": POINT_REFERENCE,
             "minItems": 3,
             "maxItems": 100_000,
             "examples": [[[0, 0], [20, 0], [20, 10]]],
@@ -69,7 +70,7 @@ _DOMAIN: Final = _object(
         "points": {
             "description": "Further vertices of the mesh, inside the boundary.",
             "type": "array",
-            "items": {"$ref": "#/$defs/point"},
+            "items": POINT_REFERENCE,
             "maxItems": 100_000,
             "examples": [[[10, 5]]],
         },

@@ -8,13 +8,14 @@ from typing import Any, Final
 
 from jsonschema import Draft202012Validator
 from jsonschema.exceptions import ValidationError
+from jsonschema.validators import extend
 
 from mission.decimals import decimal
 from mission.spec.finding import Finding, Path, dotted, listed, nearest, shortened
+from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
 from mission.spec.scalars import Oddity, number_hint, plain_value
 from mission.spec.scale import projected_finding
-from mission.spec.schema import COORDINATE, Schema, mission_schema
-from mission.spec.yaml_tree import Mapping, Node, Scalar, Sequence
+from mission.spec.schema import COORDINATE, MAX_COORDINATE_M, POINT_REFERENCE, Schema, mission_schema
 
 MOST_ERRORS: Final = 1_000
 
@@ -29,9 +30,31 @@ _PYTHON_TYPES: Final = {"object": dict, "array": list, "string": str}
 _TASK_DEPTH: Final = 2
 
 
+def _items(validator: Any, items: Schema, instance: Any, schema: Schema) -> Iterable[ValidationError]:  # noqa: ANN401 - as jsonschema calls it
+    """The keyword ``items``; of a list of points, only those are gone through that do not fit."""
+    if items != POINT_REFERENCE or not isinstance(instance, list):
+        yield from Draft202012Validator.VALIDATORS["items"](validator, items, instance, schema)
+        return
+    for index, point in enumerate(instance):
+        if not _is_point(point):
+            yield from validator.descend(point, items, path=index)
+
+
+def _is_point(value: Any) -> bool:  # noqa: ANN401 - any JSON value
+    """Whether a value fits the schema of points, as far as that is plain to see."""
+    return (
+        type(value) is list
+        and len(value) == 2  # noqa: PLR2004 - the plane
+        and all(type(x) in (int, float) and -MAX_COORDINATE_M <= x <= MAX_COORDINATE_M for x in value)
+    )
+
+
+_Validator: Final = extend(Draft202012Validator, {"items": _items})  # type: ignore[no-untyped-call]
+
+
 @cache
-def _validator() -> Draft202012Validator:
-    return Draft202012Validator(mission_schema())
+def _validator() -> Any:  # noqa: ANN401 - of a class made at run time
+    return _Validator(mission_schema())
 
 
 def plain_data(tree: Node) -> tuple[Any, list[Finding]]:
@@ -47,6 +70,8 @@ def _plain(node: Node, path: Path, findings: list[Finding]) -> Any:  # noqa: ANN
     # Recursion is safe: the tree's depth is bounded (yaml_tree.MAX_DEPTH).
     if isinstance(node, Scalar):
         return plain_value(node.text) if node.plain else node.text
+    if isinstance(node, Table):
+        return node.rows
     if isinstance(node, Sequence):
         return [_plain(item, (*path, i), findings) for i, item in enumerate(node.items)]
     for name, key in node.keys.items():
@@ -243,7 +268,7 @@ def _flow(value: Any) -> str:  # noqa: ANN401 - any JSON value
 def _at(tree: Node, path: Path) -> Node:
     node = tree
     for step in path:
-        if isinstance(node, Sequence) and isinstance(step, int):
+        if isinstance(node, Sequence | Table) and isinstance(step, int):
             node = node.items[step]
         elif isinstance(node, Mapping):
             node = node.values[str(step)]

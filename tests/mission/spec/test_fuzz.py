@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mission.errors import Fault, SpecError
 from mission.spec.loader import parse_mission
-from mission.spec.yaml_tree import LINE_BREAK
+from mission.spec.yaml_errors import LINE_BREAK
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 SEEDS = [path.read_bytes() for path in (MISSIONS / "paper.yaml", *sorted((MISSIONS / "broken").glob("*.yaml")))]

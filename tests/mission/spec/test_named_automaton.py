@@ -8,9 +8,8 @@ import pytest
 from mission.errors import SpecError
 from mission.logic.automata.automaton import GeneralisedBuchi
 from mission.spec.document import document_of
-from mission.spec.loader import load_mission, parse_mission
+from mission.spec.loader import MAX_AUTOMATON_BYTES, load_mission, parse_mission
 from mission.spec.model import MissionSpec, TaskKind
-from mission.spec.yaml_tree import MAX_BYTES
 
 MISSION = """\
 domain:
@@ -86,7 +85,7 @@ def test_as_data_it_is_named_and_read_back_from_what_it_held(tmp_path: Path) -> 
         (None, "there/field.hoa: there is no such file"),
         (b"", "there/field.hoa, line 1, column 1: header is expected here, not the end of the file"),
         (b"HOA: v1\n\xff", "there/field.hoa, line 2: the byte 0xff is not UTF-8"),
-        (b" " * (MAX_BYTES + 1), f"there/field.hoa: the file is larger than {MAX_BYTES} bytes"),
+        (b" " * (MAX_AUTOMATON_BYTES + 1), f"there/field.hoa: the file is larger than {MAX_AUTOMATON_BYTES} bytes"),
         (FIELD.replace("[0] 1", "[1] 1").encode(), "there/field.hoa, line 3, column 18: proposition 1 does not exist"),
         (
             FIELD.replace('"Field"', '"' + "field" * 30 + '"').encode(),
