@@ -57,6 +57,8 @@ def run(arguments: Namespace) -> int:
     with StopSignals() as stop:
         flight = _flown(arguments, link, plan, stop)
         hurried = stop.take() is not None
+    if link.signatures is not None:
+        link.signatures.end()
     _report(flight.folder, pictures=flight.heard and not arguments.no_pictures, hurried=hurried)
     if flight.result is not None:
         with suppress(OSError):

@@ -19,6 +19,8 @@ from mission.whole_file import write_whole
 _KEY_BYTES: Final = 32
 _HEXADECIMAL: Final = re.compile(r"[0-9A-Fa-f]{64}")
 _MOST_BYTES: Final = 4096
+_NOTED_TICKS: Final = 60 * TICKS_PER_S
+_DAY_TICKS: Final = 86_400 * TICKS_PER_S
 _FORMS: Final = "write 32 bytes, 64 hexadecimal digits, or a passphrase in one line"
 
 
@@ -28,7 +30,7 @@ def open_signatures(path: Path, who: tuple[int, int], warn: Callable[[str], None
     Args:
         path: The key file. Timestamps are kept in a file of its name beside it, one for each sender.
         who: Our system and component id.
-        warn: Told if others may read the key.
+        warn: Told if others may read the key, if the timestamps lie in the future, and if someone's clock does.
 
     Raises:
         SpecError: It is no key file, or what is beside it cannot be read or written.
@@ -43,7 +45,19 @@ def open_signatures(path: Path, who: tuple[int, int], warn: Callable[[str], None
     stamps = path.with_name(f"{path.name}.timestamp.{who[0]}.{who[1]}")
     begin = _kept(stamps)
     _keep(stamps, begin)
-    return Signatures(key, _now, begin=begin, keep=_Keeping(stamps, warn))
+    afresh = (
+        "whoever signs by the right time is not heard. To begin afresh, set all clocks right, end every program with "
+        f"the key, delete {stamps} and the timestamps that the others keep, and start again"
+    )
+    ahead = begin - _now()
+    if ahead > _NOTED_TICKS:
+        warn(f"the timestamps in {stamps} are {_span(ahead)} ahead of this machine's clock: {afresh}")
+
+    def tell(sender: tuple[int, int], ticks: int) -> None:
+        who = f"system {sender[0]}, component {sender[1]}"
+        warn(f"{who} signs by a clock {_span(ticks)} ahead of this machine's: {afresh}")
+
+    return Signatures(key, _now, begin=begin, keep=_Keeping(stamps, warn), on_ahead=tell)
 
 
 class _Keeping:
@@ -60,6 +74,11 @@ class _Keeping:
             if not self._warned:
                 self._warned = True
                 self._warn(f"{error}; until this is mended, packets of this run may be taken for new after a restart")
+
+
+def _span(ticks: int) -> str:
+    """A time in words."""
+    return f"{ticks / _DAY_TICKS:.1f} days" if ticks >= _DAY_TICKS else f"{ticks / TICKS_PER_S / 60.0:.1f} minutes"
 
 
 def _now() -> int:

@@ -120,6 +120,7 @@ def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
     finally:
         for endpoint in endpoints:
             endpoint.recorder.finish()
+            endpoint.signer.finish()
         for port in ports:
             port.close()
 

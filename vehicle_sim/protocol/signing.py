@@ -47,25 +47,30 @@ class Signer:
         now: Callable[[], int] = _no_time,
         timestamp: int = 0,
         on_reserve: Callable[[int], None] | None = None,
+        on_ahead: Callable[[int, int, int], None] | None = None,
     ) -> None:
         """Begin.
 
         Args:
             key: The secret key, None for none.
             now: The time in units of 10 microseconds since 2015-01-01.
-            timestamp: What was given last, by an earlier run.
+            timestamp: What was given or accepted last, by an earlier run; nothing up to it is accepted.
             on_reserve: See the attribute.
+            on_ahead: Called with system id, component id and units of 10 microseconds when somebody's clock is so far
+                ahead, for the first time, that those who sign by ours are not heard any more.
 
         Raises:
             ValueError: The key is not of 32 bytes.
         """
         self.timestamp = timestamp
         self.on_reserve = on_reserve
+        self._on_ahead = on_ahead
         self._now = now
         self._reserved = -1
         self._streams: dict[bytes, int] = {}
         self.key: bytes | None = None
         self.install(key)
+        self._begun = timestamp
 
     def install(self, key: bytes | None, timestamp: int = 0) -> None:
         """Take another key, or none; timestamps go on from where they are, or from `timestamp` where that is later.
@@ -76,16 +81,25 @@ class Signer:
         if key is not None and len(key) != KEY_LENGTH:
             raise ValueError(f"a signing key has {KEY_LENGTH} bytes, not {len(key)}")
         self.key = key
+        self._begun = self.timestamp  # it may be a key from before: what was accepted of that is not accepted again
         self.timestamp = max(self.timestamp, min(timestamp, _LAST))
         self._streams.clear()
 
     def next_timestamp(self) -> int:
         """Return the timestamp of the next frame: the time, or one more than the last where the clock is behind."""
-        timestamp = self.timestamp = min(max(self.timestamp + 1, self._now()), _LAST)
+        self._reach(min(max(self.timestamp + 1, self._now()), _LAST))
+        return self.timestamp
+
+    def finish(self) -> None:
+        """Give and accept no more: the next run may begin right after what was."""
+        if self.key is not None and self.on_reserve is not None:
+            self.on_reserve(self.timestamp)
+
+    def _reach(self, timestamp: int) -> None:
+        self.timestamp = timestamp
         if timestamp > self._reserved and self.on_reserve is not None:
             self._reserved = timestamp + _RESERVED
             self.on_reserve(self._reserved)
-        return timestamp
 
     def accepts(self, frame: bytes | bytearray) -> bool:
         """Whether a signed MAVLink 2 frame is genuine and new; only then its timestamp is noted."""
@@ -93,16 +107,17 @@ class Signer:
             return False
         if not compare_digest(sha256(self.key + frame[:-6]).digest()[:6], frame[-6:]):
             return False
-        timestamp = int.from_bytes(frame[-12:-6], "little")
-        if timestamp + _OLDEST < max(self.timestamp, self._now()):
+        timestamp, now = int.from_bytes(frame[-12:-6], "little"), self._now()
+        if timestamp + _OLDEST < max(self.timestamp, now):
             return False
         stream = bytes((frame[5], frame[6], frame[-13]))
-        last = self._streams.get(stream)
-        if last is None:
-            if len(self._streams) >= _MOST_STREAMS:
-                return False  # forgetting one would let its past be replayed
-        elif timestamp <= last:
+        if stream not in self._streams and len(self._streams) >= _MOST_STREAMS:
+            return False  # forgetting one would let its past be replayed
+        if timestamp <= self._streams.get(stream, self._begun):
             return False
         self._streams[stream] = timestamp
-        self.timestamp = max(self.timestamp, timestamp)
+        self._reach(max(self.timestamp, timestamp))
+        if self._on_ahead is not None and timestamp - now > _OLDEST:
+            tell, self._on_ahead = self._on_ahead, None
+            tell(frame[5], frame[6], timestamp - now)
         return True

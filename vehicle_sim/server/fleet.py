@@ -13,7 +13,7 @@ from vehicle_sim.geodesy import geodetic_at
 from vehicle_sim.protocol.bad_links import BadLinksEndpoint
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT
 from vehicle_sim.protocol.endpoint import Endpoint
-from vehicle_sim.protocol.signing import Signer
+from vehicle_sim.protocol.signing import TICKS_PER_S, Signer
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vehicle_sim.server.key_file import KeyFile
 
 _LAST_ID: Final = 255
+_NOTED_TICKS: Final = 60 * TICKS_PER_S
 
 
 def grid_place(index: int, count: int, spacing_m: float) -> tuple[float, float]:
@@ -98,7 +99,24 @@ def _signer(
         except ConfigurationError as error:
             notify(str(error))  # in flight, a full disk is no reason to fall down
 
-    return Signer(key_file.key, now=now, timestamp=timestamp, on_reserve=keep)
+    afresh = (
+        "whoever signs by the right time is not heard. To begin afresh, set all clocks right, end every program with "
+        f"the key, delete {key_file.beside(system_id, component_id)} and the timestamps that the others keep, "
+        "and start again"
+    )
+
+    def tell(system: int, component: int, ticks: int) -> None:
+        who = f"system {system}, component {component}"
+        notify(f"{who} signs by a clock {_span(ticks)} ahead of this machine's: {afresh}")
+
+    if timestamp - now() > _NOTED_TICKS:
+        notify(f"the timestamps kept are {_span(timestamp - now())} ahead of this machine's clock: {afresh}")
+    return Signer(key_file.key, now=now, timestamp=timestamp, on_reserve=keep, on_ahead=tell)
+
+
+def _span(ticks: int) -> str:
+    days = ticks / TICKS_PER_S / 86_400.0
+    return f"{days:.1f} days" if days >= 1.0 else f"{days * 1440.0:.1f} minutes"
 
 
 def _key_keeper(key_file: "KeyFile | None", notify: "Callable[[str], None]") -> "Callable[[bytes | None], None]":

@@ -91,7 +91,7 @@ class KeyFile:
         Raises:
             ConfigurationError: What is kept is damaged, or cannot be read.
         """
-        path = self._beside(system_id, component_id)
+        path = self.beside(system_id, component_id)
         try:
             return int(path.read_text("ascii"))
         except FileNotFoundError:
@@ -105,7 +105,7 @@ class KeyFile:
         Raises:
             ConfigurationError: It cannot be written.
         """
-        path = self._beside(system_id, component_id)
+        path = self.beside(system_id, component_id)
         try:
             write_whole(path, f"{timestamp}\n".encode(), durable=True)
         except OSError as error:
@@ -114,5 +114,6 @@ class KeyFile:
                 "it can be written"
             ) from error
 
-    def _beside(self, system_id: int, component_id: int) -> Path:
+    def beside(self, system_id: int, component_id: int) -> Path:
+        """Return where the timestamps of a component are kept."""
         return self._path.with_name(f"{self._path.name}.timestamp.{system_id}.{component_id}")

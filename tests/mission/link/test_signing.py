@@ -87,6 +87,42 @@ def test_timestamps_go_on_over_restarts_and_follow_what_is_heard() -> None:
     assert signer.stamp() == NOW + 1001
 
 
+def test_what_an_earlier_run_heard_is_not_heard_again() -> None:
+    kept = [0]
+    signer = Signatures(KEY, lambda: NOW, keep=lambda stamp: kept.__setitem__(0, stamp))
+    recorded = bytes(BEAT.pack(vehicle(KEY, NOW + 500)))
+    assert signer.take(recorded)
+    crashed = Signatures(KEY, lambda: NOW, begin=kept[0])
+    signer.end()
+    ended = Signatures(KEY, lambda: NOW, begin=kept[0])
+    for later in (crashed, ended):
+        assert not later.take(recorded)
+        assert later.take(bytes(BEAT.pack(vehicle(KEY, later.stamp()))))  # who has heard us signs by a later time
+    assert ended.take(bytes(BEAT.pack(vehicle(KEY, NOW + 700, system=9))))
+
+
+def test_a_clock_that_is_ahead_is_told_of_once_with_what_to_do(tmp_path: Path) -> None:
+    file, year = tmp_path / "key", 365 * 24 * 60 * MINUTE
+    file.write_bytes(KEY)
+    file.chmod(0o600)
+    said: list[str] = []
+    signer = open_signatures(file, (255, 191), said.append)
+    now = signer.stamp()
+    assert signer.take(bytes(BEAT.pack(vehicle(KEY, now + MINUTE // 2))))
+    assert said == []
+    for later in range(2):
+        assert signer.take(bytes(BEAT.pack(vehicle(KEY, now + year + later, system=7))))
+    assert not signer.take(bytes(BEAT.pack(vehicle(KEY, now + MINUTE, system=8))))
+    (told,) = said
+    assert told.startswith("system 7, component 1 signs by a clock 365.0 days ahead of this machine's: ")
+    assert f"end every program with the key, delete {file}.timestamp.255.191" in told
+    open_signatures(file, (255, 191), said.append)
+    assert said[1].startswith(f"the timestamps in {file}.timestamp.255.191 are 365.0 days ahead")
+    (tmp_path / "key.timestamp.255.191").unlink()
+    assert open_signatures(file, (255, 191), said.append).take(bytes(BEAT.pack(vehicle(KEY, now, system=8))))
+    assert len(said) == 2
+
+
 def test_the_memory_of_senders_is_bounded_and_forgets_none() -> None:
     signer = signatures()
     frames = [bytes(BEAT.pack(vehicle(KEY, system=system))) for system in range(1, 101)]

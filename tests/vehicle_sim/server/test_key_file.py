@@ -5,13 +5,22 @@ import os
 from pathlib import Path
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from vehicle_sim.errors import ConfigurationError
+from vehicle_sim.protocol.signing import Signer
 from vehicle_sim.server.fleet import fleet_of
 from vehicle_sim.server.key_file import KeyFile, key_of, signing_time
 from vehicle_sim.vehicle import VehicleConfig
 
 KEY = bytes(range(32))
+NOW = 40_000_000 * 100_000
+
+
+def signed(timestamp: int, system: int = 255) -> bytes:
+    mav = mavlink.MAVLink(None, srcSystem=system, srcComponent=190)
+    mav.signing.secret_key, mav.signing.sign_outgoing, mav.signing.timestamp = KEY, True, timestamp
+    return bytes(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(mav))
 
 
 @pytest.mark.parametrize(
@@ -72,6 +81,52 @@ def test_no_timestamp_is_used_twice_over_restarts(tmp_path: Path) -> None:
     (tmp_path / "key.timestamp.1.1").write_text("soon")
     with pytest.raises(ConfigurationError, match="delete it"):
         fleet_of(VehicleConfig(), count=1, spacing_m=5.0, system_id=1, key_file=KeyFile(path, said.append))
+
+
+def test_what_an_earlier_run_accepted_is_not_accepted_again(tmp_path: Path) -> None:
+    path, said = key_file(tmp_path)
+
+    def signer() -> Signer:
+        file = KeyFile(path, said.append)
+        return fleet_of(VehicleConfig(), count=1, spacing_m=5.0, system_id=1, key_file=file, now=lambda: NOW)[0].signer
+
+    first = signer()
+    recorded = signed(NOW + 500)
+    assert first.accepts(recorded)
+    crashed = signer()
+    first.finish()
+    ended = signer()
+    for later in (crashed, ended):
+        assert not later.accepts(recorded)
+        assert later.accepts(signed(later.next_timestamp() + 1))  # who has heard it signs by a later time
+    ended.install(KEY)
+    assert not ended.accepts(recorded)
+
+
+def test_a_clock_that_is_ahead_is_told_of_once_with_what_to_do(tmp_path: Path) -> None:
+    path, said = key_file(tmp_path)
+    year = 365 * 86_400 * 100_000
+
+    def signer() -> Signer:
+        file = KeyFile(path, said.append)
+        return fleet_of(
+            VehicleConfig(), count=1, spacing_m=5.0, system_id=1, key_file=file, now=lambda: NOW, notify=said.append
+        )[0].signer
+
+    first = signer()
+    assert first.accepts(signed(NOW + 500, system=9))
+    assert said == []
+    assert first.accepts(signed(NOW + year))
+    assert first.accepts(signed(NOW + year + 1))
+    assert not first.accepts(signed(NOW + 600, system=9))
+    (told,) = said
+    assert told.startswith("system 255, component 190 signs by a clock 365.0 days ahead of this machine's: ")
+    assert f"delete {path}.timestamp.1.1 and" in told
+    signer()
+    assert said[1].startswith("the timestamps kept are 365.0 days ahead")
+    (tmp_path / "key.timestamp.1.1").unlink()
+    assert signer().accepts(signed(NOW + 600, system=9))
+    assert len(said) == 2
 
 
 def test_another_key_is_kept_whole_and_for_its_owner(tmp_path: Path) -> None:
