@@ -1,10 +1,15 @@
 """Automata of the words that violate a formula."""
 
+from typing import Final
+
+from mission.errors import AutomatonSizeError
 from mission.logic.automata.automaton import BuchiAutomaton
 from mission.logic.automata.combination import union
 from mission.logic.automata.translate import translate
 from mission.logic.formula.conjuncts import separated
 from mission.logic.formula.syntax import TRUE, Formula, negation
+
+_LONGEST: Final = 120  # characters of a formula in a message
 
 
 def refutation(formula: Formula) -> BuchiAutomaton:
@@ -16,4 +21,16 @@ def refutation(formula: Formula) -> BuchiAutomaton:
     Raises:
         AutomatonSizeError: A conjunct, or the automaton of its negation, is too large to be built.
     """
-    return union(*(translate(negation(part)) for part in separated(formula) or (TRUE,)))
+    return union(*map(_outside, separated(formula) or (TRUE,)))
+
+
+def _outside(part: Formula) -> BuchiAutomaton:
+    try:
+        return translate(negation(part))
+    except AutomatonSizeError as error:
+        text = str(part)
+        name = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+        raise AutomatonSizeError(
+            f"a proof needs an automaton of the words that violate `{name}`, and {error}; write it as a conjunction of "
+            "smaller formulas, each of which is proved by itself"
+        ) from error

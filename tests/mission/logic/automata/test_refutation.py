@@ -4,6 +4,7 @@ from random import Random
 
 import pytest
 
+from mission.errors import AutomatonSizeError
 from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
@@ -33,3 +34,8 @@ def test_the_sizes_of_conjuncts_add_up() -> None:
     reactions = " & ".join(f"G (b{i} -> F c{i})" for i in range(12))
     patrol = " & ".join(f"G F a{i}" for i in range(8))
     assert refutation(parse_formula(f"{reactions} & {patrol}")).size == 2 * 20
+
+
+def test_a_refusal_names_the_conjunct_and_what_to_write_instead() -> None:
+    with pytest.raises(AutomatonSizeError, match=r"violate `X X X .*\.\.\.`, and .*nested deeper.*smaller formulas"):
+        refutation(parse_formula("F a & G F b & " + "X " * 300 + "c"))
