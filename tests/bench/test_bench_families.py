@@ -12,6 +12,7 @@ from random import Random
 import pytest
 
 from mission.errors import AutomatonSizeError
+from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import translate, translate_generalised
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import Formula, negation
@@ -81,3 +82,17 @@ def test_formulas_by_chance(operators: int) -> None:
         f"{1e3 * times[CHANCE // 2]:.1f} ms median, {1e3 * times[-1]:.1f} ms slowest"
     )
     assert times[-1] < SLOW_S
+
+
+@pytest.mark.parametrize("count", [4, 6, 8])
+def test_what_recurrent_formulas_cost_negated(count: int) -> None:
+    patrol = " & ".join(f"G F a{i}" for i in range(count))
+    formula = parse_formula(f"{patrol} & G (b -> F c)")
+    whole, negated, apart = (
+        timed(partial(build, meaning), 3).processor_s
+        for build, meaning in ((translate, formula), (translate, negation(formula)), (refutation, formula))
+    )
+    print(f"patrol of {count} and a reaction: its negation takes {negated / whole:.2f} of its own time, and")
+    print(f"    the negations of its conjuncts, side by side, {apart / negated:.2f} of that")
+    assert negated <= 3.0 * whole
+    assert apart <= negated
