@@ -55,11 +55,15 @@ class Display:
             words += f": {moment.waiting_for}"
         if moment.returning and moment.stage is Stage.FLY:
             words += " the last lap, then back"
+        behind = f" · does not keep up: {moment.behind_s:.1f} s behind" if moment.behind_s else ""
         if self._live:
             flying = 0.0 < moment.trajectory_s < moment.duration_s
             shown = printable(self._flying(moment) if flying else words)
             self._bar.update(
-                self._task, description=escape(shown), completed=moment.trajectory_s, total=_total(moment.duration_s)
+                self._task,
+                description=escape(shown + behind),
+                completed=moment.trajectory_s,
+                total=_total(moment.duration_s),
             )
         elif words != self._said:
             self._said = words

@@ -9,6 +9,7 @@ from traceback import format_exception
 from mission.clock import Clock
 from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.interruption import INTERRUPTED, StopRequest
+from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.placing import anchored_at_start, check_stand, placed
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.result import FlightResult, Progress
@@ -16,7 +17,8 @@ from mission.fly.retreat import retreat, speak
 from mission.fly.watch import FlightWatch
 from mission.link.contact import LinkOptions
 from mission.link.course import Course
-from mission.link.session import Ending, Session
+from mission.link.ending import Ending
+from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.gaps import gaps_text
@@ -131,7 +133,7 @@ def _loop(
             now_s = flight.clock.now_s()
             if on_progress is not None and now_s - shown_s >= _PROGRESS_S:
                 shown_s = now_s
-                on_progress(flight.watch.progress(flight.session))
+                on_progress(flight.watch.progress(flight.session, flight.listening))
         except KeyboardInterrupt:
             flight.heed(INTERRUPTED)
 
@@ -152,23 +154,28 @@ class _Flight:
         self.interrupted = False
         self._given_up = False
         self._run = run
-        self._trusted_s = self._near_s = self._looked_s = self._turned_s = -math.inf
+        self._trusted_s = self._near_s = self._looked_s = -math.inf
+        self.listening = Listening(self.session, clock)
+        self._told_behind = self._warned_behind = False
 
     @property
     def newest_s(self) -> float | None:
         """The vehicle's time."""
         return self.session.vehicle.clock.newest_s
 
+    @property
+    def behind_s(self) -> float:
+        """How far the flight was behind what the vehicle said, at most; 0 where it kept up."""
+        largest_s = self.listening.largest_behind_s
+        return largest_s if largest_s > BEHIND_S else 0.0
+
     def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
         """One turn of the loop: listen, think, speak."""
-        session, clock = self.session, self.clock
-        arrived = transport.receive(session.wait_s(clock.now_s()))
-        if arrived or clock.now_s() != self._turned_s:  # else nothing is due: in lock-step, time stands still
-            for data in arrived:
-                session.receive(data, clock.now_s())
-            self._turned_s = clock.now_s()
-            session.advance(self._turned_s)
+        session = self.session
+        if self.listening.turn(transport):
+            session.advance(self.clock.now_s())
             self.take_events()
+            self.tell_pace()
             if session.stage is Stage.STANDBY:
                 self.depart()
             self.look_after()
@@ -176,6 +183,26 @@ class _Flight:
             self.heed(request)
         for frame in session.outgoing():
             transport.send(frame)
+
+    def tell_pace(self) -> None:
+        """Say when this computer begins not to keep up with the vehicle, and when it has caught up again."""
+        listening = self.listening
+        if listening.is_behind == self._told_behind:
+            return
+        self._told_behind = listening.is_behind
+        self.record.write(
+            "event",
+            self.newest_s,
+            name="this computer does not keep up" if listening.is_behind else "this computer keeps up again",
+            behind_s=listening.behind_s,
+            largest_behind_s=listening.largest_behind_s,
+            left_out=self.session.contact.inbox.left_out,
+        )
+        if listening.is_behind and not self._warned_behind:
+            self._warned_behind = True
+            self.record.warn(
+                f"this computer does not keep up: it is {listening.behind_s:.1f} s behind what the vehicle says"
+            )
 
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
@@ -204,6 +231,7 @@ class _Flight:
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
         self.session.depart(Course(self.plan.trajectory, heading), anchoring)
+        self.listening.excuse()
 
     def look_after(self) -> None:
         """Give the flight up where going on would be wrong."""
@@ -281,6 +309,7 @@ class _Flight:
             largest_error_m=watch.tracking.largest_m,
             largest_distance_m=watch.largest_distance_m,
             beyond_tube_s=watch.beyond_tube_s,
+            behind_s=self.behind_s,
             word=watch.monitor.word,
             laps=watch.monitor.laps,
             gaps=tuple(watch.gaps),
@@ -296,6 +325,7 @@ class _Flight:
             largest_error_m=result.largest_error_m,
             largest_distance_m=result.largest_distance_m,
             beyond_tube_s=result.beyond_tube_s,
+            behind_s=result.behind_s,
             word=[sorted(letter) for letter in result.word],
             laps=result.laps,
             **watch.judged.known(),
@@ -324,7 +354,9 @@ class _Flight:
         self._take_what_can_be_taken()
         reason = _joined(str(why), left, gaps_text(self.watch.gaps), self.record.lost_text)
         with contextlib.suppress(Exception):
-            self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="failed")
+            self.record.write(
+                "verdict", self.newest_s, achieved=False, reason=reason, ending="failed", behind_s=self.behind_s
+            )
         if isinstance(error, (LinkError, VehicleError)):
             return type(error)(reason)
         return FlightError(reason) if self.session.departed else error

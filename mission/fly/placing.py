@@ -8,8 +8,7 @@ import numpy as np
 from mission.errors import GeometryError, NoPlanError, VehicleError
 from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.geometry.location import OUTSIDE
-from mission.link.frames import Anchor, Vector, enu_from_ned, ned_from_enu
-from mission.link.session import Anchoring
+from mission.link.frames import Anchor, Anchoring, Vector, enu_from_ned, ned_from_enu
 from mission.link.vehicle_state import VehicleState
 from mission.plan import FlightPlan
 from mission.spec.model import Origin, Point

@@ -17,12 +17,14 @@ class Recording:
 
     Attributes:
         lost: How many lines could not be written.
+        warn: Takes what is to be said at once.
     """
 
     def __init__(self, record: RecordWriter, warn: Callable[[str], None]) -> None:
-        """Write to ``record``; ``warn`` is told once, when the first line is lost."""
+        """Write to ``record``; ``warn`` is told, once when the first line is lost."""
         self.lost = 0
-        self._record, self._warn = record, warn
+        self.warn = warn
+        self._record = record
         self._told = 0
 
     @property
@@ -42,4 +44,4 @@ class Recording:
         except (OSError, ValueError) as error:  # the second: the file was closed
             self.lost += 1
             if self.lost == 1:
-                self._warn(f"the record cannot be written: {error}; the flight goes on without it")
+                self.warn(f"the record cannot be written: {error}; the flight goes on without it")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.monitor.gaps import Gap
 from mission.monitor.monitor import Violation
 from mission.monitor.stage import Stage
@@ -29,6 +29,7 @@ class Progress:
         laps_asked: How often it is to be flown; None while nobody has said.
         returning: Whether no further lap will be begun.
         verdict: What is known of the word flown so far.
+        behind_s: How far this computer is behind what the vehicle says, by its time; 0 while it keeps up.
     """
 
     stage: Stage
@@ -45,6 +46,7 @@ class Progress:
     laps_asked: int | None
     returning: bool
     verdict: Verdict
+    behind_s: float = 0.0
 
     @property
     def left_s(self) -> float:
@@ -72,6 +74,7 @@ class FlightResult:
         laps: How often the loop of a recurrent run was flown.
         gaps: Where nothing was known of the position, or the trajectory paused; the reason names them.
         violations: Departures from the domain and entries into restricted regions.
+        behind_s: How far this computer was behind what the vehicle said, at most, by its time; 0 where it kept up.
     """
 
     plan: FlightPlan
@@ -89,6 +92,7 @@ class FlightResult:
     laps: int
     gaps: tuple[Gap, ...]
     violations: tuple[Violation, ...]
+    behind_s: float = 0.0
 
     @property
     def exit_code(self) -> int:

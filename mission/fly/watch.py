@@ -4,6 +4,7 @@ import math
 from bisect import bisect_right
 from dataclasses import replace
 
+from mission.fly.listening import Listening
 from mission.fly.recording import RecordWriter
 from mission.fly.result import Progress
 from mission.geometry.location import OUTSIDE
@@ -86,7 +87,7 @@ class FlightWatch:
         else:
             self._write_down(event)
 
-    def progress(self, session: Session) -> Progress:
+    def progress(self, session: Session, listening: Listening) -> Progress:
         """Where the flight is now."""
         guidance, newest_s = session.guidance, session.vehicle.clock.newest_s
         flown_s = 0.0 if guidance is None or newest_s is None else guidance.flown_s(newest_s)
@@ -108,6 +109,7 @@ class FlightWatch:
             laps_asked=self._trajectory.laps,
             returning=self.returning or 0.0 < self._trajectory.laps_end_s <= flown_s,
             verdict=self.monitor.verdict,
+            behind_s=listening.behind_s if listening.is_behind else 0.0,
         )
 
     def violation(self) -> str:

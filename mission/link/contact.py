@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Final
 from mission.errors import LinkError, MissionError, VehicleError
 from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
+from mission.link.inbox import Inbox
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, Stream, request_message, vehicle_type_name
 from mission.link.requests import Answer, RequestChannel
 from mission.link.signing import Signatures
@@ -66,6 +67,8 @@ class Contact:
         autopilot: Which kind it is; None before it was heard.
         waiting_for: What is waited for before the vehicle can be flown, in plain words; empty where nothing is.
         events: What has happened, oldest first; whoever reads it empties it.
+        inbox: What has arrived and was not handled yet.
+        late_s: How long what was handled last had waited, on the clock here.
         out: Frames to send, likewise; answers to PINGs come after them.
     """
 
@@ -76,6 +79,8 @@ class Contact:
         self.autopilot: Autopilot | None = None
         self.waiting_for = "no heartbeat yet"
         self.events: deque[Event] = deque()
+        self.inbox = Inbox()
+        self.late_s = 0.0
         self.out: deque[bytes] = deque()
         self._pings: list[tuple[Received, Ping]] = []
         self._needs_origin = needs_origin
@@ -92,24 +97,41 @@ class Contact:
         self._watchdog = Watchdog(options.lost_s)
 
     def receive(self, data: bytes, now_s: float) -> list[Body]:
-        """What the vehicle's autopilot says in these bytes; everyone else on the link is left out.
+        """What the vehicle's autopilot says in these bytes, after all that waits; everyone else is left out.
 
         Raises:
             VehicleError: It is no vehicle that can be flown from here.
         """
-        said: list[Body] = []
-        for received in self._codec.decode(data):
-            if self.autopilot is None and is_vehicle(received):
-                self._others.add(received.system_id)
-                if self.options.vehicle_id in (0, received.system_id):
-                    self._meet(received)
-            if isinstance(received.body, Ping):
-                self._answer(received, received.body)
-            known = self.autopilot is not None and received.system_id == self._system_id
-            if known and received.component_id == AUTOPILOT_COMPONENT:
-                self._heard_s = now_s
-                said.append(received.body)
-        return said
+        self.listen(data, now_s)
+        said = [self.next(now_s) for _ in range(len(self.inbox))]
+        return [body for body in said if body is not None]
+
+    def listen(self, data: bytes, at_s: float) -> None:
+        """Let what has arrived wait until it is handled."""
+        for frame in self._codec.judged(data):
+            self.inbox.put(frame, at_s)
+
+    def next(self, now_s: float) -> Body | None:
+        """What the vehicle's autopilot says in the frame that waits longest; None where that is someone else's.
+
+        Raises:
+            KeyError: None waits.
+            VehicleError: It is no vehicle that can be flown from here.
+        """
+        frame, came_s = self.inbox.take()
+        self.late_s = now_s - came_s
+        received = self._codec.read(frame)
+        if self.autopilot is None and is_vehicle(received):
+            self._others.add(received.system_id)
+            if self.options.vehicle_id in (0, received.system_id):
+                self._meet(received)
+        if isinstance(received.body, Ping):
+            self._answer(received, received.body)
+        known = self.autopilot is not None and received.system_id == self._system_id
+        if not known or received.component_id != AUTOPILOT_COMPONENT:
+            return None
+        self._heard_s = now_s
+        return received.body
 
     def take(self, body: Body, now_s: float) -> Answer | None:
         """Take note of what the vehicle says; returns the answer to the command under way, if this is it."""
@@ -221,6 +243,12 @@ class Contact:
             command, attempt = due
             self.out.append(self._codec.command(self._system_id, command, attempt))
             self.events.append(Asked(self.vehicle.clock.now_s(now_s), command.name, attempt))
+
+    def happened(self) -> list[Event]:
+        """What has happened since the last call, oldest first."""
+        events = list(self.events)
+        self.events.clear()
+        return events
 
     def outgoing(self) -> list[bytes]:
         """Frames to send, oldest first; they are forgotten here.

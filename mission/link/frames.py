@@ -6,6 +6,7 @@ is its own inverse. It is done component by component, never by a matrix, so tha
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 Vector = tuple[float, float, float]
@@ -59,3 +60,7 @@ class Anchor:
         """A position in the vehicle's local frame (NED, metres) in the domain (ENU, metres)."""
         north, east, down = (position_ned_m[k] - self.origin_ned_m[k] for k in range(3))
         return enu_from_ned((north, east, down))
+
+
+Anchoring = Callable[[Vector], Anchor]
+"""Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""

@@ -17,8 +17,8 @@ _V1, _V2 = mavlink.PROTOCOL_MARKER_V1, mavlink.PROTOCOL_MARKER_V2
 _MAGIC: Final = re.compile(b"[%c%c]" % (_V1, _V2))
 _V1_HEADER: Final = 6
 _V2_HEADER: Final = 10
-_V1_COMPONENT: Final = 4
-_V2_COMPONENT: Final = 6
+_V1_SYSTEM: Final = 3
+_V2_SYSTEM: Final = 5
 _CHECKSUM: Final = 2
 _SIGNED: Final = 1
 _EXTRA: Final = {int(number): bytes((kind.crc_extra,)) for number, kind in mavlink.mavlink_map.items()}
@@ -31,9 +31,15 @@ class Frame(NamedTuple):
     data: bytes
 
     @property
+    def sender(self) -> bytes:
+        """The system and the component that it says that it comes from, a byte each."""
+        at = _V1_SYSTEM if self.data[0] == _V1 else _V2_SYSTEM
+        return self.data[at : at + 2]
+
+    @property
     def component_id(self) -> int:
         """Which component it says that it comes from."""
-        return self.data[_V1_COMPONENT if self.data[0] == _V1 else _V2_COMPONENT]
+        return self.sender[1]
 
 
 def split(data: bytes, *, goes_on: bool = False) -> tuple[list[Frame], int]:

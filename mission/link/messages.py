@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from mission.link.framing import split
+from mission.link.framing import Frame, split
 from mission.link.signing import Signatures
 from mission.link.values import (
     Acknowledgement,
@@ -94,6 +94,19 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
 _KNOWN: Final = frozenset(int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")) for name in _READERS)
 
 
+STATES: Final = frozenset(
+    (
+        Stream.ATTITUDE,
+        Stream.GLOBAL_POSITION_INT,
+        Stream.SYS_STATUS,
+        Stream.EXTENDED_SYS_STATE,
+        Stream.EKF_STATUS_REPORT,
+        Stream.ESTIMATOR_STATUS,
+    )
+)
+"""Messages that are out of date once there is a newer one of the same sender."""
+
+
 class Codec:
     """Turns bytes of one link into values, and values into frames that carry our own ids."""
 
@@ -116,14 +129,21 @@ class Codec:
 
         A vehicle may send several hundred messages a second that nobody here asked for; they are not unpacked.
         """
-        received = []
-        for number, frame in split(data)[0]:
-            if number not in _KNOWN or not (self._signatures is None or self._signatures.take(frame)):
-                continue
-            message = self._reader.decode(bytearray(frame))
-            body = _READERS[message.get_type()](message)
-            received.append(Received(message.get_srcSystem(), message.get_srcComponent(), body))
-        return received
+        return [self.read(frame) for frame in self.judged(data)]
+
+    def judged(self, data: bytes) -> list[Frame]:
+        """The frames in a datagram that ``read`` can make something of, rightly signed where that is asked for."""
+        return [
+            frame
+            for frame in split(data)[0]
+            if frame.number in _KNOWN and (self._signatures is None or self._signatures.take(frame.data))
+        ]
+
+    def read(self, frame: Frame) -> Received:
+        """The message in a frame of ``judged``."""
+        message = self._reader.decode(bytearray(frame.data))
+        body = _READERS[message.get_type()](message)
+        return Received(message.get_srcSystem(), message.get_srcComponent(), body)
 
     def heartbeat(self) -> bytes:
         """The HEARTBEAT of a ground station."""

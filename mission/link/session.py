@@ -9,15 +9,14 @@ the session's part at once.
 """
 
 import math
-from collections.abc import Callable
-from enum import Enum, auto
 from typing import Final
 
 from mission.errors import MissionError, VehicleError
 from mission.link.contact import Contact, LinkOptions
 from mission.link.course import Course
+from mission.link.ending import Ending
 from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEntered
-from mission.link.frames import Anchor, Vector, enu_from_ned
+from mission.link.frames import Anchoring, enu_from_ned
 from mission.link.guidance import Guidance
 from mission.link.procedure import Procedure
 from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps
@@ -25,28 +24,15 @@ from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
 from mission.monitor.stage import Stage
 
-Anchoring = Callable[[Vector], Anchor]
-"""Makes the anchor from the vehicle's local position (NED, metres) at the moment of take-off."""
-
 _LOOK_S: Final = 0.05
 _WORDS_S: Final = 10.0
 """Vehicle time: what came before has had its effect."""
 
-_ORIGIN_MOVED_DEG: Final = 5e-6
 _ORIGIN_AGAIN_S: Final = 0.2
 """On the clock here: what comes sooner is the same report, twice on its way. Until then it is asked for."""
 
 _DESCENDING: Final = (Stage.TOUCH_DOWN, Stage.DISARM)
 _LANDING: Final = (Stage.LAND, *_DESCENDING)
-
-
-class Ending(Enum):
-    """How a session came to its end."""
-
-    LANDED = auto()
-    HANDED_OVER = auto()
-    FAILSAFE = auto()
-    STOPPED = auto()
 
 
 class Session:
@@ -104,7 +90,7 @@ class Session:
         return 0.0 if position is None or ground is None else ground - position.position_ned_m[2]
 
     def receive(self, data: bytes, now_s: float) -> None:
-        """Take what has arrived.
+        """Take what has arrived, and all that waits.
 
         Raises:
             VehicleError: It is no vehicle that can be flown from here, or moved its origin in flight.
@@ -112,6 +98,12 @@ class Session:
         for body in self.contact.receive(data, now_s):
             if self.stage is not Stage.DONE:
                 self._take(body, now_s)
+
+    def hear(self, now_s: float) -> None:
+        """Handle the message that has waited longest, as ``receive`` does all."""
+        body = self.contact.next(now_s)
+        if body is not None and self.stage is not Stage.DONE:
+            self._take(body, now_s)
 
     def advance(self, now_s: float) -> None:
         """Do what is due.
@@ -227,9 +219,7 @@ class Session:
 
     def events(self) -> list[Event]:
         """What has happened since the last call, oldest first."""
-        events = list(self.contact.events)
-        self.contact.events.clear()
-        return events
+        return self.contact.happened()
 
     def wait_s(self, now_s: float) -> float:
         """How long to wait for messages before ``advance`` is due again, on the clock here."""
@@ -293,9 +283,7 @@ class Session:
         before = self._origin
         if before is None or self._ground_down_m is None or self.stage in _LANDING or self._failure is not None:
             return
-        north = abs(origin.latitude_deg - before.latitude_deg)
-        east = abs(origin.longitude_deg - before.longitude_deg)
-        if max(north, east) <= _ORIGIN_MOVED_DEG:
+        if not origin.is_elsewhere(before):
             self._origin_moved_s = math.inf
             return
         self._origin_moved_s = min(self._origin_moved_s, now_s)

@@ -23,7 +23,7 @@ from mission.link.peers import Peers
 _POLL_S: Final = 0.1
 _CONNECT_S: Final = 5.0
 _SEND_S: Final = 2.0
-_MOST_WAITING: Final = 4096
+_MOST_WAITING: Final = 1 << 16
 _DATAGRAM: Final = 65535
 _BUFFER: Final = 1 << 20
 _STREAMS: Final = (Scheme.TCP_IN, Scheme.TCP_OUT, Scheme.SERIAL)
@@ -69,7 +69,7 @@ class LinkTransport:
         self.address = address
         self._line = line
         self._stream = Stream() if address.scheme in _STREAMS else None
-        self._waiting: deque[bytes] = deque(maxlen=_MOST_WAITING)  # who reads too late loses the oldest
+        self._waiting: deque[bytes] = deque(maxlen=_MOST_WAITING)  # who reads minutes too late loses the oldest
         self._arrived = threading.Condition()
         self._closing = False
         self._failure = ""

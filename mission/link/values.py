@@ -12,6 +12,8 @@ from mission.link.frames import Vector
 _SAFETY_ARMED: Final = 128
 """MAV_MODE_FLAG_SAFETY_ARMED."""
 
+_ORIGIN_MOVED_DEG: Final = 5e-6
+
 _FAILING: Final = (5, 6)
 """MAV_STATE_CRITICAL and MAV_STATE_EMERGENCY."""
 
@@ -152,6 +154,11 @@ class Origin:
     latitude_deg: float
     longitude_deg: float
     altitude_amsl_m: float
+
+    def is_elsewhere(self, other: "Origin") -> bool:
+        """Whether it is another place, and not the same one with other rounding."""
+        north_deg, east_deg = self.latitude_deg - other.latitude_deg, self.longitude_deg - other.longitude_deg
+        return max(abs(north_deg), abs(east_deg)) > _ORIGIN_MOVED_DEG
 
 
 @dataclass(frozen=True, slots=True)

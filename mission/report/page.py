@@ -21,6 +21,7 @@ _SAID_OF_THE_ENDING = (
     ("ending", "Ending"),
     ("interrupted", "Interrupted by the user"),
     ("laps", "Laps"),
+    ("behind_s", "This computer did not keep up: seconds behind"),
 )
 STYLE = """\
 :root { color-scheme: light; }

@@ -14,7 +14,7 @@ from shapely import Point, Polygon
 
 from mission.errors import MissionError
 from mission.fly import fly
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.plan import FlightPlan
 from mission.report.record import FlightRecord
 from tests.support.faults import schedule_of

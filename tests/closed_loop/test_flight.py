@@ -8,7 +8,7 @@ import pytest
 
 from mission.errors import VehicleError
 from mission.fly import FlightResult, fly
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.plan import FlightPlan, plan_mission
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord

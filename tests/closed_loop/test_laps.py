@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from mission.fly import FlightOptions, FlightResult, Progress, StopRequest, fly
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from mission.fly import FlightResult, fly
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.plan import FlightPlan, plan_mission
 from mission.plan.specification import of_mission
 from mission.report.reading import parse_record

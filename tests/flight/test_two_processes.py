@@ -13,8 +13,8 @@ from mission.cli import main
 from mission.clock import WallClock
 from mission.errors import LinkError
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, Progress, StopSignals, VehicleOptions, fly
+from mission.link.ending import Ending
 from mission.link.lockstep import LockstepLink
-from mission.link.session import Ending
 from mission.link.transport import open_transport
 from mission.monitor.stage import Stage
 from mission.report.reading import read_record

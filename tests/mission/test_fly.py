@@ -7,7 +7,7 @@ import pytest
 
 from mission.errors import LinkError, NoPlanError, VehicleError
 from mission.fly import FlightOptions, StopRequest
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from tests.support.scripted_flight import Flight

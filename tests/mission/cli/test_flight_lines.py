@@ -8,7 +8,7 @@ import pytest
 
 from mission.cli import fly
 from mission.fly import FlightResult
-from mission.link.session import Ending
+from mission.link.ending import Ending
 from mission.plan import FlightPlan
 from tests.support.commands import Ran, ran
 from tests.support.small_missions import SMALL, plan_of
