@@ -118,7 +118,7 @@ class NearMisses:
         ]
         steps += self._additions(first, later, set(moved.values()))
         steps += self._additions(later, first, set(moved))
-        return Finding(self.outlines[later].path, message, f"make them meet: {listed(steps)}")
+        return Finding(self.outlines[later].path, message, f"make them meet (corners count from 0): {listed(steps)}")
 
     def _moves(self, first: int, later: int) -> dict[int, int]:
         """Corners of the later one to be moved, and to which corners of the first: the nearest, each once."""

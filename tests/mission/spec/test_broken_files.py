@@ -225,7 +225,7 @@ EXPECTED = [
         "expected until_stopped or a whole number from 1 to 10000, found the text `until_landed`",
     ),
     ("unknown_semantics", 10, 14, "mission.semantics", "expected one of standard, paper, found the text `spot`"),
-    ("yaml_bomb", 7, 16, "", "the file has more than 250000 values, aliases counted as what they repeat"),
+    ("yaml_bomb", 7, 32, "", "the file has more than 500000 values, aliases counted as what they repeat"),
 ]
 
 
