@@ -1,4 +1,9 @@
-"""Times and memory of a function, and bars that figures are held against, for one table."""
+"""Times and memory of a function, and bars that figures are held against, for one table.
+
+A bar on time is never a number of seconds, which is a fact about the machine: it is a multiple of what something of
+known size takes in the same run, on the same machine, taken in turn with what is measured. Where another library does
+the like of it, that is the unit; else a plain loop of Python, or an operation of numpy.
+"""
 
 import tracemalloc
 from collections.abc import Callable, Iterable
@@ -23,6 +28,43 @@ def timed(function: Callable[[], object], rounds: int) -> Times:
         processor_s.append(process_time() - worked_s)
         wall_s.append(perf_counter() - begun_s)
     return Times(median(wall_s), median(processor_s))
+
+
+TURNS: int = 1_000_000
+
+
+def loop() -> int:
+    """A million turns of a plain loop: the unit of what is written in Python."""
+    total = 0
+    for turn in range(TURNS):
+        total += turn & 3
+    return total
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """How many units a function takes of the processor's time: the median over rounds; and the function's times."""
+
+    units: float
+    times: Times
+
+
+def compared(function: Callable[[], object], unit: Callable[[], object], rounds: int) -> Ratio:
+    """Measure a function and its unit in turn, so that both see the machine as it is at that moment."""
+    ratios, measured = [], []
+    for _ in range(rounds):
+        times, yardstick = timed(function, 1), timed(unit, 1)
+        measured.append(times)
+        ratios.append(times.processor_s / yardstick.processor_s)
+    wall_s, processor_s = (
+        median(values) for values in zip(*((t.wall_s, t.processor_s) for t in measured), strict=True)
+    )
+    return Ratio(median(ratios), Times(wall_s, processor_s))
+
+
+def turn_s() -> float:
+    """The processor time of one turn of that loop, now."""
+    return timed(loop, 3).processor_s / TURNS
 
 
 def peak_mb(function: Callable[[], object]) -> float:
@@ -57,8 +99,10 @@ def at_least(what: str, measured: int, bar: int, remark: str = "") -> Bar:
     return Bar(what, f"at least {bar}", str(measured), measured >= bar, remark)
 
 
-def within(what: str, measured_s: float, bar_s: float, remark: str = "") -> Bar:
-    return Bar(what, f"within {seconds(bar_s)}", seconds(measured_s), measured_s <= bar_s, remark)
+def within(what: str, measured: Ratio, bar: float, unit: str, remark: str = "") -> Bar:
+    """A bar on time: at most so many times as long as the unit, which is named."""
+    took = f"{measured.units:,.3g} ({seconds(measured.times.processor_s)})"
+    return Bar(what, f"within {bar:g} of {unit}", took, measured.units <= bar, remark)
 
 
 def table(bars: Iterable[Bar]) -> str:

@@ -6,8 +6,11 @@ triangle in fifty is restricted.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 
 from mission.geometry.regions import label_triangles
 from mission.geometry.simplices import Partition
@@ -40,6 +43,7 @@ class Case:
     """A search by its size: regions of some triangles each, and the states that its automaton has.
 
     Recurrent formulas are searched with all their acceptance sets, so that loops are the best tours in any order.
+    ``bar`` says how many times as long as scipy's Dijkstra over the triangles the whole search may take for each state.
     """
 
     name: str
@@ -48,19 +52,19 @@ class Case:
     regions: int
     region_size: int
     states: int
-    bar_s: float
+    bar: float
     cost: Cost = Cost.TRANSITIONS
 
 
 CASES = (
-    Case("10,000 triangles x 9 states", 10_000, in_order, 8, 5, 9, 0.020),
-    Case("100,000 triangles x 9 states", 100_000, in_order, 8, 5, 9, 0.5),
-    Case("100,000 triangles x 32 states", 100_000, each, 5, 5, 32, 2.0),
-    Case("10,000 triangles x 256 states", 10_000, each, 8, 5, 256, 2.0),
-    Case("100,000 triangles, best tour of 3 regions of 1,000", 100_000, again_and_again, 3, 1000, 1, 2.0),
-    Case("the same by distance", 100_000, again_and_again, 3, 1000, 1, 2.0, Cost.DISTANCE),
-    Case("100,000 triangles, best tour of 5 regions of 1,000", 100_000, again_and_again, 5, 1000, 1, 2.0),
-    Case("100,000 triangles, best tour of 8 regions of 5", 100_000, again_and_again, 8, 5, 1, 2.0),
+    Case("10,000 triangles x 9 states", 10_000, in_order, 8, 5, 9, 4),
+    Case("100,000 triangles x 9 states", 100_000, in_order, 8, 5, 9, 4),
+    Case("100,000 triangles x 32 states", 100_000, each, 5, 5, 32, 4),
+    Case("10,000 triangles x 256 states", 10_000, each, 8, 5, 256, 4),
+    Case("100,000 triangles, best tour of 3 regions of 1,000", 100_000, again_and_again, 3, 1000, 1, 150),
+    Case("the same by distance", 100_000, again_and_again, 3, 1000, 1, 150, Cost.DISTANCE),
+    Case("100,000 triangles, best tour of 5 regions of 1,000", 100_000, again_and_again, 5, 1000, 1, 150),
+    Case("100,000 triangles, best tour of 8 regions of 5", 100_000, again_and_again, 8, 5, 1, 150),
 )
 
 
@@ -98,3 +102,11 @@ def searched(system: TransitionSystem, automaton: CompiledGeneralised, start: in
     runs = search(Product(system, automaton, start, Semantics.STANDARD))
     _ = runs[runs.count - 1]
     return runs
+
+
+def dijkstra_of(system: TransitionSystem, start: int) -> Callable[[], object]:
+    """Scipy's Dijkstra from a triangle to all, over the same weights: the unit that searches are measured in."""
+    rows, controls = np.nonzero(system.successors[:, 1:] >= 0)
+    weights = system.weights[rows, controls + 1].astype(np.float64)
+    matrix = csr_array((weights, (rows, system.successors[rows, controls + 1])), shape=(system.size, system.size))
+    return partial(dijkstra, matrix, indices=start, return_predecessors=True)
