@@ -152,10 +152,8 @@ def _print_plan(plan: FlightPlan) -> None:
     _print(f"T  {count(plan.partition.size, 'state')}")
     _print(f"A  {beside}{count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
     searched = plan.product_states // plan.partition.size
-    one_set = parts == 1 and searched == automaton.size
-    several = "" if one_set else f" (with A of {count(searched, 'state')} and several acceptance sets)"
-    if parts > 1:
-        several = f" (with the product of A, of {count(searched, 'state')})"
+    same = parts == 1 and searched == automaton.size
+    several = "" if same else f" (with deterministic automata of its parts, {count(searched, 'state')} together)"
     _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable{several}")
     _print(f"Best runs      {plan.shortest_runs:,}{_costs(plan)}")
     _print()

@@ -3,12 +3,10 @@
 from dataclasses import dataclass
 
 from mission.errors import SearchSizeError
-from mission.logic.automata.automaton import compile_generalised, compile_to_alphabet
-from mission.plan.specification import Specification
+from mission.plan.specification import Specification, deterministic_of
 from mission.planning.objective import Objective
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
-from mission.planning.tours import MOST_SETS
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import MissionSpec, Semantics
 
@@ -21,7 +19,7 @@ class BestRuns:
         product: The product that was searched.
         runs: The best runs.
         exact: Whether there are no better ones in any order of the tasks that recur. Where these are too many for an
-            exact search, the runs are the best among those that meet them in the one order that the automaton fixes.
+            exact search, the runs are the best among those that meet them in one fixed order.
     """
 
     product: Product
@@ -39,20 +37,17 @@ def best_runs(
 ) -> BestRuns:
     """Search the product of a transition system with a specification.
 
-    Tasks that recur are met in whatever order is best, which an automaton with several acceptance sets leaves open.
-    Where all of them are one set, the smaller automaton with accepting states serves.
+    Tasks that recur are met in whatever order is best.
 
     Raises:
         NoPlanError: If there is no run.
-        AutomatonSizeError: If the generalised automaton is too large to be built.
+        AutomatonSizeError: If a part of the specification, or all together, asks for too many states.
+        SearchSizeError: If triangles times states are too many.
     """
-    automaton = specification.generalised
-    if 1 < automaton.sets <= MOST_SETS:
-        try:
-            product = Product(system, compile_generalised(automaton, system.letters), start, semantics)
-            return BestRuns(product, search(product, objective), exact=True)
-        except SearchSizeError:
-            pass
-    in_turn = compile_to_alphabet(specification.automaton, system.letters)
-    product = Product(system, in_turn, start, semantics)
-    return BestRuns(product, search(product, objective), exact=automaton.sets <= 1)
+    automaton = deterministic_of(specification.formula, specification.given, system.letters)
+    product = Product(system, automaton, start, semantics)
+    try:
+        return BestRuns(product, search(product, objective), exact=True)
+    except SearchSizeError:
+        product = Product(system, automaton.in_turn(), start, semantics)
+        return BestRuns(product, search(product, objective, closing=True), exact=False)

@@ -37,7 +37,7 @@ from mission.plan.missing_letters import (
     missing_letter,
     violated_by_first,
 )
-from mission.plan.specification import accepts, automaton_of, described
+from mission.plan.specification import accepts, automaton_of, described, deterministic_of
 from mission.planning.product import Product
 from mission.planning.refusal import refusal
 from mission.planning.transition_system import TransitionSystem
@@ -194,9 +194,14 @@ class _Question:
 
 def _automaton(parts: Iterable[Part]) -> BuchiAutomaton:
     """An automaton of what all parts ask for."""
+    return automaton_of(*_required(parts))
+
+
+def _required(parts: Iterable[Part]) -> tuple[Formula, NamedAutomaton | None]:
+    """What all parts ask for: a formula, and an automaton if one of them is."""
     chosen = tuple(parts)
     given = next((part.given for part in chosen if part.given is not None), None)
-    return automaton_of(conjunction(*(part.formula for part in chosen)), given)
+    return conjunction(*(part.formula for part in chosen)), given
 
 
 class _Explanation:
@@ -300,7 +305,8 @@ class _Explanation:
         successors = question.system.successors
         open_ones = np.where((successors >= 0) & ~blocked[successors], successors, -1)
         system = TransitionSystem(open_ones, question.system.letter_of, question.system.letters)
-        return refusal(Product(system, question.compiled(self._parts), question.start, question.semantics))
+        automaton = deterministic_of(*_required(self._parts), system.letters)
+        return refusal(Product(system, automaton, question.start, question.semantics))
 
 
 def _and(names: Sequence[str]) -> str:

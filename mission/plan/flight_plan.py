@@ -15,7 +15,7 @@ from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import transition_weights
 from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.proved_run import PassedOver
-from mission.plan.specification import Specification
+from mission.plan.specification import Specification, deterministic_of
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
@@ -231,11 +231,11 @@ def certify_homeward_again(plan: FlightPlan, certificate: Certificate) -> Certif
         certificate: Of its laps, as from ``certify_again``.
 
     Raises:
-        AutomatonSizeError: As in ``safety_of``.
+        AutomatonSizeError: As in ``deterministic_of``.
     """
     if len(plan.curve.legs) == len(plan.certified.legs):
         return None
-    safety = safety_of(plan.compiled, len(plan.labelling.letters))
+    safety = safety_of(deterministic_of(plan.required.formula, plan.required.given, plan.labelling.letters).whole)
     prover = prover_of(plan.spec, plan.partition, plan.labelling, safety.refutation(), plan.restricted)
     reached = prover.reached(plan.certified, certificate)
     return prover.certify(JoinedCurve(plan.curve.legs[len(plan.certified.legs) :]), begins=reached)

@@ -16,7 +16,8 @@ import numpy as np
 from mission.errors import NoPlanError
 from mission.geometry.arrays import BoolArray
 from mission.geometry.regions import Labelling
-from mission.logic.automata.automaton import CompiledAutomaton
+from mission.logic.automata.conjunction import Conjunction
+from mission.logic.automata.rabin import DEAD, Rabin
 from mission.logic.automata.safety import Safety
 from mission.planning.product import Product
 from mission.planning.run import Run
@@ -82,31 +83,14 @@ def _way(system: TransitionSystem, onward: Safety, start: int, goal: BoolArray) 
     # Each letter twice: the second time for triangles of the goal.
     marked = replace(system, letter_of=system.letter_of + letters * goal, letters=(*system.letters, *system.letters))
     try:
-        runs = search(Product(marked, _arriving(onward, arrived=bool(goal[start])), start, Semantics.PAPER))
+        runs = search(Product(marked, _arriving(onward), start, Semantics.PAPER))
     except NoPlanError:
         return None
     return runs[0]
 
 
-def _arriving(onward: Safety, *, arrived: bool) -> CompiledAutomaton:
-    """Accepts words without a bad prefix that are in the goal from some time on, in a second copy of each state."""
-    states, letters = onward.bad, onward.rows.shape[1]
-    sources, read = np.nonzero(onward.rows[:-1] != onward.bad)
-    targets = onward.rows[sources, read]
-    rows = np.hstack(
-        (
-            (sources, read, targets),
-            (sources, read + letters, targets),
-            (sources, read + letters, targets + states),
-            (sources + states, read + letters, targets + states),
-        )
-    )
-    rows = rows[:, np.lexsort(rows[::-1])]
-    return CompiledAutomaton(
-        states=2 * states,
-        sources=rows[0],
-        letters=rows[1],
-        targets=rows[2],
-        initial=np.array([onward.initial + states * arrived]),
-        accepting=np.arange(2 * states) >= states,
-    )
+def _arriving(onward: Safety) -> Conjunction:
+    """Accepts words without a bad prefix that are in the goal from some time on: letters of others are marked."""
+    rows = np.where(onward.rows[:-1] == onward.bad, DEAD, onward.rows[:-1])
+    elsewhere = np.broadcast_to(np.arange(2 * rows.shape[1]) < rows.shape[1], (len(rows), 2 * rows.shape[1]))
+    return Conjunction.of((Rabin(np.hstack((rows, rows)), elsewhere * 1, ((1, 0),), onward.initial).reduced(),))

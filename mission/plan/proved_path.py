@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from mission.errors import UnprovedError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automata.automaton import CompiledGeneralised
+from mission.logic.automata.rabin import Rabin
 from mission.plan.flight_plan import tube_of
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
 from mission.plan.visits import earnest_visits
@@ -41,8 +41,8 @@ class PathPlanner:
     partition: Partition
     labelling: Labelling
 
-    def path(self, run: Run, automaton: CompiledGeneralised, start_m: Point) -> SteeringPath:
-        """Steer through a run of an automaton's product."""
+    def path(self, run: Run, automaton: Rabin, start_m: Point) -> SteeringPath:
+        """Steer through a run whose word an automaton reads."""
         return build_path(
             self.partition,
             run,

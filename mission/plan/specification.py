@@ -12,12 +12,12 @@ from mission.errors import AutomatonSizeError
 from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.automata.combination import intersection, union
 from mission.logic.automata.complement import complement
-from mission.logic.automata.conversion import with_accepting_states, with_marked_transitions
+from mission.logic.automata.conjunction import Conjunction
+from mission.logic.automata.conversion import with_accepting_states
+from mission.logic.automata.determined import part_of, parts_of
 from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import GLANCE, translate, translate_generalised
-from mission.logic.automata.weak import is_obligation
 from mission.logic.formula.conjuncts import separated
-from mission.logic.formula.rewriting import simplified
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.plan.tasks import formula_of
@@ -71,21 +71,6 @@ class Specification:
             return refutation(self.formula)
         return self.outside if self.formula is TRUE else union(self.outside, refutation(self.formula))
 
-    @cached_property
-    def generalised(self) -> GeneralisedBuchi:
-        """A generalised Büchi automaton of the same words as ``automaton``, often smaller.
-
-        What asks for nothing again and again has one acceptance set: ``automaton`` itself.
-
-        Raises:
-            AutomatonSizeError: It is too large to be built.
-        """
-        if self.given is not None:
-            return generalised_of(self.formula, self.given)
-        if is_obligation(simplified(self.formula)):
-            return with_marked_transitions(self.automaton)
-        return translate_generalised(self.formula)
-
     def satisfied_by(self, word: LassoWord) -> bool:
         """Whether a word satisfies it: by the definition of LTL and by the automaton that was given, as they are."""
         return satisfies(word, self.formula) and (self.given is None or accepts(self.given, word))
@@ -106,6 +91,16 @@ def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable
         FormulaSyntaxError: If the mission's own formula is none.
     """
     return Specification(formula_of(spec, dropped), spec.automaton, letters)
+
+
+def deterministic_of(formula: Formula, given: NamedAutomaton | None, letters: tuple[Letter, ...]) -> Conjunction:
+    """Deterministic automata, over the numbers of ``letters``, of a formula's conjuncts and of a given automaton.
+
+    Raises:
+        AutomatonSizeError: One of them, or all together, would be too large.
+    """
+    of_given = () if given is None else (part_of(given.automaton, letters),)
+    return Conjunction.of((*of_given, *parts_of(formula, letters)))
 
 
 def automaton_of(formula: Formula, given: NamedAutomaton | None) -> BuchiAutomaton:

@@ -6,19 +6,23 @@ import numpy as np
 
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.geometry.location import OUTSIDE, Locator
-from mission.logic.automata.automaton import BuchiAutomaton, compile_to_alphabet
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.safety import safety_of
+from mission.logic.formula.syntax import Formula
 from mission.plan.best_runs import best_runs, objective_of
 from mission.plan.costs import transition_weights
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.proved_path import PathPlanner, trajectory_of
 from mission.plan.proved_run import proved_run
-from mission.plan.specification import automaton_of, of_mission
+from mission.plan.specification import deterministic_of, of_mission
 from mission.plan.tasks import dropped_tasks
 from mission.plan.way_back import way_back
 from mission.planning.product import Product
+from mission.planning.recurrence import has_runs
+from mission.planning.refusal import refusal
 from mission.planning.run import Run
-from mission.planning.search import ShortestRuns, search
+from mission.planning.search import ShortestRuns
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Point
@@ -49,13 +53,15 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
-    def product_of(automaton: BuchiAutomaton) -> Product:
-        return Product(system, compile_to_alphabet(automaton, labelling.letters), triangle, spec.semantics)
+    def refusal_of(tried: Formula) -> NoPlanError | None:
+        automaton = deterministic_of(tried, spec.automaton, labelling.letters)
+        product = Product(system, automaton, triangle, spec.semantics)
+        return None if has_runs(product) else NoPlanError(refusal(product))
 
     try:
         dropped = dropped_tasks(
             spec,
-            lambda tried: _refusal(product_of(automaton_of(tried, spec.automaton))),
+            refusal_of,
             lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
         )
         specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
@@ -78,15 +84,15 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     flown = proved_run(
         runs,
         index,
-        lambda tried: planner.path(tried, found.product.automaton, start),
+        lambda tried: planner.path(tried, found.product.automaton.whole, start),
         smoothed,
         others=run is None and spec.run == 0,
     )
     chosen, path, proved = flown.run, flown.path, flown.proved
     curve, homeward = proved.curve, None
     if chosen.recurrent:
-        automaton = compile_to_alphabet(specification.automaton, labelling.letters)
-        back = way_back(planner, system, automaton, restricted, laps=chosen, proved=proved)
+        safety = safety_of(found.product.automaton.whole)
+        back = way_back(planner, system, safety, restricted, laps=chosen, proved=proved)
         if back is not None:
             homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
     stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
@@ -116,14 +122,6 @@ def shortest_runs(plan: FlightPlan) -> ShortestRuns:
     """All the runs that a plan could have flown at the same cost."""
     objective = objective_of(plan.spec)
     return best_runs(plan.system, plan.required, plan.run.states[0], plan.spec.semantics, objective).runs
-
-
-def _refusal(product: Product) -> NoPlanError | None:
-    try:
-        search(product)
-    except NoPlanError as error:
-        return error
-    return None
 
 
 def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) -> int:

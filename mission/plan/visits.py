@@ -4,11 +4,12 @@ A run asks only that a triangle is entered; its path may clip a corner by a few 
 that follows it exactly, and too little for a vehicle that may be a tube's width away, or that is to loiter there.
 """
 
-import numpy as np
+from functools import reduce
+from operator import or_
 
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automata.automaton import CompiledGeneralised
+from mission.logic.automata.rabin import Rabin
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, RegionKind, Semantics
 
@@ -21,7 +22,7 @@ def visits(inside: list[bool]) -> list[tuple[int, int]]:
 
 
 def earnest_visits(
-    spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: CompiledGeneralised, run: Run
+    spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: Rabin, run: Run
 ) -> frozenset[int]:
     """Indices into ``run.states`` at which the path first settles: one, in the roomiest triangle, for each visit.
 
@@ -52,25 +53,27 @@ def _turns_back(run: Run) -> set[int]:
     return turns
 
 
-def _moves_on(labelling: Labelling, automaton: CompiledGeneralised, run: Run, semantics: Semantics) -> list[bool]:
-    """Whether reading each state's label moves the automaton on.
+def _moves_on(labelling: Labelling, automaton: Rabin, run: Run, semantics: Semantics) -> list[bool]:
+    """Whether reading each state's label moves the automaton on, in the first rounds of the loop at least.
 
-    It does where the set of automaton states that the run may be in changes, or where the loop meets an acceptance set
-    that it has not met in this lap.
+    It does where the state of the automaton changes, or where the loop meets an acceptance set that it has not met in
+    this lap.
     """
-    read: dict[tuple[int, int], list[tuple[int, frozenset[int]]]] = {}
-    rows = (automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), automaton.marks)
-    for source, letter, target, marks in zip(*rows, strict=True):
-        read.setdefault((source, letter), []).append((target, frozenset(np.flatnonzero(marks).tolist())))
-    states, met = set(automaton.initial.tolist()), frozenset[int]()
-    moved = [False] * len(run.states)
-    head = len(run.prefix)
-    for index, lap in (*((i, i > head) for i in range(len(run.states))), (head, True)):
-        if index == 0 and not lap and semantics is Semantics.PAPER:
-            continue
-        letter = int(labelling.letter_of[run.states[index]])
-        steps = [step for q in states for step in read.get((q, letter), ())]
-        after, borne = {target for target, _ in steps}, frozenset[int]().union(*(marks for _, marks in steps))
-        moved[index] = moved[index] or after != states or (lap and not borne <= met)
-        states, met = after, met | borne if lap else met
+    sets = reduce(or_, (inf for _, inf in automaton.pairs), 0)
+    states, head = run.states, len(run.prefix)
+    letters = [int(labelling.letter_of[triangle]) for triangle in states]
+    moved = [False] * len(states)
+    state = automaton.initial
+    for index in range(0 if semantics is Semantics.STANDARD else 1, head + 1):
+        after = int(automaton.targets[state, letters[index]])
+        moved[index] = after != state
+        state = after
+    entered: set[int] = set()
+    while state not in entered:  # the loop may go on moving the automaton for a few rounds
+        entered.add(state)
+        met = 0
+        for index in (*range(head + 1, len(states)), head):
+            after, borne = int(automaton.targets[state, letters[index]]), int(automaton.marks[state, letters[index]])
+            moved[index] = moved[index] or after != state or borne & sets & ~met != 0
+            state, met = after, met | borne
     return moved

@@ -5,8 +5,7 @@ from functools import partial
 
 from mission.errors import AutomatonSizeError, NoPlanError
 from mission.geometry.arrays import BoolArray
-from mission.logic.automata.automaton import CompiledAutomaton, generalised
-from mission.logic.automata.safety import safety_of
+from mission.logic.automata.safety import Safety
 from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward, ends_of_flight, ways_back
 from mission.plan.proved_path import PathPlanner
@@ -30,7 +29,7 @@ class WayBack:
 def way_back(
     planner: PathPlanner,
     system: TransitionSystem,
-    automaton: CompiledAutomaton,
+    safety: Safety,
     restricted: BoolArray,
     *,
     laps: Run,
@@ -41,7 +40,7 @@ def way_back(
     Args:
         planner: Of the mission.
         system: T of its domain.
-        automaton: Of its formula, over the letters of T.
+        safety: What its specification forbids in finite time, over the letters of T.
         restricted: Shape (M,), triangles that must not be entered.
         laps: The run of the laps.
         proved: Their smoothed path.
@@ -50,7 +49,6 @@ def way_back(
         None where no way is proved to violate nothing, or the question is too large.
     """
     try:
-        safety = safety_of(automaton, len(system.letters))
         refutation = safety.refutation()
         prover = prover_of(planner.spec, planner.partition, planner.labelling, refutation, restricted)
         reached = prover.reached(proved.curve, proved.certificate)
@@ -63,7 +61,7 @@ def way_back(
     end = proved.curve.position([proved.curve.duration_s])[0]
     longest_s = max(leg.duration_s for leg in proved.curve.legs)
     for run in found:
-        path = onward.path(run, generalised(refutation), (float(end[0]), float(end[1])))
+        path = onward.path(run, safety.watched(), (float(end[0]), float(end[1])))
         try:
             share = min(1.0, path.duration_s / longest_s)
             smooth = onward.smoothed(path, partial(prover.certify, begins=reached), joins=True, share=share)

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from mission.geometry.arrays import FloatArray
 
 Rank = tuple[float, float]
@@ -41,7 +43,7 @@ class Objective:
         """The ranks of many lassos, as two arrays."""
         if self.suffix_weight is None:
             return suffixes, prefixes
-        return self.prefix_weight * prefixes + self.suffix_weight * suffixes, 0.0 * prefixes
+        return self.prefix_weight * prefixes + self.suffix_weight * suffixes, np.zeros_like(prefixes)
 
     def longest_suffix(self, rank: Rank, nearest: float) -> float:
         """The costliest suffix of lassos that are not worse than ``rank``; their prefixes cost ``nearest`` at least."""

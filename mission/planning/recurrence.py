@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.logic.automata.automaton import CompiledGeneralised
-from mission.planning.product import Product, mark_bits
+from mission.planning.product import Product
 from mission.planning.sweeps import Codes, Graph
 
 
@@ -18,17 +17,17 @@ class Component:
         states: (n,) product states, ascending.
         sources: (E,) index into ``states`` that a transition leaves.
         targets: (E,) index that it enters.
-        controls: (E,) the control of T.
         marks: (E,) the acceptance sets that it belongs to, as bits.
         weights: (E,) what it costs.
+        every: The bits of all acceptance sets.
     """
 
     states: Codes
     sources: IntArray
     targets: IntArray
-    controls: IntArray
     marks: IntArray
     weights: FloatArray
+    every: int
 
     @property
     def size(self) -> int:
@@ -43,9 +42,9 @@ class Component:
             self.states[kept],
             number[self.sources[inside]],
             number[self.targets[inside]],
-            self.controls[inside],
             self.marks[inside],
             self.weights[inside],
+            self.every,
         )
 
 
@@ -65,35 +64,31 @@ def recurrent(graph: Graph, marks: IntArray, all_marks: int) -> BoolArray:
     return found
 
 
-def recurrent_automaton_states(product: Product) -> BoolArray:
-    """Whether each state of A lies on a loop, of any letters, that bears all marks, (Q,)."""
-    return recurrent(automaton_graph(product.automaton), mark_bits(product.automaton), product.all_marks)
-
-
-def automaton_graph(automaton: CompiledGeneralised) -> Graph:
-    """A as a graph, an edge for each transition in their order, which is by source as that of a graph's edges is."""
-    begins = np.searchsorted(automaton.sources, np.arange(automaton.states + 1)).astype(np.int32)
-    return Graph(automaton.targets.astype(np.int32), begins, 1.0)
-
-
-def recurrent_candidates(product: Product) -> IntArray:
-    """The reachable states of P whose automaton state may recur, ascending."""
-    states = np.flatnonzero(recurrent_automaton_states(product))
-    which, triangles = np.nonzero(np.isfinite(product.distances.reshape(product.automaton.states, -1)[states]))
+def recurrent_candidates(product: Product, pair: int, distances: FloatArray) -> IntArray:
+    """The states of P at finite distances whose automaton state may recur by a pair of its condition, ascending."""
+    states = np.flatnonzero(product.automaton.whole.recurrent[pair])
+    which, triangles = np.nonzero(np.isfinite(distances.reshape(product.automaton.size, -1)[states]))
     return np.asarray(states[which] * product.system.size + triangles, dtype=np.int64)
 
 
-def accepting_components(product: Product, candidates: IntArray) -> list[Component]:
-    """The components of P, within ``candidates``, in which accepting runs go round; by their least state."""
+def accepting_components(product: Product, pair: int, distances: FloatArray) -> list[Component]:
+    """The components of P in which runs that satisfy a pair of the condition go round; by their least state.
+
+    Only states at finite ``distances`` (M * Q,) count. Marks are those that must come again and again, numbered from 0;
+    where there are none, every transition bears one.
+    """
+    fin, inf = product.automaton.whole.pairs[pair]
+    candidates = recurrent_candidates(product, pair, distances)
     steps = product.out(candidates)
     place = np.full(product.full_size, -1, dtype=np.int64)
     place[candidates] = np.arange(len(candidates))
-    inside = place[steps.states] >= 0
+    inside = (place[steps.states] >= 0) & (steps.marks & fin == 0)
     sources, targets = steps.rows[inside], place[steps.states[inside]]
-    marks, weights = steps.marks[inside], steps.weights[inside].astype(np.float64)
+    marks, every = _numbered(steps.marks[inside], inf)
+    weights = steps.weights[inside].astype(np.float64)
     begins = np.searchsorted(sources, np.arange(len(candidates) + 1)).astype(np.int32)
     graph = Graph(targets.astype(np.int32), begins, weights)
-    kept = recurrent(graph, marks, product.all_marks)
+    kept = recurrent(graph, marks, every)
     if not kept.any():
         return []
     numbers = graph.components
@@ -110,9 +105,23 @@ def accepting_components(product: Product, candidates: IntArray) -> list[Compone
                 candidates[inner].astype(np.int32),
                 np.searchsorted(inner, sources[between]),
                 np.searchsorted(inner, targets[between]),
-                steps.controls[inside][between],
                 marks[between],
                 weights[between],
+                every,
             )
         )
     return sorted(components, key=lambda component: int(component.states[0]))
+
+
+def has_runs(product: Product) -> bool:
+    """Whether some run is accepted."""
+    pairs = range(len(product.automaton.whole.pairs))
+    return any(accepting_components(product, pair, product.distances) for pair in pairs)
+
+
+def _numbered(marks: IntArray, inf: int) -> tuple[IntArray, int]:
+    """Marks of one set with its bits moved together, and all of them; the first bit of each where there is none."""
+    wanted = [mark for mark in range(inf.bit_length()) if inf >> mark & 1]
+    if not wanted:
+        return np.ones_like(marks), 1
+    return sum(((marks >> mark & 1) << bit for bit, mark in enumerate(wanted)), 0 * marks), (1 << len(wanted)) - 1

@@ -7,8 +7,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order
 
 from mission.geometry.arrays import IntArray
+from mission.logic.automata.rabin import DEAD
 from mission.planning.product import Product
-from mission.planning.recurrence import automaton_graph, recurrent_automaton_states
 from mission.planning.transition_system import TransitionSystem
 
 
@@ -19,7 +19,7 @@ def refusal(product: Product) -> str:
     can it take a transition that an accepting run takes again and again.
     """
     system = product.system
-    if not _accepts_anything(product):
+    if product.automaton.whole.initial == DEAD:
         regions = ", ".join(sorted(set[str]().union(*system.letters))) or "none"
         return (
             "no flight whatever satisfies the specification: it contradicts itself, or asks for regions together, or "
@@ -28,11 +28,18 @@ def refusal(product: Product) -> str:
     if not len(product.initial):
         label = _listed(system.letters[system.letter_of[product.start]])
         return f"the specification is violated where the flight starts, in triangle {product.start} ({label})"
-    if not product.out(np.flatnonzero(np.isfinite(product.distances))).marks.any():
+    if not _recurs(product):
         return f"no run satisfies the specification: {_how_far(product)}"
     return (
         f"the specification asks for something again and again that can happen only finitely often: {_how_far(product)}"
     )
+
+
+def _recurs(product: Product) -> bool:
+    """Whether the flight can do all that it must do again and again once, one after the other."""
+    waiting = product.along(product.automaton.in_turn()) if len(product.automaton.whole.pairs) == 1 else product
+    marks = waiting.out(np.flatnonzero(np.isfinite(waiting.distances))).marks
+    return any(bool((marks & inf).any()) for _, inf in waiting.automaton.whole.pairs)
 
 
 def _how_far(product: Product) -> str:
@@ -63,9 +70,3 @@ def _connected(system: TransitionSystem, start: int) -> IntArray:
     ends = rows, system.successors[rows, controls]
     graph = coo_array((np.ones(len(rows), dtype=np.int8), ends), shape=(system.size, system.size)).tocsr()
     return np.asarray(breadth_first_order(graph, start, return_predecessors=False), dtype=np.int64)
-
-
-def _accepts_anything(product: Product) -> bool:
-    """Whether an initial state leads to one that may recur, the letters in any order."""
-    reached = np.isfinite(automaton_graph(product.automaton).distances(product.automaton.initial))
-    return bool((reached & recurrent_automaton_states(product)).any())

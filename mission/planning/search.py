@@ -1,8 +1,9 @@
 """Best accepting runs of the product (paper, Sec. 5.2, for any formula and any costs).
 
-A run is a lasso: a way from the start to a state, its head, and a loop from there back to it, round which every
-acceptance set is met. *All* runs of the least cost are found: counted exactly, listed lazily, and picked by number
-without listing the ones before. How prefix and suffix are weighed against each other is the ``Objective``.
+A run is a lasso over triangles: a way from the start to one of them, the head, and a loop from there back to it, so
+that the word of the way with the loop repeated for ever is accepted. Whether the automaton, too, is back where it was
+after one round does not matter. *All* runs of the least cost are found: counted exactly, listed lazily, and picked by
+number without listing the ones before. How prefix and suffix are weighed against each other is the ``Objective``.
 """
 
 from collections.abc import Iterator
@@ -12,32 +13,14 @@ from itertools import accumulate
 import numpy as np
 
 from mission.errors import NoPlanError
-from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.arrays import IntArray
 from mission.planning.chains import Chain, Ways, chain
-from mission.planning.objective import SUFFIX_DECIDES, Objective, Rank
+from mission.planning.heads import Head, best_heads
+from mission.planning.objective import SUFFIX_DECIDES, Objective
 from mission.planning.product import Product
-from mission.planning.recurrence import accepting_components, recurrent_candidates
 from mission.planning.refusal import refusal
 from mission.planning.run import Run
 from mission.planning.sweeps import Graph
-from mission.planning.tours import Tours, loop_ways, tours
-
-
-@dataclass(frozen=True)
-class Head:
-    """A product state at which a best lasso enters its loop.
-
-    Attributes:
-        state: The product state.
-        distance: Cost of the cheapest way to it.
-        loop: Cost of the loop.
-        place: The tours that the loop is among, and the index of the state there; None for a stay.
-    """
-
-    state: int
-    distance: float
-    loop: float
-    place: tuple[Tours, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -69,8 +52,8 @@ class _Group:
 class ShortestRuns:
     """All runs of the least cost.
 
-    They are ordered by the cost of the prefix, then by the triangle in which the loop begins and the state (or set
-    of states) of the automaton there, then by the loop and then by the prefix, each compared from its end backward by
+    They are ordered by the cost of the prefix, then by the triangle in which the loop begins and the state of the
+    automaton there, then by the loop and then by the prefix, each compared from its end backward by
     control and by triangle.
 
     Attributes:
@@ -102,14 +85,19 @@ class ShortestRuns:
                 rank += 1
 
 
-def search(product: Product, objective: Objective = SUFFIX_DECIDES) -> ShortestRuns:
+def search(product: Product, objective: Objective = SUFFIX_DECIDES, *, closing: bool = False) -> ShortestRuns:
     """Find all best accepting runs.
+
+    Args:
+        product: P.
+        objective: What is best.
+        closing: Whether only such loops count that bring A back to where it was after one round: runs of P.
 
     Raises:
         NoPlanError: If there is none; the message says why, and how far the flight can get.
         SearchSizeError: If the best loop is beyond an exact search.
     """
-    heads = _heads(product, objective)
+    heads = best_heads(product, objective, closing=closing)
     if not heads:
         raise NoPlanError(refusal(product))
     groups: list[_Group] = []
@@ -118,65 +106,14 @@ def search(product: Product, objective: Objective = SUFFIX_DECIDES) -> ShortestR
     return ShortestRuns(round(objective.cost(heads[0].distance, heads[0].loop)), tuple(groups))
 
 
-def _heads(product: Product, objective: Objective) -> list[Head]:
-    """All heads of the least rank, by state.
-
-    A stay is a loop of one transition; every other loop takes two transitions at least, so it is looked for only where
-    it could be as good.
-    """
-    weights = product.system.weights
-    candidates = recurrent_candidates(product)
-    distances = product.distances[candidates]
-    stays = np.flatnonzero(product.accepting_stays(candidates))
-    loops = weights[product.parts(candidates[stays])[0], 0].astype(np.float64)
-    rank, chosen = _least(objective, distances[stays], loops)
-    found: dict[Rank, list[Head]] = {
-        rank: [Head(int(candidates[stays[i]]), float(distances[stays[i]]), float(loops[i])) for i in chosen.tolist()]
-    }
-    first, second = objective.ranks(distances, np.full(len(distances), 2.0 * float(weights.min())))
-    hopeful = (first < rank[0]) | ((first == rank[0]) & (second <= rank[1]))
-    for component in accepting_components(product, candidates) if hopeful.any() else ():
-        among, reached = tours(product, component, objective, rank)
-        best, chosen = _least(objective, product.distances[component.states], among.lengths)
-        if best > rank or not len(chosen):
-            continue
-        rank = reached
-        found.setdefault(rank, []).extend(
-            Head(
-                int(component.states[i]),
-                float(product.distances[component.states[i]]),
-                float(among.lengths[i]),
-                (among, i),
-            )
-            for i in chosen.tolist()
-        )
-    # A stay that accepts is among the tours, too, where these were looked for: one head for each state.
-    heads = {head.state: head for head in found[rank]}
-    return [heads[state] for state in sorted(heads)]
-
-
-def _least(objective: Objective, prefixes: FloatArray, suffixes: FloatArray) -> tuple[Rank, IntArray]:
-    """The least rank of lassos, and which of them have it; none where all suffixes are infinite."""
-    first, second = objective.ranks(prefixes, suffixes)
-    if not np.isfinite(first).any():
-        return (np.inf, np.inf), np.zeros(0, dtype=np.int64)
-    least = first.min()
-    then = second[first == least].min()
-    return (float(least), float(then)), np.flatnonzero((first == least) & (second == then))
-
-
 def _groups(product: Product, heads: list[Head]) -> Iterator[_Group]:
     """The runs to heads that are equally far from the start."""
     ways, states = _prefix_ways(product, np.array([head.state for head in heads]))
-    prefixes = chain([ways])
+    prefixes = chain(ways)
     head_of = {head.state: head for head in heads}
-    loops_of: dict[tuple[Head, ...], tuple[Chain, tuple[int, ...]]] = {}
-    for node, members in prefixes.ends:
-        key = tuple(head_of[int(states[member])] for member in members)
-        if key not in loops_of:
-            loops = chain([_loop_ways(product, head) for head in key])
-            loops_of[key] = loops, tuple(end for end, _ in loops.ends)
-        yield _Group(prefixes, node, *loops_of[key])
+    for node, end in prefixes.ends:
+        loops = chain(head_of[int(states[end])].ways())
+        yield _Group(prefixes, node, loops, tuple(closing for closing, _ in loops.ends))
 
 
 def _prefix_ways(product: Product, ends: IntArray) -> tuple[Ways, IntArray]:
@@ -203,12 +140,3 @@ def _prefix_ways(product: Product, ends: IntArray) -> tuple[Ways, IntArray]:
         ends=number[ends],
     )
     return ways, states
-
-
-def _loop_ways(product: Product, head: Head) -> Ways:
-    """The best loops of a head, as ways from it to itself."""
-    if head.place is not None:
-        return loop_ways(product, *head.place)
-    triangles, order = product.parts(np.repeat(np.array([head.state]), 2))
-    one = np.ones(1, dtype=np.int64)
-    return Ways(triangles, order, np.array([0.0, head.loop]), 0 * one, 0 * one, one, one)

@@ -12,16 +12,13 @@ little more than what can be on a tour that is good enough.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from mission.errors import SearchSizeError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.planning.bounds import Marked, TourTable
-from mission.planning.chains import Ways
 from mission.planning.objective import Objective, Rank
-from mission.planning.product import Product
 from mission.planning.recurrence import Component
 from mission.planning.sweeps import Graph
 
@@ -31,93 +28,52 @@ _ROUNDING = 1e-6
 """Costs are whole numbers; a bound of them that was divided by a weight need not be."""
 
 
-@dataclass(frozen=True, eq=False)
-class Tours:
-    """The cheapest tours through the states of a component, as far as they are not worse than what was asked for.
-
-    Attributes:
-        component: The part of P that they are in.
-        lengths: (n,) cost of the cheapest tour through each state; infinite where it was not asked for.
-    """
-
-    component: Component
-    lengths: FloatArray
-
-
-def tours(product: Product, component: Component, objective: Objective, rank: Rank) -> tuple[Tours, Rank]:
-    """Find the lassos of least rank whose loops lie in a component.
+def tours(
+    component: Component, prefixes: FloatArray, nearest: float, objective: Objective, rank: Rank, *, floor: float = 0.0
+) -> tuple[FloatArray, Rank]:
+    """Find the best tours of a component.
 
     Args:
-        product: P.
-        component: One of its accepting components.
+        component: An accepting component of a product.
+        prefixes: (n,) cost of the cheapest way to each of its states.
+        nearest: Cost of the cheapest way to any of its triangles, in whatever state of A.
         objective: What is best.
         rank: What is known to be reached elsewhere; worse tours are of no interest.
+        floor: What cheaper tours are taken to cost: a stay, which is one, may be looked at elsewhere.
 
     Returns:
-        The tours, exact for every state at which a lasso of least rank can enter its loop; and that rank, or the one
-        that was given where none is as good.
+        (n,) cost of the cheapest tour through each state, exact where a lasso of least rank, from any state of A in one
+        of its triangles, can have such a loop, and else perhaps infinite; and the least rank of lassos that enter the
+        component and go round, or the one that was given where none is as good.
 
     Raises:
         SearchSizeError: There are too many marks, or too many states are in question.
     """
-    sets = product.all_marks.bit_length()
+    sets = component.every.bit_length()
     if sets > MOST_SETS:
         raise SearchSizeError(f"a tour of {sets} tasks is beyond an exact search, which takes at most {MOST_SETS}")
-    prefixes = product.distances[component.states]
-    nearest = float(prefixes.min())
     marked = Marked.of(component, sets)
     mark, anchors = marked.anchors()
     table = TourTable.of(marked, mark)
-    best = min(rank, objective.rank(nearest + float(np.ptp(prefixes)), _some_tour(marked, table, anchors)))
+    best = min(rank, objective.rank(float(prefixes.max()), _some_tour(marked, table, anchors)))
     longest = objective.longest_suffix(best, nearest) + _ROUNDING
-    nothing = Tours(component, np.full(component.size, np.inf))
 
     bounds = table.through(np.arange(component.size))
     bounds[-1, anchors] = bounds[0, anchors]  # a tour ends where it began, with all marks
     kept = bounds.min(axis=0) <= longest
     if not kept[anchors].any():
-        return nothing, rank
-    lifted = _Lifted.of(component.part(kept), bounds[:, kept] <= longest, product.all_marks)
+        return np.full(component.size, np.inf), rank
+    lifted = _Lifted.of(component.part(kept), bounds[:, kept] <= longest)
     number = np.cumsum(kept) - 1
     lengths = np.full(component.size, np.inf)
     best = rank
     for found in lifted.tours_through(number[anchors[kept[anchors]]], longest):
-        lengths[kept] = np.minimum(lengths[kept], found)
+        lengths[kept] = np.minimum(lengths[kept], np.maximum(found, floor))
         first, second = objective.ranks(prefixes, lengths)
         least = first.min()
         best = min(best, (float(least), float(second[first == least].min())))
         lifted.longest = min(lifted.longest, objective.longest_suffix(best, nearest) + _ROUNDING)
-    return Tours(component, lengths), best
-
-
-def loop_ways(product: Product, found: Tours, head: int) -> Ways:
-    """The cheapest tours through a state, as ways from it to itself.
-
-    Args:
-        product: P.
-        found: Tours through its component.
-        head: Index of the state in the component.
-    """
-    length = found.lengths[head]
-    kept = found.lengths <= length
-    part = found.component.part(kept)
-    lifted = _Lifted.of(part, np.ones((product.all_marks + 1, part.size), dtype=np.bool_), product.all_marks)
-    begin, end = lifted.ends(np.array([np.count_nonzero(kept[:head])]))
-    onward, back = lifted.graph.distances(begin), lifted.graph.reversed.distances(end)
-    edge = onward[lifted.sources] + lifted.weights + back[lifted.targets] == length
-    states = np.flatnonzero(onward + back == length)
-    number = np.full(lifted.size, -1, dtype=np.int64)
-    number[states] = np.arange(len(states))
-    triangles, automaton_states = product.parts(part.states[lifted.state_of[states]])
-    return Ways(
-        triangles=triangles,
-        order=automaton_states * (product.all_marks + 1) + lifted.borne[states],
-        distances=onward[states],
-        sources=number[lifted.sources[edge]],
-        controls=lifted.controls[edge],
-        targets=number[lifted.targets[edge]],
-        ends=number[end],
-    )
+    return lengths, best
 
 
 def _some_tour(marked: Marked, table: TourTable, anchors: IntArray) -> float:
@@ -143,7 +99,7 @@ class _Lifted:
         state_of: The state of each vertex.
         borne: The marks borne at each vertex, as bits.
         longest: Cost of the costliest tour that is still of interest.
-        sources: (E,) vertex that a transition leaves; ``targets``, ``controls``, ``weights`` likewise.
+        sources: (E,) vertex that a transition leaves; ``targets``, ``weights`` likewise.
     """
 
     def __init__(
@@ -153,19 +109,19 @@ class _Lifted:
         self.borne, self.state_of = np.nonzero(number >= 0)
         self.size = len(self.borne)
         self.sources, self.targets = sources, targets
-        self.controls, self.weights = component.controls[edges], component.weights[edges]
+        self.weights = component.weights[edges]
         self.longest = np.inf
         self.graph = Graph.from_edges(self.size, sources, targets, self.weights)
 
     @staticmethod
-    def of(component: Component, kept: BoolArray, every: int) -> "_Lifted":
+    def of(component: Component, kept: BoolArray) -> "_Lifted":
         """Lift a component; ``kept`` (2^K, n) says which vertices are made."""
         size = int(np.count_nonzero(kept))
         if size > _MOST_VERTICES:
             raise SearchSizeError(f"the best tour is one of too many: {size:,} states of it are in question")
         number = np.where(kept, np.cumsum(kept, dtype=np.int32).reshape(kept.shape) - 1, np.int32(-1))
         sources, targets, edges = [], [], []
-        for borne in range(every + 1):
+        for borne in range(component.every + 1):
             begin = number[borne, component.sources]
             end = number[borne | component.marks, component.targets]
             there = np.flatnonzero((begin >= 0) & (end >= 0) & (begin != end))

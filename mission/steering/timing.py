@@ -183,7 +183,8 @@ def _bounds(
     first = maximum_filter1d(curve.norm_bounds(even, 1, curve.on_grid(cells, 1)), reach, mode="nearest")
     second = maximum_filter1d(curve.norm_bounds(even, 2, curve.on_grid(cells, 2)), reach, mode="nearest")
     # Doubling distances from a stop, from an eighth of the shortest ramp to full speed up to the even grid's width.
-    ramp = float(first.max()) / (2.0 * limit)
+    # A path that stays in one place has no ramp.
+    ramp = max(float(first.max()) / (2.0 * limit), _SAME_PLACE * curve.duration_s)
     doublings = max(1, math.ceil(math.log2(max(2.0, 8.0 * width / ramp)))) + 1
     steps = ramp / 8.0 * 2.0 ** np.arange(doublings)
     near = (stops[:, None] + np.concatenate((-steps, [0.0], steps))).ravel()
@@ -207,7 +208,7 @@ def _largest_squares(
         stops: Knots at which the vehicle stands still.
     """
     speed, limit = limits
-    tiny = np.finfo(np.float64).tiny
+    tiny = 1e-100  # against 0 / 0, and small enough that its square is no infinity
     of_cell = np.minimum(1.0, np.minimum((speed / np.maximum(first, tiny)) ** 2, limit / np.maximum(second, tiny)))
     squares: FloatArray = np.minimum(np.append(of_cell, 1.0), np.append(1.0, of_cell))
     squares[np.searchsorted(grid, stops)] = 0.0

@@ -15,7 +15,6 @@ from functools import partial
 import numpy as np
 import pytest
 
-from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
 from mission.plan.best_runs import best_runs
@@ -87,9 +86,8 @@ def of_tours() -> Iterator[Bar]:
         start = int(np.argmax(system.letter_of == 0))
         found = best_runs(system, required, start, Semantics.STANDARD, Objective())
         best += found.exact and len(found.runs[0].suffix) == optimal_tour(system, start, TOUR)
-        in_turn = search(
-            Product(system, compile_to_alphabet(required.automaton, system.letters), start, Semantics.STANDARD)
-        )
+        waiting = Product(system, found.product.automaton.in_turn(), start, Semantics.STANDARD)
+        in_turn = search(waiting, closing=True)
         ratios.append(len(in_turn[0].suffix) / len(found.runs[0].suffix))
     remark = f"one fixed order is up to {max(ratios):.2f} times longer, {sum(ratios) / PATROLS:.2f} on average"
     yield at_least(f"patrols of {TOUR} regions that match the tour found by brute force", best, PATROLS, remark)

@@ -15,15 +15,14 @@ from scipy.sparse.csgraph import dijkstra
 from mission.geometry.regions import label_triangles
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.automata.automaton import CompiledGeneralised, compile_generalised, compile_to_alphabet, generalised
-from mission.logic.formula.parser import parse_formula
+from mission.logic.automata.conjunction import Conjunction
 from mission.plan.costs import transition_weights
-from mission.plan.specification import Specification
 from mission.planning.product import Product
 from mission.planning.search import ShortestRuns, search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Cost, Semantics
 from tests.support.domains import random_nodes
+from tests.support.required import required
 
 
 def in_order(names: list[str]) -> str:
@@ -73,7 +72,7 @@ def mesh(triangles: int) -> Partition:
     return triangulate_nodes(random_nodes(1, triangles // 2 + 10))
 
 
-def problem(case: Case) -> tuple[TransitionSystem, CompiledGeneralised, int]:
+def problem(case: Case) -> tuple[TransitionSystem, Conjunction, int]:
     """The transition system, the automaton over its letters, and the triangle to start from."""
     partition, rng = mesh(case.triangles), np.random.default_rng(2)
     centres = partition.corners_m.mean(axis=1)
@@ -87,17 +86,12 @@ def problem(case: Case) -> tuple[TransitionSystem, CompiledGeneralised, int]:
     labelling = label_triangles(partition.size, members | {"k": restricted})
     weights = transition_weights(partition, case.cost, 1.0)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
-    required = Specification(parse_formula(f"{case.formula_of(list(members))} & G !k"))
-    automaton = (
-        compile_generalised(required.generalised, labelling.letters)
-        if required.generalised.sets > 1
-        else generalised(compile_to_alphabet(required.automaton, labelling.letters))
-    )
-    assert automaton.states == case.states
+    automaton = required(f"{case.formula_of(list(members))} & G !k", labelling.letters)
+    assert automaton.size == case.states
     return system, automaton, int(np.flatnonzero(bare & ~restricted)[0])
 
 
-def searched(system: TransitionSystem, automaton: CompiledGeneralised, start: int) -> ShortestRuns:
+def searched(system: TransitionSystem, automaton: Conjunction, start: int) -> ShortestRuns:
     """Product and search; the last run is looked up, so that all are counted."""
     runs = search(Product(system, automaton, start, Semantics.STANDARD))
     _ = runs[runs.count - 1]

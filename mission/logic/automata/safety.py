@@ -12,7 +12,8 @@ from typing import Final
 import numpy as np
 
 from mission.errors import AutomatonSizeError
-from mission.logic.automata.automaton import CompiledAutomaton, IntArray, states_with_nonempty_language
+from mission.logic.automata.automaton import CompiledAutomaton, IntArray
+from mission.logic.automata.rabin import DEAD, Rabin
 
 MAX_STATES: Final = 4096
 """Sets of automaton states that are told apart."""
@@ -49,6 +50,10 @@ class Safety:
             accepting=np.arange(states) == self.bad,
         )
 
+    def watched(self) -> Rabin:
+        """A deterministic automaton of all words, which moves on with what may still become of them."""
+        return Rabin(self.rows, np.zeros_like(self.rows), ((1, 0),), self.initial)
+
     def after(self, states: Iterable[int]) -> "Safety":
         """The same for words that go on from these states, whichever of them it is: bad where it is for one of them.
 
@@ -65,24 +70,14 @@ class Safety:
         return _explored(lost if self.bad in start else start, lost, self.rows.shape[1], follow)
 
 
-def safety_of(automaton: CompiledAutomaton, letters: int) -> Safety:
-    """The bad prefixes of an automaton's language over ``letters`` letters, by determinisation.
-
-    Raises:
-        AutomatonSizeError: More than ``MAX_STATES`` sets of its states can be told apart.
-    """
-    alive = states_with_nonempty_language(automaton)
-    targets: dict[tuple[int, int], set[int]] = {}
-    rows = zip(automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), strict=True)
-    for source, letter, target in rows:
-        if alive[target]:
-            targets.setdefault((source, letter), set()).add(target)
-
-    def follow(here: _States, letter: int) -> _States:
-        return frozenset(target for state in here for target in targets.get((state, letter), ()))
-
-    start = frozenset(state for state in automaton.initial.tolist() if alive[state])
-    return _explored(start, frozenset(), letters, follow)
+def safety_of(automaton: Rabin) -> Safety:
+    """The bad prefixes of the language of a deterministic automaton all of whose states accept something."""
+    lost = automaton.size
+    rows = np.vstack((automaton.targets, np.full(automaton.targets.shape[1], DEAD)))
+    if automaton.initial == DEAD:
+        rows = rows[-1:]
+        lost = 0
+    return Safety(np.where(rows == DEAD, lost, rows), lost if automaton.initial == DEAD else automaton.initial)
 
 
 def _explored(start: _States, lost: _States, letters: int, follow: Callable[[_States, int], _States]) -> Safety:

@@ -20,6 +20,7 @@ from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 from tests.support.formulas import random_formula
 from tests.support.products import random_system
+from tests.support.required import required
 
 NAMES = ("a", "b", "k")
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}), frozenset({"a", "b"}), frozenset({"k"}))
@@ -42,9 +43,8 @@ def has_a_run(system: TransitionSystem, parts: tuple[Part, ...], semantics: Sema
     successors = np.where((system.successors >= 0) & ~blocked[system.successors], system.successors, -1)
     narrowed = TransitionSystem(successors, system.letter_of, system.letters)
     formula = conjunction(*(part.formula for part in parts if not part.restricted))
-    automaton = compile_to_alphabet(translate(formula), system.letters)
     try:
-        search(Product(narrowed, automaton, 0, semantics))
+        search(Product(narrowed, required(formula, system.letters), 0, semantics))
     except NoPlanError:
         return False
     return True

@@ -20,6 +20,7 @@ from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import UNTIL_STOPPED, Extension
 from mission.steering.joined import JoinedCurve
 from mission.steering.smoothing import FourierCurve, fit_fourier
+from tests.support.required import required
 from tests.support.small_missions import ROUNDS, plan_of
 
 PATROL = Path(__file__).parents[3] / "missions" / "patrol.yaml"
@@ -153,7 +154,7 @@ def test_what_must_be_kept_on_the_way_back_is_kept() -> None:
 def test_the_proof_of_the_way_back_refuses_one_that_violates() -> None:
     plan = plan_of(ROUNDS)
     stricter = plan_of(ROUNDS.replace("& G !pond", "& G !pond & G (east -> G !home)"))
-    safety = safety_of(stricter.compiled, len(stricter.labelling.letters))
+    safety = safety_of(required(stricter.formula, stricter.labelling.letters).whole)
     prover = prover_of(plan.spec, plan.partition, plan.labelling, safety.refutation(), plan.restricted)
     reached = prover.reached(plan.certified, plan.certificate)
     back = JoinedCurve(plan.curve.legs[2:])

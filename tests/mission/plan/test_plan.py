@@ -10,9 +10,9 @@ import pytest
 from mission.errors import FormulaSyntaxError, NoPlanError, SpecError
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_mission, plan_to_json, shortest_runs
-from mission.spec.loader import load_mission
+from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing
-from tests.support.small_missions import ROUNDS, plan_of
+from tests.support.small_missions import ROUNDS
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -171,5 +171,6 @@ def test_a_formula_that_is_none_is_refused(paper: FlightPlan) -> None:
 )
 def test_where_nothing_is_proved_it_says_what_may_help(frequencies: str, disturbance: float, advice: str) -> None:
     text = ROUNDS.replace("disturbance_m_s2: 0.4", f"disturbance_m_s2: {disturbance}")
+    spec = parse_mission((text + f"smoothing: {{frequencies: {frequencies}}}\n").encode())
     with pytest.raises(NoPlanError, match=advice):
-        plan_of(text + f"smoothing: {{frequencies: {frequencies}}}\n")
+        plan_mission(spec, run=0)  # no other run is tried in its place

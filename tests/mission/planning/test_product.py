@@ -5,27 +5,32 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.logic.automata.automaton import CompiledAutomaton, CompiledGeneralised
+from mission.logic.automata.conjunction import Conjunction
+from mission.logic.automata.rabin import DEAD, Rabin
 from mission.planning.product import Product
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
-from tests.support.products import Shape, random_automaton, random_system
+from tests.support.products import random_rabin, random_system
 
 State = tuple[int, int]
 
 
-def by_definition(system: TransitionSystem, automaton: CompiledGeneralised) -> dict[tuple[State, int], set[State]]:
+def alone(automaton: Rabin) -> Conjunction:
+    """As it is, states that accept nothing included."""
+    return Conjunction((automaton,), automaton, np.arange(automaton.size)[:, None])
+
+
+def by_definition(system: TransitionSystem, automaton: Rabin) -> dict[tuple[State, int], set[State]]:
     """delta_P((x, q), u) = {(x', q') : x' = delta(x, u), q' in R(q, o(x'))}."""
-    rows = zip(automaton.sources.tolist(), automaton.letters.tolist(), automaton.targets.tolist(), strict=True)
-    relation = set(rows)
+    relation = {(q, letter, int(after)) for (q, letter), after in np.ndenumerate(automaton.targets)}
     found: dict[tuple[State, int], set[State]] = {}
     for x in range(system.size):
         for u in range(4):
             y = int(system.successors[x, u])
-            for q in range(automaton.states):
+            for q in range(automaton.size):
                 letter = int(system.letter_of[y])
                 found[(x, q), u] = {
-                    (y, after) for after in range(automaton.states) if y >= 0 and (q, letter, after) in relation
+                    (y, after) for after in range(automaton.size) if y >= 0 and (q, letter, after) in relation
                 }
     return found
 
@@ -52,8 +57,8 @@ def test_transitions_distances_and_ways_are_those_of_the_definition(
 ) -> None:
     rng = np.random.default_rng(seed)
     system = random_system(rng, triangles, 2)
-    automaton = random_automaton(rng, 2, Shape(states, 1, density))
-    product = Product(system, automaton, 0, semantics)
+    automaton = random_rabin(rng, 2, states, density)
+    product = Product(system, alone(automaton), 0, semantics)
 
     def pair(code: int) -> State:
         x, q = product.parts(np.array([code], dtype=np.int32))
@@ -67,7 +72,7 @@ def test_transitions_distances_and_ways_are_those_of_the_definition(
         for row, u, after in zip(steps.rows.tolist(), steps.controls.tolist(), steps.states.tolist(), strict=True)
     ]
     assert sorted(listed) == sorted((s, u, after) for (s, u), entered in delta.items() for after in entered)
-    initial = {(0, q) for q in automaton.initial.tolist()}
+    initial = {(0, automaton.initial)}
     if semantics is Semantics.STANDARD:  # A reads o(x_0) first: as if u_0 led to the start
         initial = set().union(*(delta[state, 0] for state in initial))
     assert {pair(c) for c in product.initial.tolist()} == initial
@@ -83,8 +88,7 @@ def test_transitions_distances_and_ways_are_those_of_the_definition(
 def test_a_start_that_the_automaton_rejects_has_no_initial_state(semantics: Semantics) -> None:
     rng = np.random.default_rng(0)
     system = random_system(rng, 3, 2)
-    none = np.zeros(0, dtype=np.int64)
-    stuck = CompiledAutomaton(1, none, none, none, np.array([0]), np.array([True]))
-    product = Product(system, stuck, 0, semantics)
+    stuck = Rabin(np.full((1, 2), DEAD), np.zeros((1, 2), dtype=np.int64), ((0, 1),))
+    product = Product(system, alone(stuck), 0, semantics)
     assert len(product.initial) == (0 if semantics is Semantics.STANDARD else 1)
     assert product.reachable_size == len(product.initial)

@@ -8,7 +8,8 @@ from mission.planning.product import Product
 from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
-from tests.support.curves import compiled, marked, paper_labelling, paper_partition
+from tests.support.curves import marked, paper_labelling, paper_partition
+from tests.support.required import required
 
 LABELLING = paper_labelling()
 SYSTEM = TransitionSystem.from_partition(paper_partition(), LABELLING, marked(paper_partition(), (6,)))
@@ -27,7 +28,7 @@ SYSTEM = TransitionSystem.from_partition(paper_partition(), LABELLING, marked(pa
 )
 def test_the_reason_is_given(formula: str, says: str) -> None:
     with pytest.raises(NoPlanError) as refused:
-        search(Product(SYSTEM, compiled(formula, LABELLING.letters), 0, Semantics.STANDARD))
+        search(Product(SYSTEM, required(formula, LABELLING.letters), 0, Semantics.STANDARD))
     assert says in str(refused.value)
 
 
@@ -35,11 +36,11 @@ def test_a_start_without_a_label_is_called_no_region() -> None:
     bare = LABELLING.letters.index(frozenset())
     start = int(np.flatnonzero(LABELLING.letter_of == bare)[0])
     with pytest.raises(NoPlanError, match=rf"in triangle {start} \(no region\)"):
-        search(Product(SYSTEM, compiled("S1", LABELLING.letters), start, Semantics.STANDARD))
+        search(Product(SYSTEM, required("S1", LABELLING.letters), start, Semantics.STANDARD))
 
 
 def test_a_one_way_map_cannot_satisfy_a_recurrent_formula() -> None:
     letters = (frozenset({"R"}), frozenset({"S1"}))
     one_way = TransitionSystem(np.array([[0, 1, -1, -1], [1, -1, -1, -1]]), np.array([0, 1]), letters)
     with pytest.raises(NoPlanError, match=r"only finitely often: from triangle 0 the flight can reach R, S1$"):
-        search(Product(one_way, compiled("G F R & G F S1", letters), 0, Semantics.STANDARD))
+        search(Product(one_way, required("G F R & G F S1", letters), 0, Semantics.STANDARD))

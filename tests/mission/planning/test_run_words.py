@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from mission.errors import NoPlanError
 from mission.geometry.regions import label_triangles
 from mission.geometry.triangulation import triangulate_nodes
-from mission.logic.automata.automaton import compile_to_alphabet
-from mission.logic.automata.translate import translate
+from mission.logic.automata.automaton import GeneralisedBuchi, MarkedEdge
+from mission.logic.automata.guards import Guard
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import negation
 from mission.logic.formula.word import LassoWord, satisfies
@@ -19,6 +19,8 @@ from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 from tests.support.domains import random_nodes
+from tests.support.required import given as given_automaton
+from tests.support.required import required
 
 FORMULAS = [
     "F (a & F b) & G !c",
@@ -61,7 +63,7 @@ def test_words_of_shortest_runs_satisfy_the_formula(
     blocked = rng.random(partition.size) < 0.15
     system = TransitionSystem.from_partition(partition, labelling, blocked)
     wanted = negation(parse_formula(formula)) if negated else parse_formula(formula)
-    automaton = compile_to_alphabet(translate(wanted), system.letters)
+    automaton = required(wanted, system.letters)
     start = int(np.argmin(blocked))
     try:
         runs = search(Product(system, automaton, start, semantics))
@@ -86,13 +88,13 @@ def test_a_guessing_automaton_has_the_runs_of_the_one_that_does_not_guess(side: 
     letter_of = (places == places[-1]).astype(np.int64)
     letters = (frozenset[str](), frozenset({"a"}))
     system = TransitionSystem(successors, letter_of, letters)
-    sure = compile_to_alphabet(translate(parse_formula("F a")), letters)
+    a, other, anything = (Guard(("a",), (cube,)) for cube in ((1, 0), (0, 1), (0, 0)))
     # 0 and 1 both read anything on the way, and either may be the one that sees a: two ways for each sequence.
-    rows = np.array([(0, 0, 0), (0, 0, 1), (1, 0, 0), (1, 0, 1), (0, 1, 2), (1, 1, 2), (2, 0, 2), (2, 1, 2)])
-    accepting = np.array([False, False, True])
-    guessing = type(sure)(3, rows[:, 0], rows[:, 1], rows[:, 2], np.array([0, 1]), accepting)
-    plain = search(Product(system, sure, 0, Semantics.STANDARD))
-    guessed = search(Product(system, guessing, 0, Semantics.STANDARD))
+    moves = [(0, other, 0), (0, other, 1), (0, a, 2), (1, other, 0), (1, other, 1), (1, a, 2)]
+    edges = (*(MarkedEdge(*move, ()) for move in moves), MarkedEdge(2, anything, 2, (0,)))
+    guessing = GeneralisedBuchi(("a",), 3, (0, 1), 1, edges)
+    plain = search(Product(system, required("F a", letters), 0, Semantics.STANDARD))
+    guessed = search(Product(system, given_automaton(guessing, letters), 0, Semantics.STANDARD))
     assert (guessed.cost, guessed.count) == (plain.cost, plain.count)
     for index in (0, 1, plain.count // 2, plain.count - 1):
         assert guessed[index] == plain[index]

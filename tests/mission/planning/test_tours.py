@@ -6,14 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError, SearchSizeError
-from mission.logic.automata.automaton import compile_generalised, compile_to_alphabet
-from mission.logic.automata.translate import translate, translate_generalised
 from mission.logic.formula.parser import parse_formula
 from mission.planning.objective import Objective
 from mission.planning.product import Product
 from mission.planning.search import search
 from mission.spec.model import Semantics
 from tests.support.patrols import loop_cost, optimal_tour, patrol
+from tests.support.required import required
 
 
 @settings(max_examples=40, deadline=None)
@@ -26,7 +25,7 @@ from tests.support.patrols import loop_cost, optimal_tour, patrol
 def test_patrols_of_a_few_regions_are_optimal_tours(seed: int, regions: int, size: int, most: int) -> None:
     system = patrol(seed, 24, regions, size, most)
     formula = parse_formula(" & ".join(f"G F r{i}" for i in range(regions)))
-    automaton = compile_generalised(translate_generalised(formula), system.letters)
+    automaton = required(formula, system.letters)
     start = int(np.argmax(system.letter_of == 0))
     product = Product(system, automaton, start, Semantics.STANDARD)
     optimum = optimal_tour(system, start, regions)
@@ -48,18 +47,18 @@ def test_a_patrol_of_eight_regions_is_an_optimal_tour(seed: int) -> None:
     system = patrol(seed, 100, 8, 1, 1)
     formula = parse_formula(" & ".join(f"G F r{i}" for i in range(8)))
     start = int(np.argmax(system.letter_of == 0))
-    automaton = compile_generalised(translate_generalised(formula), system.letters)
+    automaton = required(formula, system.letters)
     best = search(Product(system, automaton, start, Semantics.STANDARD))[0]
     assert len(best.suffix) == optimal_tour(system, start, 8)
     # One acceptance set, whose automaton waits for the regions in one order, cannot do better.
-    in_turn = compile_to_alphabet(translate(formula), system.letters)
-    assert len(search(Product(system, in_turn, start, Semantics.STANDARD))[0].suffix) >= len(best.suffix)
+    in_turn = Product(system, automaton.in_turn(), start, Semantics.STANDARD)
+    assert len(search(in_turn, closing=True)[0].suffix) >= len(best.suffix)
 
 
 def test_more_acceptance_sets_than_an_exact_search_takes_are_refused() -> None:
     system = patrol(0, 60, 13, 1, 1)
     formula = parse_formula(" & ".join(f"G F r{i}" for i in range(13)))
-    automaton = compile_generalised(translate_generalised(formula), system.letters)
+    automaton = required(formula, system.letters)
     start = int(np.argmax(system.letter_of == 0))
     with pytest.raises(SearchSizeError, match="13"):
         search(Product(system, automaton, start, Semantics.STANDARD))

@@ -18,8 +18,9 @@ from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 from mission.steering.path import SteeringPath, build_path
-from tests.support.curves import compiled, paper_path
+from tests.support.curves import paper_path
 from tests.support.domains import random_nodes
+from tests.support.required import required
 from tests.support.triangles import shares
 
 
@@ -29,7 +30,7 @@ def random_run(seed: int, count: int, formula: str) -> tuple[Partition, Run]:
     members = {name: np.arange(partition.size) == rng.integers(partition.size) for name in "ab"}
     labelling = label_triangles(partition.size, members)
     system = TransitionSystem.from_partition(partition, labelling, np.zeros(partition.size, dtype=np.bool_))
-    automaton = compiled(formula, labelling.letters)
+    automaton = required(formula, labelling.letters)
     try:
         runs = search(Product(system, automaton, int(rng.integers(partition.size)), Semantics.STANDARD))
     except NoPlanError:

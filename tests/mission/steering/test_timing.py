@@ -178,3 +178,10 @@ def test_impossible_limits_are_refused(change: dict[str, Any]) -> None:
 def test_what_is_no_law_is_refused(times: list[float], places: list[float], rates: list[float]) -> None:
     with pytest.raises(ValueError, match="time law"):
         TimeLaw(np.array(times), np.array(places), np.array(rates), 0.5)
+
+
+def test_a_path_that_stays_in_one_place_has_a_law() -> None:
+    curve = FourierCurve(Extension.ODD, 1.0, np.array([3.0, 4.0]), np.zeros(2), np.zeros((1, 2)))
+    law = time_law(curve, speed_m_s=5.0, acceleration_m_s2=2.0, tilt_rad=0.4, holds=((1.0, 2.0),))
+    assert math.isfinite(law.duration_s)
+    assert law.duration_s >= 2.0

@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 
 from mission.errors import AutomatonSizeError
 from mission.logic.automata import safety
-from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import Safety, safety_of
-from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
+from tests.support.required import required
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
 FORMULAS = (
@@ -33,7 +32,7 @@ FORMULAS = (
 
 
 def of(formula: str) -> Safety:
-    return safety_of(compile_to_alphabet(translate(parse_formula(formula)), LETTERS), len(LETTERS))
+    return safety_of(required(formula, LETTERS).whole)
 
 
 def after(found: Safety, word: tuple[int, ...]) -> int:
@@ -92,6 +91,7 @@ def test_going_on_from_several_states_is_bad_where_it_is_from_one(
 
 
 def test_what_takes_too_many_states_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = of("G (b -> (b W (!b W a)))")
     monkeypatch.setattr(safety, "MAX_STATES", 2)
     with pytest.raises(AutomatonSizeError, match="more than 2 states"):
-        of("G (b -> (b W (!b W a)))")
+        found.after({found.initial})
