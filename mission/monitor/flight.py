@@ -24,6 +24,7 @@ class FlightMonitor:
             plan.labelling,
             satisfied_by=plan.required.satisfied_by,
             automata=plan.compiled_parts,
+            whole=plan.deterministic,
             refutation=plan.compiled_refutation,
             semantics=plan.spec.semantics,
             restricted=plan.restricted,

@@ -16,6 +16,7 @@ from mission.geometry.arrays import BoolArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
+from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.word import LassoWord
 from mission.monitor.laps import LapCounter
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
@@ -70,6 +71,7 @@ class Monitor:
         labelling: Labels of the domain.
         satisfied_by: Whether a word satisfies the specification, by its definition.
         automata: Of the conjuncts of the specification, over ``labelling.letters``.
+        whole: Of all of it, over the same, each of its states accepting something.
         refutation: Of the words that do not satisfy it, over the same.
         semantics: Whether the label of the first triangle is read.
         restricted: Shape (M,), triangles that must not be entered.
@@ -84,6 +86,7 @@ class Monitor:
         *,
         satisfied_by: Callable[[LassoWord], bool],
         automata: Sequence[CompiledAutomaton],
+        whole: Rabin,
         refutation: CompiledAutomaton,
         semantics: Semantics,
         restricted: BoolArray,
@@ -93,7 +96,7 @@ class Monitor:
         self._locator, self._labelling = locator, labelling
         self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
-        self._watch = FormulaWatch(automata, refutation, labelling.letters)
+        self._watch = FormulaWatch(automata, whole, refutation, labelling.letters)
         self._laps = LapCounter(suffix, labelling) if suffix else None
         self._laps_asked = laps
         self._last: tuple[float, Point] | None = None

@@ -2,10 +2,10 @@
 
 A finite word is judged by its infinite continuations (Bauer, Leucker and Schallhart, "Runtime verification for LTL and
 TLTL", 2011): it is *true* if all of them satisfy the specification, *false* if none does, and *open* otherwise. It is
-false when no continuation is accepted by the automata of all conjuncts together, which may be where each conjunct alone
-could still be satisfied; and true when an automaton of the words that violate it, cleared of states from which nothing
-is accepted, has no run left. Continuations are over the letters of the domain; that not every sequence of them can be
-flown is left out of account, so open may be said for a word whose fate the map has sealed.
+false when a deterministic automaton of all of it, without states that accept nothing, has no run on it, which may be
+where each conjunct alone could still be satisfied; and true when an automaton of the words that violate it, cleared of
+states from which nothing is accepted, has no run left. Continuations are over the letters of the domain; that not every
+sequence of them can be flown is left out of account, so open may be said for a word whose fate the map has sealed.
 """
 
 from collections import deque
@@ -13,9 +13,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from mission.logic.automata.automaton import CompiledAutomaton, generalised, states_with_nonempty_language
+from mission.logic.automata.automaton import CompiledAutomaton, states_with_nonempty_language
 from mission.logic.automata.components import strong_components
-from mission.logic.automata.side_by_side import SideBySide
+from mission.logic.automata.rabin import DEAD, Rabin
 
 
 class Verdict(StrEnum):
@@ -66,7 +66,8 @@ class FormulaWatch:
     """Reads a word letter by letter and says what is known of it.
 
     Args:
-        automata: Of the conjuncts of the specification, over ``letters``; at least one.
+        automata: Of the conjuncts of the specification, over ``letters``.
+        whole: Of all of it, over the same, each of its states accepting something.
         refutation: Of what violates it, over the same.
         letters: The alphabet, sets of region names.
     """
@@ -74,17 +75,18 @@ class FormulaWatch:
     def __init__(
         self,
         automata: Sequence[CompiledAutomaton],
+        whole: Rabin,
         refutation: CompiledAutomaton,
         letters: tuple[frozenset[str], ...],
     ) -> None:
-        self._all = SideBySide([generalised(automaton) for automaton in automata])
-        self._states = self._all.initial
+        self._whole, self._state = whole, int(whole.initial)
         self._parts = [_Part(automaton, letters) for automaton in automata]
         self._refuting = _Runs(refutation)
 
     def read(self, letter: int) -> None:
         """Go on by one letter, an index into the alphabet."""
-        self._states = self._all.after(self._states, letter)
+        if self._state != DEAD:
+            self._state = int(self._whole.targets[self._state, letter])
         for part in self._parts:
             part.read(letter)
         self._refuting.read(letter)
@@ -92,7 +94,7 @@ class FormulaWatch:
     @property
     def verdict(self) -> Verdict:
         """What is known of every continuation of the word read so far."""
-        if not self._states:
+        if self._state == DEAD:
             return Verdict.FALSE
         return Verdict.OPEN if self._refuting.states else Verdict.TRUE
 

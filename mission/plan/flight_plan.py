@@ -9,6 +9,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.automata.combination import union
+from mission.logic.automata.rabin import Rabin
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
@@ -184,6 +185,11 @@ class FlightPlan:
         return compile_to_alphabet(self.automaton, self.labelling.letters)
 
     @cached_property
+    def deterministic(self) -> Rabin:
+        """A deterministic automaton of what the flight satisfies, over the letters of the domain."""
+        return deterministic_of(self.required.formula, self.required.given, self.labelling.letters).whole
+
+    @cached_property
     def compiled_parts(self) -> tuple[CompiledAutomaton, ...]:
         """An automaton of each conjunct, over the letters of the domain."""
         return tuple(compile_to_alphabet(part, self.labelling.letters) for part in self.required.automata)
@@ -235,7 +241,7 @@ def certify_homeward_again(plan: FlightPlan, certificate: Certificate) -> Certif
     """
     if len(plan.curve.legs) == len(plan.certified.legs):
         return None
-    safety = safety_of(deterministic_of(plan.required.formula, plan.required.given, plan.labelling.letters).whole)
+    safety = safety_of(plan.deterministic)
     prover = prover_of(plan.spec, plan.partition, plan.labelling, safety.refutation(), plan.restricted)
     reached = prover.reached(plan.certified, certificate)
     return prover.certify(JoinedCurve(plan.curve.legs[len(plan.certified.legs) :]), begins=reached)

@@ -13,6 +13,7 @@ from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.monitor import Monitor, ViolationKind
 from mission.monitor.verdict import Verdict
+from mission.plan.specification import deterministic_of
 from mission.spec.model import Semantics
 from tests.support.curves import (
     PAPER_FORMULA,
@@ -38,6 +39,7 @@ def monitor(
         labels,
         satisfied_by=lambda word: satisfies(word, parse_formula(formula)),
         automata=(compiled(formula, labels.letters),),
+        whole=deterministic_of(parse_formula(formula), None, labels.letters).whole,
         refutation=refuting(formula, labels.letters),
         semantics=semantics,
         restricted=marked(paper_partition(), (6,)),

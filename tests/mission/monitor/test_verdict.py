@@ -13,6 +13,7 @@ from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import TRUE
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
+from mission.plan.specification import deterministic_of
 from tests.support.curves import compiled
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
@@ -39,7 +40,8 @@ FORMULAS = (
 
 def watching(text: str) -> FormulaWatch:
     parts = [compiled(str(part), LETTERS) for part in separated(parse_formula(text)) or (TRUE,)]
-    return FormulaWatch(parts, compile_to_alphabet(refutation(parse_formula(text)), LETTERS), LETTERS)
+    whole = deterministic_of(parse_formula(text), None, LETTERS).whole
+    return FormulaWatch(parts, whole, compile_to_alphabet(refutation(parse_formula(text)), LETTERS), LETTERS)
 
 
 @given(st.sampled_from(FORMULAS), st.lists(st.integers(0, 2), max_size=6))
@@ -95,8 +97,9 @@ def test_a_prefix_may_be_bad_for_a_conjunction_and_for_none_of_its_parts() -> No
     letters = (frozenset[str](), *(frozenset({f"{name}{i}"}) for i in range(12) for name in "bc"))
     reactions = [f"G (b{i} -> F c{i})" for i in range(12)]
     parts = [compiled(text, letters) for text in (*reactions, "G !c3")]
-    outside = compile_to_alphabet(refutation(parse_formula(" & ".join((*reactions, "G !c3")))), letters)
-    watch = FormulaWatch(parts, outside, letters)
+    formula = parse_formula(" & ".join((*reactions, "G !c3")))
+    outside = compile_to_alphabet(refutation(formula), letters)
+    watch = FormulaWatch(parts, deterministic_of(formula, None, letters).whole, outside, letters)
     for names, verdict in (
         (("b0", "c0", "b7", "b5"), Verdict.OPEN),
         (("b3",), Verdict.FALSE),

@@ -140,6 +140,7 @@ def test_the_monitor_judges_by_the_automaton(pairs: FlightPlan) -> None:
             plan.labelling,
             satisfied_by=plan.required.satisfied_by,
             automata=plan.compiled_parts,
+            whole=plan.deterministic,
             refutation=plan.compiled_refutation,
             semantics=plan.spec.semantics,
             restricted=plan.restricted,
@@ -163,11 +164,11 @@ def test_the_monitor_judges_by_the_automaton(pairs: FlightPlan) -> None:
 def test_the_monitor_knows_when_an_automaton_is_met_or_lost_for_good() -> None:
     plan = plan_mission(mission_of(FORMS["two accepting states"]))
     for name, verdict in (("home", Verdict.OPEN), ("goal", Verdict.TRUE)):
-        watch = FormulaWatch(plan.compiled_parts, plan.compiled_refutation, plan.labelling.letters)
+        watch = FormulaWatch(plan.compiled_parts, plan.deterministic, plan.compiled_refutation, plan.labelling.letters)
         watch.read(plan.labelling.letters.index(frozenset({name})))
         assert watch.verdict is verdict
     never = plan_mission(mission_of(FORMS["no acceptance sets"]))
-    watch = FormulaWatch(never.compiled_parts, never.compiled_refutation, never.labelling.letters)
+    watch = FormulaWatch(never.compiled_parts, never.deterministic, never.compiled_refutation, never.labelling.letters)
     watch.read(never.labelling.letters.index(frozenset({"goal"})))
     assert watch.verdict is Verdict.FALSE
 
