@@ -4,10 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
-from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_ints
-from mission.geometry.simplices import Partition
+from mission.geometry.arrays import BoolArray, IntArray, frozen_ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,17 +52,3 @@ def label_triangles(size: int, members: Mapping[str, BoolArray]) -> Labelling:
     letter_of = np.zeros(size, dtype=np.int64)
     letter_of[~bare] = sorted_of.reshape(-1) + int(bare.any())
     return Labelling((frozenset(), *letters) if bare.any() else letters, letter_of)
-
-
-def triangles_inside(partition: Partition, polygon_m: FloatArray) -> BoolArray:
-    """Which triangles lie in a simple polygon, shape (M,).
-
-    Meant for a polygon whose edges are edges of the partition: each triangle is then wholly inside or wholly outside,
-    and its incentre, the point that is farthest from its edges, tells which.
-    """
-    centres = partition.incentres_m
-    inside: BoolArray = ((centres >= polygon_m.min(axis=0)) & (centres <= polygon_m.max(axis=0))).all(axis=1)
-    polygon = shapely.Polygon(polygon_m)
-    shapely.prepare(polygon)
-    inside[inside] = shapely.contains_xy(polygon, centres[inside, 0], centres[inside, 1])
-    return inside

@@ -48,7 +48,7 @@ def triangulate_nodes(nodes_m: FloatArray) -> Partition:
     keep = _without_rounding(nodes, triangles, neighbours)
     if not keep.any():
         raise GeometryError("the nodes all lie on one line")
-    return _selected(nodes, triangles, neighbours, keep)
+    return selected(nodes, triangles, neighbours, keep)
 
 
 def triangulate_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_m: Sequence[FloatArray]) -> Partition:
@@ -150,7 +150,7 @@ def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
     inside = shapely.contains_xy(polygon, mesh.incentres_m[widest, 0], mesh.incentres_m[widest, 1])
     if not inside.any():
         raise GeometryError("no triangle lies inside the boundary")
-    return _selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
+    return selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
 
 
 def slivers(partition: Partition) -> IntArray:
@@ -174,7 +174,7 @@ def _without_rounding(nodes: FloatArray, triangles: IntArray, neighbours: IntArr
         keep &= ~peeled
 
 
-def _selected(vertices: FloatArray, triangles: IntArray, neighbours: IntArray, keep: BoolArray) -> Partition:
+def selected(vertices: FloatArray, triangles: IntArray, neighbours: IntArray, keep: BoolArray) -> Partition:
     """The kept triangles as a partition of their own."""
     # Index -1 (no neighbour) picks the last entry, which maps to -1.
     renumbered = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)

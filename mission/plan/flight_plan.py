@@ -20,7 +20,7 @@ from mission.plan.specification import Specification, deterministic_of
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
-from mission.spec.domain import restricted_triangles
+from mission.spec.domain import cut_off, restricted_triangles
 from mission.spec.model import MissionSpec, Point
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
@@ -153,6 +153,7 @@ class FlightPlan:
         """What the writer of the mission may not have meant, in words; empty where nothing is odd."""
         start = int(self.labelling.letter_of[self.run.states[0]])
         return (
+            *cut_off(self.spec),
             *flight_cautions(self.spec.flight, self.spec.limits),
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
             *((self._passing_over,) if self.passed_over else ()),

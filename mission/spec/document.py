@@ -17,7 +17,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
         "name": spec.name,
         "description": spec.description,
         "domain": (
-            {"boundary": _pairs(domain.boundary_m), "points": _pairs(domain.points_m)}
+            {"boundary": _pairs(domain.boundary_m), **_mesh(domain)}
             if isinstance(domain, BoundaryDomain)
             else {"nodes": _pairs(domain.nodes_m)}
         ),
@@ -46,6 +46,14 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
     if spec.origin is not None:
         document["origin"] = {"latitude_deg": spec.origin.latitude_deg, "longitude_deg": spec.origin.longitude_deg}
     return document
+
+
+def _mesh(domain: BoundaryDomain) -> dict[str, Any]:
+    wanted = domain.refinement
+    if wanted is None:
+        return {"points": _pairs(domain.points_m)}
+    largest = {"largest_m": wanted.largest_m} if math.isfinite(wanted.largest_m) else {}
+    return {"mesh": {"smallest_angle_deg": wanted.smallest_angle_deg, **largest}}
 
 
 def _region(region: Region) -> dict[str, Any]:

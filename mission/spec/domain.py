@@ -3,12 +3,16 @@
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 
 from mission.decimals import decimal, measure
 from mission.errors import Fault, GeometryError, SpecError
+from mission.geometry.arrangement import arranged
 from mission.geometry.arrays import BoolArray, FloatArray
+from mission.geometry.faces import FacedMesh
 from mission.geometry.location import Locator
-from mission.geometry.regions import Labelling, label_triangles, triangles_inside
+from mission.geometry.refinement import refined
+from mission.geometry.regions import Labelling, label_triangles
 from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import ROUNDING, Partition
 from mission.geometry.triangulation import (
@@ -37,12 +41,16 @@ from mission.spec.scale import pair
 
 Domain = NodesDomain | BoundaryDomain
 
+_REFINE = "write `mesh: {}` in `domain` instead of points, or "
+_WORTH_SAYING = 1e-3  # of a region's area
+
 
 def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
     """Mesh and labels of a mission.
 
     For nodes, triangles and the vertices in each have the order that scipy's Delaunay triangulation gives them. For
-    a boundary, the vertices are its corners, the points, then the corners of the polygons, each place once.
+    a boundary, the vertices are its corners, the points, then the corners of the polygons, each place once; with
+    ``refinement``, outlines that nearly meet are joined within ``joined_m``, may cross, and end at the boundary.
 
     Raises:
         SpecError: With every fault of the geometry (line 0: a value has no lines).
@@ -61,6 +69,22 @@ def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
     return mask
 
 
+def cut_off(spec: MissionSpec) -> tuple[str, ...]:
+    """Warnings for the regions of which something lies outside a boundary that cuts them off."""
+    domain = spec.domain
+    if isinstance(domain, NodesDomain) or not domain.refinement:
+        return ()
+    fence = shapely.Polygon(domain.boundary_m)
+    warnings = []
+    for region in spec.regions:
+        if isinstance(region.shape, PolygonShape):
+            area = shapely.Polygon(region.shape.corners_m)
+            share = 1.0 - area.intersection(fence).area / area.area
+            if share > _WORTH_SAYING:
+                warnings.append(f"regions.{region.name}: {share:.1%} of it lies outside the boundary and is cut off")
+    return tuple(warnings)
+
+
 def examine_domain(
     domain: Domain, regions: Sequence[Region], start_m: Point | None
 ) -> tuple[Partition | None, Labelling | None, list[Finding]]:
@@ -76,27 +100,36 @@ def examine_domain(
         return None, None, findings
     misses = _near_misses(domain, outlines)
     try:
-        partition, found = _meshed(domain, outlines, misses)
+        mesh, found = _meshed(domain, outlines, misses)
     except GeometryError as error:
         section = "nodes" if isinstance(domain, NodesDomain) else "boundary"
-        hint = "three nodes at least must not lie on one line"
+        hint = "three nodes at least must not lie on one line, and outlines must not run very close to each other"
         return None, None, [*findings, Finding(("domain", section), str(error), hint)]
     findings.extend(found)
-    if partition is None:
+    if mesh is None:
         return None, None, findings
+    partition = mesh.partition
     locator = Locator(partition)
     members: dict[str, BoolArray] = {}
     rings = {outline.region: outline.ring_m for outline in outlines}
+    joins = isinstance(domain, BoundaryDomain) and domain.refinement
     for region in regions:
         if not isinstance(region.shape, PolygonShape) or region.name in rings:
-            members[region.name], found = _members(region, partition, locator, rings)
+            members[region.name], found = _members(region, mesh, locator, rings)
             findings.extend(found)
+            if joins and not found and not members[region.name].any():
+                findings.append(_vanished(region.name, joined_m(partition.extent_m)))
     findings.extend(_degenerate(partition, _sources(domain, outlines), misses))
     if start_m is not None:
         restricted = [region.name for region in regions if region.kind is RegionKind.RESTRICTED]
         findings.extend(_start_findings(start_m, locator, {k: v for k, v in members.items() if k in restricted}))
     findings = list(dict.fromkeys(findings))
     return partition, None if findings else label_triangles(partition.size, members), findings
+
+
+def joined_m(extent_m: float) -> float:
+    """What is closer than this is joined in the mesh of a domain of some extent."""
+    return min(0.01, 1e-4 * extent_m)
 
 
 def _near_misses(domain: Domain, outlines: list[Outline]) -> NearMisses:
@@ -106,18 +139,28 @@ def _near_misses(domain: Domain, outlines: list[Outline]) -> NearMisses:
     return NearMisses(movable, extent_m, ROUNDING * extent_m)
 
 
-def _meshed(domain: Domain, outlines: list[Outline], misses: NearMisses) -> tuple[Partition | None, list[Finding]]:
+def _meshed(domain: Domain, outlines: list[Outline], misses: NearMisses) -> tuple[FacedMesh | None, list[Finding]]:
     """The mesh, None where the boundary does not come out; and the edges that do not."""
     if isinstance(domain, NodesDomain):
         partition = triangulate_nodes(np.array(domain.nodes_m))
-        return partition, _missing_edges(partition, outlines, "domain.nodes", misses)[0]
+        return FacedMesh.of(partition), _missing_edges(partition, outlines, "domain.nodes", misses)[0]
     fence = boundary_outline(domain)
+    if domain.refinement:
+        edges = np.concatenate([ring_edges(outline.ring_m) for outline in (fence, *outlines)])
+        arrangement = arranged(edges, joined_m(float(np.ptp(fence.ring_m, axis=0).max())))
+        wanted = domain.refinement
+        return refined(
+            arrangement,
+            shapely.Polygon(fence.ring_m),
+            smallest_angle_deg=wanted.smallest_angle_deg,
+            largest_m=wanted.largest_m,
+        ), []
     points = np.array(domain.points_m).reshape(-1, 2)
     mesh = mesh_of_boundary(fence.ring_m, points, [outline.ring_m for outline in outlines])
     findings, owners = _missing_edges(mesh, [fence, *outlines], "domain.points", misses)
     if 0 in owners:
         return None, findings
-    return inside_of(mesh, fence.ring_m), findings
+    return FacedMesh.of(inside_of(mesh, fence.ring_m)), findings
 
 
 def _missing_edges(
@@ -143,15 +186,17 @@ def _missing_edges(
             continue
         message = f"the edge of {outline.name} from {place(a)} to {place(b)} is no edge of the mesh"
         middles = listed(map(pair, gaps[gap_of == edge]), most=4)
-        hint = f"other points are too near; add to {section} a point on each gap in the edge, such as {middles}"
+        refine = _REFINE if section == "domain.points" else ""
+        hint = f"other points are too near; {refine}add to {section} a point on each gap in the edge, such as {middles}"
         findings.append(Finding((*outline.path, index), message, hint))
     return [*findings, *misses.findings(nearly)], {owners[edge][0] for edge in found.missing.tolist()}
 
 
 def _members(
-    region: Region, partition: Partition, locator: Locator, rings: dict[str, FloatArray]
+    region: Region, mesh: FacedMesh, locator: Locator, rings: dict[str, FloatArray]
 ) -> tuple[BoolArray, list[Finding]]:
     """Mask of a region's triangles, shape (M,), and what is wrong with its shape."""
+    partition = mesh.partition
     mask = np.zeros(partition.size, dtype=np.bool_)
     if isinstance(region.shape, TriangleShape):
         # Three different nodes, each of them among the three of the triangle: the order does not matter.
@@ -166,7 +211,12 @@ def _members(
         if len(touching) == 1:
             return mask, []
         return mask, [_no_one_triangle(region.name, point, touching.tolist(), partition)]
-    return triangles_inside(partition, rings[region.name]), []
+    return mesh.inside(rings[region.name]), []
+
+
+def _vanished(name: str, joined: float) -> Finding:
+    message = f"nothing is left of {name} in the mesh, in which whatever is closer than {measure(joined)} m is joined"
+    return Finding(("regions", name, "polygon"), message, "make it larger, or take it away")
 
 
 def _no_such_triangle(name: str, nodes: tuple[int, int, int], partition: Partition) -> Finding:

@@ -61,11 +61,29 @@ class NodesDomain:
 
 
 @dataclass(frozen=True)
+class Refinement:
+    """How fine a mesh is made.
+
+    Attributes:
+        smallest_angle_deg: No angle is smaller but where the outlines have one.
+        largest_m: No edge is longer.
+    """
+
+    smallest_angle_deg: float
+    largest_m: float
+
+
+@dataclass(frozen=True)
 class BoundaryDomain:
-    """A simple polygon, with further points of the mesh inside it where wanted."""
+    """A simple polygon.
+
+    Its mesh is the Delaunay triangulation of all corners and of further points, and the edges of all outlines must be
+    among its edges; or it is refined from there, and then no outline needs points.
+    """
 
     boundary_m: tuple[Point, ...]
     points_m: tuple[Point, ...] = ()
+    refinement: Refinement | None = None
 
 
 @dataclass(frozen=True)

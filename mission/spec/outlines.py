@@ -48,9 +48,11 @@ def sound_outlines(
         elif isinstance(domain, NodesDomain):
             found = _strangers(outline, tree, tolerance_m, NEARNESS * extent_m)
         else:
-            found = _outside(outline, base, NEARNESS * extent_m)
+            found = _outside(outline, base, NEARNESS * extent_m, wholly=domain.refinement is not None)
         findings.extend(found)
         outlines.extend([] if found else [outline])
+    if isinstance(domain, BoundaryDomain) and domain.refinement:
+        return outlines, findings  # they may cross, nearly touch, and stick out
     if isinstance(domain, NodesDomain):
         crossings, crossing = _crossings(outlines, tolerance_m, None)
     else:
@@ -123,11 +125,12 @@ def _strangers(outline: Outline, nodes: cKDTree, tolerance_m: float, near_m: flo
     return findings
 
 
-def _outside(outline: Outline, boundary: FloatArray, near_m: float) -> list[Finding]:
-    """The first corner of a region that is not even near the inside of the boundary, if there is one."""
-    distances = shapely.distance(shapely.Polygon(boundary), shapely.points(outline.ring_m))
+def _outside(outline: Outline, boundary: FloatArray, near_m: float, *, wholly: bool) -> list[Finding]:
+    """The first corner of a region that is not even near the inside of the boundary; or only if no part of it is."""
+    fence = shapely.Polygon(boundary)
+    distances = shapely.distance(fence, shapely.points(outline.ring_m))
     outside = np.flatnonzero(distances > near_m)
-    if not len(outside):
+    if not len(outside) or (wholly and shapely.Polygon(outline.ring_m).intersection(fence).area > 0.0):
         return []
     index = int(outside[0])
     extent = "wholly" if len(outside) == len(outline.ring_m) else "partly"

@@ -52,6 +52,19 @@ _RING: Final[Schema] = {
     "examples": [[[0, 0], [20, 0], [20, 10]]],
 }
 
+_MESH: Final = _object(
+    "The mesh refines itself: outlines need no points, may cross each other and the boundary, and are joined where "
+    "they nearly meet.",
+    (),
+    {
+        "smallest_angle_deg": _number(
+            "No angle of a triangle is smaller, but where the outlines have one.", 1.0, 28.0, default=20.0
+        ),
+        "largest_m": _number("No edge is longer, m; without it, edges are as long as angles allow.", 0.01, 1.0e6),
+    },
+    examples=[{"smallest_angle_deg": 20.0}, {"largest_m": 15.0}],
+)
+
 _DOMAIN: Final = _object(
     "Where the vehicle may fly: nodes, or a boundary.",
     (),
@@ -74,9 +87,11 @@ _DOMAIN: Final = _object(
             "maxItems": 100_000,
             "examples": [[[10, 5]]],
         },
+        "mesh": _MESH,
     },
     oneOf=_one_of("nodes", "boundary"),
-    dependentRequired={"points": ["boundary"]},
+    dependentRequired={"points": ["boundary"], "mesh": ["boundary"]},
+    **{"not": {"required": ["points", "mesh"]}},
     examples=[{"boundary": [[0, 0], [150, 0], [150, 100], [0, 100]]}],
 )
 

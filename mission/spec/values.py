@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from mission.geometry.refinement import SMALLEST_ANGLE_DEG
 from mission.spec.model import (
     SUFFIX_DECIDES,
     UNTIL_STOPPED,
@@ -18,6 +19,7 @@ from mission.spec.model import (
     Point,
     PointShape,
     PolygonShape,
+    Refinement,
     Region,
     RegionKind,
     Search,
@@ -78,7 +80,13 @@ def domain_of(data: Data) -> NodesDomain | BoundaryDomain:
     """The domain section."""
     if "nodes" in data:
         return NodesDomain(_points(data["nodes"]))
-    return BoundaryDomain(_points(data["boundary"]), _points(data.get("points", [])))
+    return BoundaryDomain(_points(data["boundary"]), _points(data.get("points", [])), _refinement(data.get("mesh")))
+
+
+def _refinement(data: Data | None) -> Refinement | None:
+    if data is None:
+        return None
+    return Refinement(float(data.get("smallest_angle_deg", SMALLEST_ANGLE_DEG)), float(data.get("largest_m", math.inf)))
 
 
 def region_of(name: str, data: Data) -> Region:

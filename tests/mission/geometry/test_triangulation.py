@@ -11,7 +11,7 @@ from scipy.spatial import Delaunay
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import FloatArray
-from mission.geometry.regions import triangles_inside
+from mission.geometry.faces import FacedMesh
 from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import (
@@ -112,7 +112,7 @@ def test_polygons_come_out_as_unions_of_triangles() -> None:
     assert partition.vertices_m[:7].tolist() == [*L_SHAPE.tolist(), [3.0, 1.0]]
     assert len(partition.vertices_m) == 6 + 1 + 4 + 2
     for ring in (first, second):
-        inside = triangles_inside(partition, ring)
+        inside = FacedMesh.of(partition).inside(ring)
         assert partition.areas_m2[inside].sum() == pytest.approx(1.0)
 
 

@@ -1,0 +1,84 @@
+"""The faces that segments cut a mesh into; each triangle lies wholly in one of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from mission.errors import GeometryError
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+from mission.geometry.delaunay import Triangulation
+from mission.geometry.pieces import edge_keys
+from mission.geometry.simplices import Partition
+from mission.geometry.triangulation import selected
+
+
+@dataclass(frozen=True, eq=False)
+class FacedMesh:
+    """The triangles of the faces that lie in a domain.
+
+    Attributes:
+        partition: M triangles.
+        face_of: Shape (M,), the face of each.
+        inside_m: Shape (F, 2), for each face a point well inside it, so that no rounding at its rim matters.
+    """
+
+    partition: Partition
+    face_of: IntArray
+    inside_m: FloatArray
+
+    @classmethod
+    def of(cls, partition: Partition) -> "FacedMesh":
+        """A mesh in which each triangle is a face of its own."""
+        return cls(partition, np.arange(partition.size), partition.incentres_m)
+
+    def inside(self, polygon_m: FloatArray) -> BoolArray:
+        """Which triangles lie in a simple polygon, shape (K, 2), whose edges part faces; shape (M,)."""
+        centres = self.inside_m
+        inside: BoolArray = ((centres >= polygon_m.min(axis=0)) & (centres <= polygon_m.max(axis=0))).all(axis=1)
+        polygon = shapely.Polygon(polygon_m)
+        shapely.prepare(polygon)
+        inside[inside] = shapely.contains_xy(polygon, centres[inside, 0], centres[inside, 1])
+        return inside[self.face_of]
+
+    def moved(self, by_m: FloatArray) -> "FacedMesh":
+        """The same elsewhere."""
+        mesh = self.partition
+        there = Partition(mesh.vertices_m + by_m, mesh.triangles, mesh.neighbours)
+        return FacedMesh(there, self.face_of, self.inside_m + by_m)
+
+
+def faces_of(mesh: Triangulation, segments: IntArray, domain: shapely.Geometry) -> FacedMesh:
+    """The faces in a domain; a face is judged by its widest triangle.
+
+    Args:
+        mesh: The triangles, those around the domain included.
+        segments: Edges of the mesh, shape (S, 2), that part faces; the domain's rim is among them.
+        domain: The part of the plane that is kept.
+
+    Raises:
+        GeometryError: No triangle lies in it.
+    """
+    triangles, neighbours, count = mesh.triangles, mesh.neighbours, len(mesh.triangles)
+    facets = np.stack((np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)), axis=-1)
+    walls = np.isin(edge_keys(facets, len(mesh.vertices)), edge_keys(segments, len(mesh.vertices)))
+    rows, sides = np.nonzero((neighbours >= 0) & ~walls)
+    links = coo_array((np.ones(len(rows)), (rows, neighbours[rows, sides])), shape=(count, count))
+    faces, face_of = connected_components(links, directed=False)
+    whole = Partition(mesh.vertices, triangles, neighbours)
+    widest = np.empty(faces, dtype=np.int64)
+    ascending = np.argsort(whole.inradii_m, kind="stable")
+    widest[face_of[ascending]] = ascending
+    centres = whole.incentres_m[widest]
+    inside = shapely.contains_xy(domain, *centres.T)
+    if not inside.any():
+        raise GeometryError("no triangle lies inside the boundary")
+    keep = inside[face_of]
+    used = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    used[triangles[keep]] = True
+    number = np.cumsum(used) - 1
+    kept = selected(mesh.vertices, triangles, neighbours, keep)
+    partition = Partition(mesh.vertices[used], number[kept.triangles], kept.neighbours)
+    return FacedMesh(partition, (np.cumsum(inside) - 1)[face_of[keep]], centres[inside])

@@ -1,0 +1,134 @@
+"""A conforming Delaunay mesh of an arrangement, refined until no triangle is too thin or too large.
+
+Delaunay refinement after Ruppert ("A Delaunay refinement algorithm for quality 2-dimensional mesh generation", 1995): a
+segment with a vertex in its diametral circle is cut in two; a triangle whose circumradius is too large against its
+shortest edge gets a vertex at its off-centre (Üngör, "Off-centers: a new type of Steiner points", 2004), unless that
+lies in the diametral circle of a segment, which is cut instead. Segments that meet at an angle below 60 degrees are cut
+on circles about their common vertex, and a thin triangle between two such cuts stays (Miller, Pav and Walkington, "When
+and why Delaunay refinement algorithms work", 2005): there the outlines themselves are that sharp.
+"""
+
+from typing import Final
+
+import numpy as np
+import shapely
+
+from mission.errors import GeometryError
+from mission.geometry.arrangement import Arrangement
+from mission.geometry.arrays import BoolArray, IntArray
+from mission.geometry.delaunay import Growth, Triangulation, with_room
+from mission.geometry.faces import FacedMesh, faces_of
+from mission.geometry.pieces import Pieces
+from mission.geometry.slimness import Slimness
+
+MOST_VERTICES: Final = 400_000
+SMALLEST_ANGLE_DEG: Final = 20.0
+"""By default; up to 20.7 degrees refinement is proved to end."""
+
+_ROUNDING: Final = 1e-9
+_GOLDEN: Final = 0.6180339887498949
+
+
+def refined(
+    arrangement: Arrangement,
+    domain: shapely.Geometry,
+    *,
+    smallest_angle_deg: float = SMALLEST_ANGLE_DEG,
+    largest_m: float = np.inf,
+) -> FacedMesh:
+    """Refine an arrangement's Delaunay triangulation.
+
+    The vertices are those of the arrangement, in its order, then those that were added. No angle in the domain is below
+    the least but between segments that meet at a smaller one or beside them, and no edge is longer than the largest.
+
+    Args:
+        arrangement: Its segments come out as edges, or as chains of edges.
+        domain: The part of the plane to mesh; its rim is among the segments.
+        smallest_angle_deg: The least angle, above 0 and at most 30.
+        largest_m: The longest edge.
+
+    Raises:
+        GeometryError: The mesh would have more than ``MOST_VERTICES``, or no triangle lies in the domain.
+    """
+    # A triangle has at most the area of the equilateral one, and a mesh about half as many vertices as triangles.
+    if domain.area > MOST_VERTICES * np.sqrt(0.75) * largest_m**2:
+        raise GeometryError(f"with edges of {largest_m:g} m the mesh would have more than {MOST_VERTICES:,} vertices")
+    # Far from the origin the digits would not do: whole metres go off, and come back exactly.
+    origin_m = np.floor(arrangement.vertices_m.min(axis=0))
+    near = Arrangement(arrangement.vertices_m - origin_m, arrangement.segments)
+    domain = shapely.transform(domain, lambda places: places - origin_m)
+    work = _Refinement(near, domain, 0.5 / np.sin(np.radians(smallest_angle_deg)), largest_m)
+    while work.cut_segments() | work.mend_triangles():
+        if len(work.mesh.vertices) > MOST_VERTICES:
+            x, y = work.mesh.vertices[-1] + origin_m
+            raise GeometryError(
+                f"the mesh would have more than {MOST_VERTICES:,} vertices, the last near ({x:.2f}, {y:.2f})"
+            )
+    return faces_of(work.mesh, work.pieces.ends, domain).moved(origin_m)
+
+
+class _Refinement:
+    """A mesh under way: the triangulation, the pieces of segments, and what is still to be mended of both."""
+
+    def __init__(self, arrangement: Arrangement, domain: shapely.Geometry, ratio: float, largest_m: float) -> None:
+        self.mesh = Triangulation(arrangement.vertices_m)
+        self.pieces = Pieces(arrangement, Triangulation.CORNERS)
+        self._domain, self._ratio, self._largest_m = domain, ratio, largest_m
+        shapely.prepare(domain)
+        self._bad: BoolArray = np.zeros(0, dtype=np.bool_)
+        nothing = np.empty((0, 2), dtype=np.int64)
+        self._look(
+            Growth(np.ones(len(arrangement.vertices_m), dtype=np.bool_), np.arange(len(self.mesh.triangles)), nothing)
+        )
+
+    def cut_segments(self) -> bool:
+        """Cut pieces with a vertex in their diametral circles, as many as keep apart; False where there is none."""
+        wanted = np.flatnonzero(self.pieces.encroached)
+        if not len(wanted):
+            return False
+        points = self.pieces.cuts(wanted, self.mesh.vertices)
+        seeds = self.pieces.beside[wanted]
+        hidden = seeds < 0
+        if hidden.any():
+            seeds[hidden] = self.mesh.conflicting(points[hidden])
+        growth = self.mesh.insert(points, self.mesh.cavities(points, seeds))
+        self.pieces.cut(wanted[growth.taken], len(self.mesh.vertices))
+        self._look(growth)
+        return True
+
+    def mend_triangles(self) -> bool:
+        """Put vertices into bad triangles, as many as keep apart, or mark pieces in their way; False where none is."""
+        bad = np.flatnonzero(self._bad[: len(self.mesh.triangles)])
+        if not len(bad):
+            return False
+        bad = self._first_in_their_neighbourhood(bad)
+        points = Slimness.of(self.mesh.vertices, self.mesh.triangles[bad]).off_centres(self._ratio)
+        cavities = self.mesh.cavities(points, bad)
+        free = self.pieces.admit(points, cavities, self.mesh.vertices)
+        growth = self.mesh.insert(points[free], cavities.of(free))
+        self.pieces.grow(int(growth.taken.sum()))
+        self._look(growth)
+        return True
+
+    def _first_in_their_neighbourhood(self, bad: IntArray) -> IntArray:
+        """Those of the bad triangles that come before all beside them, the smaller, the sooner, in that order."""
+        size = Slimness.of(self.mesh.vertices, self.mesh.triangles[bad]).shortest
+        order = np.lexsort((np.mod(bad * _GOLDEN, 1.0), np.floor(np.log2(size))))
+        rank = np.full(len(self.mesh.triangles) + 1, len(bad))
+        rank[bad[order]] = np.arange(len(bad))
+        chosen: IntArray = bad[order[rank[self.mesh.neighbours[bad[order]]].min(axis=1) > np.arange(len(bad))]]
+        return chosen
+
+    def _look(self, growth: Growth) -> None:
+        """Judge triangles that are new, and the pieces beside them."""
+        if not len(growth.triangles):
+            return
+        corners, vertices = self.mesh.triangles[growth.triangles], self.mesh.vertices
+        self.pieces.look(growth.triangles, corners, growth.lost, vertices)
+        shapes = Slimness.of(vertices, corners)
+        bad = shapes.radius > self._ratio * shapes.shortest * (1.0 + _ROUNDING)
+        bad[bad] = ~self.pieces.excuse(shapes.turned[bad], vertices)
+        bad |= shapes.longest > self._largest_m
+        bad[bad] = shapely.contains_xy(self._domain, *vertices[corners[bad]].mean(axis=1).T)
+        self._bad = with_room(self._bad, len(self.mesh.triangles))
+        self._bad[growth.triangles] = bad

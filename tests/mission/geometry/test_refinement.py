@@ -1,0 +1,141 @@
+"""Refined meshes: outlines come out, angles are no smaller than asked for, and the domain is covered once."""
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mission.errors import GeometryError
+from mission.geometry import refinement
+from mission.geometry.arrangement import Arrangement, arranged
+from mission.geometry.faces import FacedMesh
+from mission.geometry.refinement import refined
+from mission.geometry.rings import ring_edges
+from mission.geometry.simplices import Partition
+
+TOLERANCE_M = 0.01
+SQUARE = np.array([[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0]])
+
+
+def angles_deg(partition: Partition) -> np.ndarray:
+    """Angles at the corners, shape (M, 3)."""
+    sides = partition.edge_lengths_m
+    other, last = np.roll(sides, -1, axis=1), np.roll(sides, -2, axis=1)
+    cosines = (other**2 + last**2 - sides**2) / (2.0 * other * last)
+    angles: np.ndarray = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
+    return angles
+
+
+def drawn(*rings: np.ndarray) -> Arrangement:
+    return arranged(np.concatenate([ring_edges(ring) for ring in rings]), TOLERANCE_M)
+
+
+def assert_sound(found: FacedMesh, arrangement: Arrangement, domain: shapely.Geometry) -> None:
+    """The triangles are those of the domain, each once, and no edge of one crosses a segment."""
+    partition = found.partition
+    assert partition.areas_m2.sum() == pytest.approx(domain.area, rel=1e-6)
+    tree = shapely.STRtree(shapely.linestrings(arrangement.vertices_m[arrangement.segments]))
+    shrunk = shapely.buffer(shapely.polygons(partition.corners_m), -1e-6 * partition.extent_m)
+    assert not len(tree.query(shrunk, predicate="intersects")[0])
+    # Each triangle is across the facet from its neighbour.
+    rows, sides = np.nonzero(partition.neighbours >= 0)
+    beyond = partition.neighbours[rows, sides]
+    assert (partition.neighbours[beyond] == rows[:, None]).any(axis=1).all()
+
+
+def test_a_square_is_two_triangles() -> None:
+    found = refined(drawn(SQUARE), shapely.Polygon(SQUARE))
+    assert (found.partition.size, len(found.inside_m)) == (2, 1)
+    assert found.partition.vertices_m.tolist() == SQUARE.tolist()
+
+
+def test_a_hole_stays_empty_and_a_region_is_a_face_of_its_own() -> None:
+    hole, region = SQUARE * 0.2 + 10.0, SQUARE * 0.3 + 60.0
+    domain = shapely.Polygon(SQUARE, [hole])
+    arrangement = drawn(SQUARE, hole, region)
+    found = refined(arrangement, domain)
+    assert_sound(found, arrangement, domain)
+    assert len(found.inside_m) == 2
+    inside = shapely.contains_xy(shapely.Polygon(region), *found.inside_m.T)
+    assert found.partition.areas_m2[inside[found.face_of]].sum() == pytest.approx(900.0)
+    assert angles_deg(found.partition).min() >= 20.0
+
+
+def test_no_edge_is_longer_than_asked_for() -> None:
+    found = refined(drawn(SQUARE), shapely.Polygon(SQUARE), largest_m=10.0)
+    assert found.partition.edge_lengths_m.max() <= 10.0
+    assert found.partition.size < 800
+    assert angles_deg(found.partition).min() >= 20.0
+
+
+def test_a_larger_least_angle_is_kept() -> None:
+    region = np.array([[30.0, 30.0], [60.0, 33.0], [58.0, 36.0], [31.0, 34.0]])
+    found = refined(drawn(SQUARE, region), shapely.Polygon(SQUARE), smallest_angle_deg=28.0)
+    assert angles_deg(found.partition).min() >= 28.0
+
+
+@pytest.mark.parametrize("angle_deg", [59.0, 30.0, 10.0, 3.0, 1.0])
+def test_an_angle_of_the_outlines_stays_and_nothing_is_sharper(angle_deg: float) -> None:
+    turn = np.radians(angle_deg)
+    wedge = np.array([[20.0, 20.0], [80.0, 20.0], [20.0 + 60.0 * np.cos(turn), 20.0 + 60.0 * np.sin(turn)]])
+    arrangement = drawn(SQUARE, wedge)
+    found = refined(arrangement, shapely.Polygon(SQUARE))
+    assert_sound(found, arrangement, shapely.Polygon(SQUARE))
+    assert angles_deg(found.partition).min() >= min(20.0, angle_deg) - 1e-6
+    assert found.partition.size < 600
+
+
+def test_many_segments_that_meet_in_one_vertex() -> None:
+    spokes = [
+        np.array([[50.0, 50.0], [50.0 + reach * np.cos(turn), 50.0 + reach * np.sin(turn)]])
+        for turn, reach in zip(np.linspace(0.1, 3.2, 9), np.linspace(20.0, 45.0, 9), strict=True)
+    ]
+    arrangement = arranged(np.concatenate((ring_edges(SQUARE), np.array(spokes))), TOLERANCE_M)
+    found = refined(arrangement, shapely.Polygon(SQUARE))
+    assert_sound(found, arrangement, shapely.Polygon(SQUARE))
+    assert found.partition.size < 3000
+
+
+def test_a_mesh_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(refinement, "MOST_VERTICES", 100)
+    with pytest.raises(GeometryError, match="more than 100 vertices"):
+        refined(drawn(SQUARE), shapely.Polygon(SQUARE), largest_m=1.0)
+
+
+def test_the_same_outlines_give_the_same_mesh() -> None:
+    region = np.array([[30.0, 30.0], [61.3, 33.1], [58.0, 66.7], [31.0, 54.2]])
+    first, second = (refined(drawn(SQUARE, region), shapely.Polygon(SQUARE)).partition for _ in range(2))
+    assert first.vertices_m.tobytes() == second.vertices_m.tobytes()
+    assert first.triangles.tobytes() == second.triangles.tobytes()
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.integers(1, 12))
+def test_whatever_is_drawn_is_meshed(seed: int, count: int) -> None:
+    """Overlapping triangles at random, far from the origin, cut off at the rim."""
+    chance = np.random.default_rng(seed)
+    offset = np.array([5.0e5, 5.4e6]) * chance.integers(0, 2)
+    square = shapely.Polygon(SQUARE + offset)
+    shapes = shapely.polygons(chance.uniform(-10.0, 110.0, size=(count, 3, 2)) + offset)
+    rims = [np.array(part.exterior.coords)[:-1] for part in shapely.get_parts(shapes & square) if part.area > 1.0]
+    arrangement = drawn(SQUARE + offset, *rims)
+    found = refined(arrangement, square)
+    assert found.partition.areas_m2.sum() == pytest.approx(1.0e4, rel=1e-3)
+    # Beside an angle of the outlines, the least that Miller, Pav and Walkington prove.
+    apart = np.radians(sharpest(arrangement))
+    beside_deg = np.degrees(np.arctan2(np.sin(apart), 2.0 - np.cos(apart)))
+    assert angles_deg(found.partition).min() >= min(20.0, beside_deg) - 1e-3
+
+
+def sharpest(arrangement: Arrangement) -> float:
+    """The least angle between segments that meet, degrees."""
+    vertices = arrangement.vertices_m
+    least = 180.0
+    for hub in range(len(vertices)):
+        ends = arrangement.segments[(arrangement.segments == hub).any(axis=1)]
+        others = np.where(ends[:, 0] == hub, ends[:, 1], ends[:, 0])
+        bearings = np.sort(np.degrees(np.arctan2(*(vertices[others] - vertices[hub]).T)))
+        gaps = np.diff(np.append(bearings, bearings[0] + 360.0))
+        least = min(least, float(gaps.min()))
+    return least

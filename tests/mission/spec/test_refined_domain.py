@@ -1,0 +1,89 @@
+"""Domains whose mesh refines itself: outlines as people have them, without a point that was placed for the mesh."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mission.errors import SpecError
+from mission.plan import certify_again, plan_from_json, plan_mission, plan_to_json
+from mission.spec.document import document_of
+from mission.spec.domain import build_domain, joined_m
+from mission.spec.loader import load_mission, parse_mission
+
+FARM = Path(__file__).parents[3] / "missions" / "farm.yaml"
+SITE = """\
+domain:
+  boundary: [[0, 0], [80, 0], [80, 60], [0, 60]]
+  mesh: {%s}
+regions:
+  home: {kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}
+  field: {kind: survey, polygon: [[55, 35], [70, 35], [70, 50], [55, 50]]}
+  %s
+mission: {formula: F (field & F home)}
+start: {position_m: [12, 12]}
+flight: {disturbance_m_s2: 0.3}
+"""
+
+
+def site(regions: str, mesh: str = "") -> bytes:
+    return (SITE % (mesh, regions)).encode()
+
+
+def faults(regions: str, mesh: str = "") -> str:
+    with pytest.raises(SpecError) as refused:
+        parse_mission(site(regions, mesh))
+    return " ".join(fault.message for fault in refused.value.faults)
+
+
+def test_a_farm_is_planned_and_proved_without_a_placed_point() -> None:
+    spec = load_mission(FARM)
+    plan = plan_mission(spec)
+    assert certify_again(plan).holds
+    assert [warning.split(":")[0] for warning in plan.warnings] == ["regions.power_line", "regions.road"]
+    assert {frozenset({"north", "power_line"}), frozenset({"road"})} < set(plan.labelling.letters)
+    again = plan_from_json(plan_to_json(plan))
+    assert document_of(again.spec) == document_of(spec)
+    assert certify_again(again).holds
+
+
+@pytest.mark.parametrize("apart_m", [0.0, 1e-9, 1e-6, 1e-3, -1e-6, -1e-3])
+def test_neighbours_that_nearly_share_an_edge_are_sound(apart_m: float) -> None:
+    west = 70.0 + apart_m
+    spec = parse_mission(site(f"next: {{kind: survey, polygon: [[{west}, 35], [76, 35], [76, 50], [{west}, 50]]}}"))
+    partition, labelling = build_domain(spec)
+    assert frozenset({"field", "next"}) not in labelling.letters
+    for name in ("field", "next"):
+        area = partition.areas_m2[labelling.triangles_of(name)].sum()
+        assert area == pytest.approx({"field": 225.0, "next": 90.0}[name], abs=15.0 * 2.0 * joined_m(80.0))
+
+
+def test_regions_that_overlap_share_triangles() -> None:
+    strip = "bog: {kind: restricted, polygon: [[60, -5], [64, -5], [64, 65], [60, 65]]}"
+    partition, labelling = build_domain(parse_mission(site(strip)))
+    both = np.isin(labelling.letter_of, [labelling.letters.index(frozenset({"field", "bog"}))])
+    assert partition.areas_m2[both].sum() == pytest.approx(60.0)
+    assert partition.areas_m2.sum() == pytest.approx(4800.0)
+
+
+def test_the_edges_and_angles_are_as_asked_for() -> None:
+    spec = parse_mission(site("bog: {kind: restricted, polygon: [[30, 24], [44, 24], [44, 36]]}", "largest_m: 6"))
+    partition, _ = build_domain(spec)
+    assert partition.edge_lengths_m.max() <= 6.0
+    assert document_of(spec)["domain"]["mesh"] == {"smallest_angle_deg": 20.0, "largest_m": 6.0}
+
+
+def test_a_region_outside_or_too_thin_is_refused() -> None:
+    assert "lies wholly outside the boundary" in faults("bog: {kind: survey, polygon: [[90, 5], [99, 5], [99, 20]]}")
+    thin = "bog: {kind: survey, polygon: [[30, 30], [40, 30], [40, 30.001], [30, 30.001]]}"
+    assert "nothing is left of bog in the mesh" in faults(thin)
+
+
+def test_a_mesh_that_is_too_fine_is_refused() -> None:
+    assert "more than 400,000 vertices" in faults("bog: {kind: survey, at: [40, 5]}", "largest_m: 0.01")
+
+
+def test_points_and_a_mesh_exclude_each_other() -> None:
+    text = site("bog: {kind: survey, at: [40, 5]}").replace(b"mesh: {}", b"mesh: {}\n  points: [[40, 30]]")
+    with pytest.raises(SpecError):
+        parse_mission(text)
