@@ -106,11 +106,12 @@ class UnprovedError(NoPlanError):
 
     Attributes:
         counterexample: Triangles of a violating flight, in order; empty unless a word is to blame.
+        where_s: Steering time at which the proof fails; None where something else is wrong with the path.
     """
 
-    def __init__(self, message: str, *, counterexample: tuple[int, ...]) -> None:
+    def __init__(self, message: str, *, counterexample: tuple[int, ...], where_s: float | None) -> None:
         super().__init__(message)
-        self.counterexample = counterexample
+        self.counterexample, self.where_s = counterexample, where_s
 
 
 class LinkError(MissionError):

@@ -96,6 +96,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
         "runs_passed_over": [asdict(run) for run in plan.passed_over],
+        "avoidance": plan.avoidance and asdict(plan.avoidance),
         "run": list(plan.run.states),
         "prefix_states": len(plan.run.prefix),
         "controls": list(plan.run.controls),

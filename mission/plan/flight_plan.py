@@ -13,7 +13,8 @@ from mission.logic.automata.rabin import Rabin
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
-from mission.plan.costs import transition_weights
+from mission.plan.costs import UNIT, run_costs, transition_weights
+from mission.plan.detour import Avoidance
 from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.proved_run import PassedOver
 from mission.plan.specification import Specification, deterministic_of
@@ -60,6 +61,8 @@ class FlightPlan:
         dropped: The soft tasks that could not be met, in the order of the file.
         homeward: The way back of a recurrent run; None where there is none on which nothing is violated.
         passed_over: The shortest runs that were tried before the one that is flown, and were not proved.
+        avoidance: What the run that is flown, and the shortest ones that are counted, keep out of, as no run through it
+            is proved; None where it is one of the best.
     """
 
     spec: MissionSpec
@@ -80,6 +83,7 @@ class FlightPlan:
     dropped: tuple[DroppedTask, ...] = ()
     homeward: Homeward | None = None
     passed_over: tuple[PassedOver, ...] = ()
+    avoidance: Avoidance | None = None
 
     @property
     def specification(self) -> str:
@@ -169,10 +173,26 @@ class FlightPlan:
     @property
     def _passing_over(self) -> str:
         first, more = self.passed_over[0], len(self.passed_over) - 1
+        if self.avoidance is not None:
+            return (
+                f"no best run is flown, for {'none' if more else 'the one'} that was tried is "
+                f"{'' if more else 'not '}proved: {first.reason}; the run that is flown is a best one without "
+                f"{self.avoidance.listed} and costs {self._dearer(self.avoidance)}"
+            )
         others = f" and {more} others" if more > 1 else f" and run {self.passed_over[-1].index}" * more
         return (
             f"run {self.run_index} of the {self.shortest_runs} shortest is flown; run {first.index}{others} "
             f"{'were' if more else 'was'} passed over for want of a proof: {first.reason}"
+        )
+
+    def _dearer(self, avoidance: Avoidance) -> str:
+        """What the run that is flown costs, beside the best ones."""
+        cost = self.spec.search.cost
+        unit = UNIT[cost][0] or str(cost)
+        flown = run_costs(self.system.weights, self.run, cost)
+        parts = zip(("up to the loop", "round it"), avoidance.best_costs, flown, strict=True)
+        return " and ".join(
+            f"{now:.12g} instead of {best:.12g} {unit} {part}" for part, best, now in parts if now != best
         )
 
     @property

@@ -85,7 +85,8 @@ class PathPlanner:
                 first = MOST_FREQUENCIES if doubtful else FEWEST_FREQUENCIES
                 return smooth_with_proof(legs, certify, extension=extension, first_frequencies=first, refuses=refuses)
             except UnprovedError as error:
-                raise UnprovedError(f"{error}; {_advice(self.spec)}", counterexample=error.counterexample) from error
+                advised = f"{error}; {_advice(self.spec)}"
+                raise UnprovedError(advised, counterexample=error.counterexample, where_s=error.where_s) from error
         frequencies = max(1, round(share * smoothing.frequencies))
         curve = fit_legs(legs, frequencies, extension)
         certificate = certify(curve)
@@ -96,6 +97,7 @@ class PathPlanner:
                 f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: "
                 f"{fault}; ask for more frequencies, or for `auto`; {_advice(self.spec)}",
                 counterexample=certificate.counterexample,
+                where_s=certificate.where_s,
             )
         return ProvedCurve(curve, certificate)
 

@@ -7,6 +7,7 @@ spreads over all of them. A run that fails may cost many attempts at a smoothing
 with all the frequencies there may be, and only where that is proved, with fewer.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import islice, pairwise
@@ -37,6 +38,19 @@ class PassedOver:
     reason: str
 
 
+class NoneProvedError(NoPlanError):
+    """None of the runs that were tried is proved.
+
+    Attributes:
+        passed_over: The runs.
+        blamed: The triangles of theirs at which proofs fail, those of most runs first, each with what fails.
+    """
+
+    def __init__(self, message: str, *, passed_over: tuple[PassedOver, ...], blamed: dict[int, str]) -> None:
+        super().__init__(message)
+        self.passed_over, self.blamed = passed_over, blamed
+
+
 @dataclass(frozen=True, eq=False)
 class ProvedRun:
     """A run with a proof.
@@ -63,6 +77,7 @@ def proved_run(
     smoothed: Callable[[Run, SteeringPath, bool], ProvedCurve],
     *,
     others: bool,
+    doubtful: bool = False,
 ) -> ProvedRun:
     """Prove a run, or another one that is as good.
 
@@ -73,32 +88,48 @@ def proved_run(
         smoothed: Smooths the path of a run with a proof, with as few frequencies as it needs; whether to try with all
             of them first. Raises UnprovedError where there is no proof.
         others: Whether others may be flown.
+        doubtful: Whether even the first one is likely to have no proof.
 
     Raises:
-        NoPlanError: None of those that were tried is proved; says why the first one is not.
+        NoneProvedError: None of those that were tried is proved; says why the first one is not.
     """
     passed_over: list[PassedOver] = []
-    blamed: set[int] = set()
+    blamed: Counter[int] = Counter()
+    why: dict[int, str] = {}
     waiting = list(islice(spread_from(index, runs.count), _LOOKED_AT if others else 1))
     while waiting and len(passed_over) <= MOST_OTHERS:
-        number = next((i for i in waiting if blamed.isdisjoint(runs[i].states)), waiting[0]) if blamed else waiting[0]
+        avoiding = (i for i in waiting if blamed.keys().isdisjoint(runs[i].states)) if blamed else iter(waiting)
+        number = next(avoiding, waiting[0])
         waiting.remove(number)
         run = runs[number]
         path = path_of(run)
         try:
-            return ProvedRun(number, run, path, smoothed(run, path, bool(passed_over)), tuple(passed_over))
+            return ProvedRun(number, run, path, smoothed(run, path, doubtful or bool(passed_over)), tuple(passed_over))
         except UnprovedError as error:
             passed_over.append(PassedOver(number, str(error)))
-            blamed.update(_left_from(run, error.counterexample))
+            guilty = set(_left_from(run, error.counterexample)) or set(_at(path, error.where_s))
+            blamed.update(sorted(guilty))
+            why = dict.fromkeys(guilty, str(error)) | why
     more = len(passed_over) - 1
     also = f"; nor is any of {more} others of the {runs.count} runs that are as short" if more else ""
-    raise NoPlanError(f"{passed_over[0].reason}{also}")
+    raise NoneProvedError(
+        f"{passed_over[0].reason}{also}",
+        passed_over=tuple(passed_over),
+        blamed={triangle: why[triangle] for triangle, _ in blamed.most_common()},
+    )
 
 
 def _left_from(run: Run, counterexample: tuple[int, ...]) -> Iterator[int]:
     """The triangles of a run from which a violating flight in its tube goes where the run never is."""
     planned = frozenset(run.states)
     return (before for before, after in pairwise(counterexample) if before in planned and after not in planned)
+
+
+def _at(path: SteeringPath, where_s: float | None) -> tuple[int, ...]:
+    """The triangle of a path at a time."""
+    if where_s is None:
+        return ()
+    return tuple(segment.triangle for segment in path.segments if segment.start_s <= where_s)[-1:]
 
 
 def spread_from(index: int, count: int) -> Iterator[int]:

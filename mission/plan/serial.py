@@ -16,6 +16,7 @@ from mission.geometry.arrays import IntArray
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton
+from mission.plan.detour import Avoidance, Avoided
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.homeward import Homeward
 from mission.plan.proved_run import PassedOver
@@ -60,6 +61,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
         "passed_over": [asdict(run) for run in plan.passed_over],
+        "avoidance": plan.avoidance and asdict(plan.avoidance),
         "run": _run_data(plan.run),
         "path": {
             "lap": path.lap,
@@ -125,6 +127,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         best_in_any_order=bool(document["best_in_any_order"]),
         run_index=int(document["run_index"]),
         passed_over=tuple(PassedOver(int(run["index"]), str(run["reason"])) for run in document.get("passed_over", [])),
+        avoidance=_avoidance(document.get("avoidance")),
         run=_run(document["run"]),
         path=SteeringPath(
             tuple(_segment(segment) for segment in path["segments"]),
@@ -168,6 +171,14 @@ def _dropped(spec: MissionSpec, data: dict[str, Any]) -> DroppedTask:
     if task is None or task.weight is None:
         raise ValueError(f"there is no task {number} that may be dropped")
     return DroppedTask(number, task_text(task), task.weight, str(data["reason"]))
+
+
+def _avoidance(data: dict[str, Any] | None) -> Avoidance | None:
+    if data is None:
+        return None
+    prefix, suffix = data["best_costs"]
+    triangles = tuple(Avoided(int(each["triangle"]), str(each["reason"])) for each in data["triangles"])
+    return Avoidance(triangles, (float(prefix), float(suffix)))
 
 
 def _segment(data: dict[str, Any]) -> Segment:

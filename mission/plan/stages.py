@@ -9,13 +9,14 @@ from mission.geometry.location import OUTSIDE, Locator
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import Formula
-from mission.plan.best_runs import best_runs, objective_of
-from mission.plan.costs import transition_weights
+from mission.plan.best_runs import BestRuns, best_runs, objective_of
+from mission.plan.costs import run_costs, transition_weights
+from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.proved_path import PathPlanner, trajectory_of
-from mission.plan.proved_run import proved_run
-from mission.plan.specification import deterministic_of, of_mission
+from mission.plan.proved_run import ProvedRun, proved_run
+from mission.plan.specification import Specification, deterministic_of, of_mission
 from mission.plan.tasks import dropped_tasks
 from mission.plan.way_back import way_back
 from mission.planning.product import Product
@@ -38,7 +39,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         spec: The mission.
         start_m: Where the flight begins, ENU in the domain; the mission's own start by default.
         run: Which of the shortest runs to fly; the mission's own choice by default. Where neither chooses, and the
-            first one is not proved, others are tried.
+            first one is not proved, others are tried, and then some that cost more.
 
     Raises:
         FormulaSyntaxError: If the formula cannot be parsed.
@@ -58,6 +59,9 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         product = Product(system, automaton, triangle, spec.semantics)
         return None if has_runs(product) else NoPlanError(refusal(product))
 
+    def searched(within: TransitionSystem, required: Specification) -> BestRuns:
+        return best_runs(within, required, triangle, spec.semantics, objective_of(spec))
+
     try:
         dropped = dropped_tasks(
             spec,
@@ -65,7 +69,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
             lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
         )
         specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
-        found = best_runs(system, specification, triangle, spec.semantics, objective_of(spec))
+        found = searched(system, specification)
     except NoPlanError as error:
         raise explained(error, spec, partition, labelling, start=triangle) from error
     runs = found.runs
@@ -81,17 +85,26 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         certify = partial(prover.certify, repeats=tried.recurrent)
         return planner.smoothed(path, certify, joins=tried.recurrent, doubtful=doubtful)
 
-    flown = proved_run(
-        runs,
-        index,
-        lambda tried: planner.path(tried, found.product.automaton.whole, start),
-        smoothed,
-        others=run is None and spec.run == 0,
+    free = run is None and spec.run == 0
+
+    def proved_of(best: BestRuns) -> ProvedRun:
+        steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=start)
+        if best is found:
+            return proved_run(best.runs, index, steered, smoothed, others=free)
+        return proved_run(best.runs, 0, steered, smoothed, others=False, doubtful=True)
+
+    flown = flown_run(
+        found,
+        proved_of,
+        partial(searched, required=specification),
+        system=system,
+        start=triangle,
+        most_searches=MOST_SEARCHES if free else 0,
     )
-    chosen, path, proved = flown.run, flown.path, flown.proved
+    chosen, path, proved = flown.proved.run, flown.proved.path, flown.proved.proved
     curve, homeward = proved.curve, None
     if chosen.recurrent:
-        safety = safety_of(found.product.automaton.whole)
+        safety = safety_of(flown.among.product.automaton.whole)
         back = way_back(planner, system, safety, restricted, laps=chosen, proved=proved)
         if back is not None:
             homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
@@ -104,9 +117,9 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         required=specification,
         product_states=found.product.full_size,
         product_states_reachable=found.product.reachable_size,
-        shortest_runs=runs.count,
-        best_in_any_order=found.exact,
-        run_index=flown.index,
+        shortest_runs=flown.among.runs.count,
+        best_in_any_order=flown.among.exact,
+        run_index=flown.proved.index,
         run=chosen,
         path=path,
         stops=stops,
@@ -115,13 +128,15 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         dropped=dropped,
         homeward=homeward,
         passed_over=flown.passed_over,
+        avoidance=Avoidance(flown.avoided, run_costs(weights, runs[0], spec.search.cost)) if flown.avoided else None,
     )
 
 
 def shortest_runs(plan: FlightPlan) -> ShortestRuns:
-    """All the runs that a plan could have flown at the same cost."""
+    """All the runs that a plan could have flown at the same cost, clear of what it avoids."""
     objective = objective_of(plan.spec)
-    return best_runs(plan.system, plan.required, plan.run.states[0], plan.spec.semantics, objective).runs
+    system = plan.system if plan.avoidance is None else plan.system.without(plan.avoidance.closed)
+    return best_runs(system, plan.required, plan.run.states[0], plan.spec.semantics, objective).runs
 
 
 def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) -> int:

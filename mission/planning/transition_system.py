@@ -1,5 +1,6 @@
 """The transition system T of a partition (paper, Eq. 22), as arrays."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -50,6 +51,11 @@ class TransitionSystem:
     def uniform(self) -> bool:
         """Whether all transitions cost the same."""
         return bool((self.weights == self.weights[0, 0]).all())
+
+    def without(self, triangles: Sequence[int]) -> "TransitionSystem":
+        """The same where no control leads into some triangles."""
+        kept = np.where(np.isin(self.successors, triangles), -1, self.successors)
+        return TransitionSystem(kept, self.letter_of, self.letters, self.weights)
 
     @staticmethod
     def from_partition(

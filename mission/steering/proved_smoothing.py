@@ -70,12 +70,13 @@ def smooth_with_proof(
         if count > fitted:
             fitted = min(most_frequencies, 4 * count)
             longest = fit_legs(legs, fitted, extension)
-        held, fault, guilty = _tried(_truncated(longest, count), certify, refuses)
+        held, fault, certificate = _tried(_truncated(longest, count), certify, refuses)
         if held is None and count >= most_frequencies:
             raise UnprovedError(
                 f"no smoothing with up to {most_frequencies} frequencies is proved to satisfy the mission: "
                 f"with {most_frequencies}, {fault}",
-                counterexample=guilty,
+                counterexample=certificate.counterexample if certificate else (),
+                where_s=certificate.where_s if certificate else None,
             )
         if held is None:
             failed, count = count, min(most_frequencies, 2 * count)
@@ -101,13 +102,13 @@ def _truncated(curve: JoinedCurve, frequencies: int) -> JoinedCurve:
 
 def _tried(
     curve: JoinedCurve, certify: Callable[[JoinedCurve], Certificate], refuses: Callable[[JoinedCurve], str]
-) -> tuple[ProvedCurve | None, str, tuple[int, ...]]:
-    """The curve with its certificate if all is proved; else what is wrong with it, and the certificate's example."""
+) -> tuple[ProvedCurve | None, str, Certificate | None]:
+    """The curve with its certificate if all is proved; else what is wrong with it, and a certificate that fails."""
     fault = refuses(curve)
     if fault:
-        return None, f"the smoothed path {fault}", ()
+        return None, f"the smoothed path {fault}", None
     certificate = certify(curve)
     if certificate.holds:
-        return ProvedCurve(curve, certificate), "", ()
+        return ProvedCurve(curve, certificate), "", None
     reason = f"the tube of {certificate.tube_m:g} m around the smoothed path {certificate.reason}"
-    return None, reason, certificate.counterexample
+    return None, reason, certificate
