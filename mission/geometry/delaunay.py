@@ -105,14 +105,17 @@ class Triangulation:
             seeds: Shape (P,), for each a triangle in whose circumcircle it lies.
         """
         size = self._triangle_count
-        front = np.arange(len(points)) * size + seeds
-        known = front
+        before, front = np.empty(0, dtype=np.int64), np.arange(len(points)) * size + seeds
+        fronts = [front]
         while len(front):
             owner, triangle = np.repeat(front // size, 3), self._neighbours[front % size].reshape(-1)
             keys = np.unique((owner * size + triangle)[triangle >= 0])
-            keys = keys[~_among(keys, known)]
-            front = keys[self._depth(keys % size, points[keys // size]) > 0.0]
-            known = np.sort(np.concatenate((known, front)))
+            # What was found lies in this front or the one before it: neighbours are at most one step apart.
+            keys = keys[~_among(keys, front)]
+            keys = keys[~_among(keys, before)] if len(before) else keys
+            before, front = front, keys[self._depth(keys % size, points[keys // size]) > 0.0]
+            fronts.append(front)
+        known = np.sort(np.concatenate(fronts))
         return Cavities(known // size, known % size)
 
     def insert(self, points: FloatArray, cavities: Cavities) -> Growth:

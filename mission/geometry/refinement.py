@@ -50,8 +50,7 @@ def refined(
     Raises:
         GeometryError: The mesh would have more than ``MOST_VERTICES``, or no triangle lies in the domain.
     """
-    # A triangle has at most the area of the equilateral one, and a mesh about half as many vertices as triangles.
-    if domain.area > MOST_VERTICES * np.sqrt(0.75) * largest_m**2:
+    if largest_m < finest_m(domain.area):
         raise GeometryError(f"with edges of {largest_m:g} m the mesh would have more than {MOST_VERTICES:,} vertices")
     # Far from the origin the digits would not do: whole metres go off, and come back exactly.
     origin_m = np.floor(arrangement.vertices_m.min(axis=0))
@@ -65,6 +64,12 @@ def refined(
                 f"the mesh would have more than {MOST_VERTICES:,} vertices, the last near ({x:.2f}, {y:.2f})"
             )
     return faces_of(work.mesh, work.pieces.ends, domain).moved(origin_m)
+
+
+def finest_m(area_m2: float) -> float:
+    """With longest edges below this, any mesh of such an area has more than ``MOST_VERTICES``."""
+    # A triangle has at most the area of the equilateral one, and a mesh about half as many vertices as triangles.
+    return float(np.sqrt(area_m2 / (MOST_VERTICES * np.sqrt(0.75))))
 
 
 class _Refinement:

@@ -11,9 +11,9 @@ from mission.geometry.arrangement import arranged
 from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.faces import FacedMesh
 from mission.geometry.location import Locator
-from mission.geometry.refinement import refined
+from mission.geometry.refinement import finest_m, refined
 from mission.geometry.regions import Labelling, label_triangles
-from mission.geometry.rings import ring_edges
+from mission.geometry.rings import ring_area_m2, ring_edges
 from mission.geometry.simplices import ROUNDING, Partition
 from mission.geometry.triangulation import (
     SLIVER,
@@ -102,9 +102,7 @@ def examine_domain(
     try:
         mesh, found = _meshed(domain, outlines, misses)
     except GeometryError as error:
-        section = "nodes" if isinstance(domain, NodesDomain) else "boundary"
-        hint = "three nodes at least must not lie on one line, and outlines must not run very close to each other"
-        return None, None, [*findings, Finding(("domain", section), str(error), hint)]
+        return None, None, [*findings, _no_mesh(domain, error)]
     findings.extend(found)
     if mesh is None:
         return None, None, findings
@@ -212,6 +210,22 @@ def _members(
             return mask, []
         return mask, [_no_one_triangle(region.name, point, touching.tolist(), partition)]
     return mesh.inside(rings[region.name]), []
+
+
+def _no_mesh(domain: Domain, error: GeometryError) -> Finding:
+    if isinstance(domain, NodesDomain):
+        return Finding(("domain", "nodes"), str(error), "three nodes at least must not lie on one line")
+    wanted = domain.refinement
+    if not wanted:
+        return Finding(("domain", "boundary"), str(error), "outlines must not run very close to each other")
+    finest = finest_m(abs(ring_area_m2(boundary_outline(domain).ring_m)))
+    if wanted.largest_m < finest:
+        hint = f"write more than {measure(2.0 * finest)}, or leave it out"
+        return Finding(("domain", "mesh", "largest_m"), str(error), hint)
+    hint = (
+        "let outlines that run very close to each other meet, or write a larger `largest_m` or `smallest_angle_deg: 20`"
+    )
+    return Finding(("domain", "mesh"), str(error), hint)
 
 
 def _vanished(name: str, joined: float) -> Finding:

@@ -80,7 +80,12 @@ def test_a_region_outside_or_too_thin_is_refused() -> None:
 
 
 def test_a_mesh_that_is_too_fine_is_refused() -> None:
-    assert "more than 400,000 vertices" in faults("bog: {kind: survey, at: [40, 5]}", "largest_m: 0.01")
+    with pytest.raises(SpecError) as refused:
+        parse_mission(site("bog: {kind: survey, at: [40, 5]}", "largest_m: 0.01"))
+    (fault,) = refused.value.faults
+    assert "more than 400,000 vertices" in fault.message
+    assert fault.path == "domain.mesh.largest_m"
+    assert "write more than 0.235" in fault.hint
 
 
 def test_points_and_a_mesh_exclude_each_other() -> None:
