@@ -19,7 +19,7 @@ from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEnter
 from mission.link.frames import Anchoring, enu_from_ned
 from mission.link.guidance import Guidance
 from mission.link.procedure import Procedure
-from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps
+from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps, unarm_step
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
 from mission.monitor.stage import Stage
@@ -367,12 +367,14 @@ class Session:
     def _retreat(self, now_s: float) -> bool:
         """Take the way out: hold (and land) in the air, disarm on the ground; False where there is nothing to do."""
         kind, vehicle_s = self.contact.autopilot, self.vehicle.clock.now_s(now_s)
-        if kind is None or vehicle_s is None or not self.vehicle.armed or not self.departed:
+        if kind is None or vehicle_s is None or not self.departed:
+            return False
+        if not self.vehicle.armed and self.stage is not Stage.ARM:
             return False
         if self.guidance is not None:
             self.guidance.end(vehicle_s)
         if not self._scene(vehicle_s, 0.0).airborne:
-            self._procedure = self._procedure_of(disarm_step(None))
+            self._procedure = self._procedure_of(disarm_step(None) if self.vehicle.armed else unarm_step())
             return True
         hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), None)
         landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), self.altitude_m)

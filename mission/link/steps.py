@@ -15,6 +15,8 @@ from mission.monitor.stage import Stage
 FAILSAFE_PATIENCE_S: Final = 30.0
 AIRBORNE_M: Final = 0.5
 _GRACE_S: Final = 15.0
+_TELLS_WITHIN_S: Final = 2.5
+"""Two heartbeats, and one that was on its way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,3 +226,8 @@ def disarm_step(
         wait_s=wait_s,
         modes=modes,
     )
+
+
+def unarm_step() -> Step:
+    """Disarm a vehicle that was asked to arm and has not told what came of it; heartbeats that follow tell."""
+    return disarm_step(None, settled=lambda scene: scene.in_step_s > _TELLS_WITHIN_S)

@@ -435,6 +435,19 @@ def test_stopped_on_the_ground_it_disarms() -> None:
     assert driven.session.ending is Ending.STOPPED
 
 
+@FLAVOURS
+def test_stopped_before_it_is_seen_armed_it_does_not_stay_armed(flavour: str) -> None:
+    vehicle = ScriptedVehicle(flavour)
+    driven = Driven(vehicle)
+    driven.until(Stage.ARM)
+    driven.session.stop("interrupted", vehicle.now_s())
+    driven.fly()
+    assert vehicle.commands[-1].command == ARM
+    assert vehicle.commands[-1].param1 == 0
+    assert not vehicle.armed
+    assert driven.session.ending is Ending.STOPPED
+
+
 def test_stopped_before_anything_it_is_over() -> None:
     session = Session(needs_origin=False)
     session.stop("interrupted", 0.0)
