@@ -1,7 +1,9 @@
 """What has arrived and was not looked at yet: where reading falls behind, what is out of date is left out.
 
 Of telemetry that only tells a state, the newest counts, and one that waits is replaced by the next of its kind and
-sender. Nothing is left out of what is counted or told once (heartbeats, texts, answers, requests), nor of the
+sender: in its place in the queue, for at the end it would be replaced again before its turn comes where more waits than
+comes between two of them; but at the end where it carries the vehicle's time, which must not be read out of order.
+Nothing is left out of what is counted or told once (heartbeats, texts, answers, requests), nor of the
 positions, which the verdict on a flight is drawn from.
 """
 
@@ -9,7 +11,7 @@ from collections import OrderedDict
 from typing import Final
 
 from mission.link.framing import Frame
-from mission.link.messages import STATES
+from mission.link.messages import STAMPED, STATES
 
 _MOST: Final = 1 << 15
 """Only what nobody reads for minutes comes to that; then the oldest goes."""
@@ -37,8 +39,14 @@ class Inbox:
         self._count += 1
         if frame.number in STATES:
             kind = (frame.number, frame.sender)
-            older, self._newest[kind] = self._newest.get(kind, 0), self._count
-            self.left_out += self._waiting.pop(older, None) is not None
+            older = self._newest.get(kind, 0)
+            if older in self._waiting:
+                self.left_out += 1
+                if frame.number not in STAMPED:
+                    self._waiting[older] = (frame, at_s)
+                    return
+                del self._waiting[older]
+            self._newest[kind] = self._count
         self._waiting[self._count] = (frame, at_s)
         if len(self._waiting) > _MOST:
             self.take()

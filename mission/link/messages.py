@@ -106,6 +106,9 @@ STATES: Final = frozenset(
 )
 """Messages that are out of date once there is a newer one of the same sender."""
 
+STAMPED: Final = frozenset((Stream.ATTITUDE, Stream.GLOBAL_POSITION_INT))
+"""Those of them from which the vehicle's time is read."""
+
 
 class Codec:
     """Turns bytes of one link into values, and values into frames that carry our own ids."""

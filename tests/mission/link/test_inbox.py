@@ -35,6 +35,16 @@ def test_of_a_state_the_newest_waits_and_all_else_in_order(*, old: bool) -> None
     assert inbox.left_out == 2
 
 
+def test_a_state_has_its_turn_however_much_waits() -> None:
+    inbox = Inbox()
+    handled = []
+    for turn in range(100):  # two come and one is handled, so that more and more waits
+        for frame in frames(mavlink.MAVLink_estimator_status_message(turn, 0, 0, 0, 0, 0, 0, 0, 0, 0), position(turn)):
+            inbox.put(frame, float(turn))
+        handled.append(inbox.take()[0].number)
+    assert handled.count(mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS) > 5
+
+
 def test_of_each_sender_and_only_what_waits() -> None:
     inbox = Inbox()
     (ours,), (theirs,) = frames(attitude(1)), frames(attitude(1), system=2)
