@@ -26,7 +26,8 @@ INTERRUPTED = StopRequest("interrupted by the user", after_lap=True)
 class StopSignals:
     """While entered, SIGINT, SIGTERM and SIGHUP are noted; one that follows an unheeded one interrupts at once.
 
-    Outside the main thread, where signals cannot be handled, nothing is noted.
+    Outside the main thread, where signals cannot be handled, nothing is noted; nor is a hang-up that is ignored
+    already, as under nohup.
     """
 
     def __init__(self) -> None:
@@ -43,6 +44,8 @@ class StopSignals:
         if threading.current_thread() is threading.main_thread():
             wanted = ("SIGINT", "SIGTERM", "SIGHUP")  # the last is not known everywhere
             for number in [signal.Signals[name] for name in wanted if hasattr(signal, name)]:
+                if number.name == "SIGHUP" and signal.getsignal(number) == signal.SIG_IGN:
+                    continue
                 self._before[number] = signal.signal(number, self._note)
         return self
 
