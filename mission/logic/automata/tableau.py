@@ -4,7 +4,7 @@ States are sets of formulas that must all hold from here on. What a formula asks
 is a diagram whose leaves are sets of clauses (obligations for the next position, promises put off once more); clauses
 that ask for more than another one are dropped at once. This is the tableau of Couvreur, "On-the-fly verification of
 linear temporal logic" (1999), on the clauses of Gastin and Oddoux, "Fast LTL to Büchi automata translation" (2001).
-Each eventuality is one acceptance set: the transitions that do not put it off.
+Eventualities that wait for the same formula are one acceptance set: the transitions that put none of them off.
 """
 
 from functools import reduce
@@ -18,6 +18,7 @@ Clause = tuple[int, int]
 Clauses = tuple[Clause, ...]
 
 _PROMISES = frozenset({Operator.EVENTUALLY, Operator.UNTIL, Operator.STRONG_RELEASE})
+_WAITING = frozenset({Operator.EVENTUALLY, Operator.UNTIL})
 _REPEATING = frozenset({Operator.ALWAYS, Operator.RELEASE, Operator.STRONG_RELEASE})
 
 
@@ -157,7 +158,7 @@ class Tableau:
     def _expand_temporal(self, node: Formula, parts: list[Diagram]) -> Diagram:
         late = 0
         if node.operator in _PROMISES:
-            late = 1 << self._promise.setdefault(node, len(self._promise))
+            late = 1 << self._promise.setdefault(_promised(node), len(self._promise))
         again = self._diagrams.leaf(((self._obligations(node), late),))
         match node.operator:
             case Operator.EVENTUALLY:
@@ -197,6 +198,16 @@ class Tableau:
             for clause in ordered
             if not any(not (other[0] & ~clause[0] or other[1] & ~clause[1]) for other in ordered if other != clause)
         )
+
+
+def _promised(formula: Formula) -> Formula:
+    """What an eventuality puts off, which one acceptance set is enough for: ``c`` of ``a U (b U c)`` as of ``F c``.
+
+    When that holds, all that wait for it are met at once; and from when it holds no more, none can be asked for.
+    """
+    while formula.operator in _WAITING:
+        formula = formula.operands[-1]
+    return formula
 
 
 def _apart(left: Clauses, right: Clauses) -> bool:

@@ -166,6 +166,49 @@ def test_a_nondeterministic_automaton_where_a_deterministic_one_is_exponential()
 
 
 @pytest.mark.parametrize(
+    ("text", "generalised", "sets", "states"),
+    [
+        *((f"F G {FAMILIES['U right'](number)}", number, 1, number + 1) for number in range(2, 7)),
+        ("F G ((a U b) U (c U d))", 4, 2, 6),
+        ("F G ((a U b) U (c U (d U e)))", 5, 2, 7),
+        ("F G ((a U b) U ((c U d) U e))", 7, 3, 15),
+    ],
+)
+def test_nested_untils_from_some_time_on(text: str, generalised: int, sets: int, states: int) -> None:
+    """Bounds by automata made by hand.
+
+    One state waits for the time; after it there is one for each set of inner untils that a run needs to have pending at
+    once, the empty one included: with `A = a U b`, `C = c U d` and `B = C U e`, those of `A U B` are {}, A, B, C, AC
+    and BC. There is an acceptance set for each formula that is last in an until: e, b and d. With accepting states, all
+    sets of pending ones wait for e (6), those with A for b (2), those with C for d (3), and {}, A and B accept where
+    the last wait ends. The others have fewer sets to wait for, and accept with nothing pending.
+    """
+    formula = parse_formula(text)
+    small = translate_generalised(formula)
+    assert small.size <= generalised
+    assert small.sets <= sets
+    automaton = translate(formula)
+    assert automaton.size <= states
+    random = Random(11)  # noqa: S311 - no secrets here
+    for _ in range(40):
+        word = random_word(random, automaton.propositions)
+        assert automaton.accepts(word) is satisfies(word, formula), f"{formula} on {word}"
+
+
+@pytest.mark.parametrize("shell", ["F G ({})", "G ({})", "G F ({})", "{} & G (a -> F b)"])
+def test_eventualities_that_wait_for_the_same_are_met_together(shell: str) -> None:
+    random = Random(shell)  # noqa: S311 - no secrets here
+    for _ in range(4):
+        text = "c"
+        for _ in range(random.randrange(2, 5)):
+            left, right, negated = random.choice("abc"), random.choice("abc"), random.choice(("", "!"))
+            text = random.choice(
+                (f"{left} U ({text})", f"({text}) U {right}", f"F {left} & ({text})", f"{negated}{left} | X ({text})")
+            )
+        check(parse_formula(shell.format(f"({text})")), random, 10)
+
+
+@pytest.mark.parametrize(
     ("text", "states"),
     [
         ("X X !(X a M (F b M X X (X b -> !a)))", 8),
