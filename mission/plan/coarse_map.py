@@ -1,13 +1,14 @@
 """The words that a map can spell, on a graph as small as the question allows."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from mission.geometry.arrays import BoolArray, IntArray
-from mission.logic.automata.automaton import CompiledAutomaton
+from mission.logic.automata.rabin import DEAD, Rabin
 from mission.logic.formula.word import LassoWord, Letter
 from mission.planning.sweeps import Codes
 from mission.planning.transition_system import TransitionSystem
@@ -62,36 +63,36 @@ class CoarseMap:
         nodes = breadth_first_order(graph, self.start, return_predecessors=False)
         return frozenset[str]().union(*(self.letters[i] for i in np.unique(self.letter_of[nodes]).tolist()))
 
-    def word(self, automaton: CompiledAutomaton, closed: BoolArray, semantics: Semantics) -> LassoWord | None:
+    def edges(self, automaton: Rabin) -> int:
+        """How many transitions ``word`` looks at, at most."""
+        return automaton.size * len(self.sources)
+
+    def word(self, automaton: Rabin, closed: BoolArray, semantics: Semantics) -> LassoWord | None:
         """A word that ``automaton`` (over the letters of the map) accepts, spelled without ``closed`` (N,) nodes."""
-        nodes, root = len(self.letter_of), automaton.states * len(self.letter_of)
-        froms, tos = [np.full(0, root)], [np.full(0, root)]
-        for letter in range(len(self.letters)):
-            entering = (self.letter_of[self.targets] == letter) & ~closed[self.targets]
-            reading = automaton.letters == letter
-            froms.append(np.add.outer(automaton.sources[reading] * nodes, self.sources[entering]).ravel())
-            tos.append(np.add.outer(automaton.targets[reading] * nodes, self.targets[entering]).ravel())
-        begin = automaton.initial
-        if semantics is Semantics.STANDARD:
-            read = automaton.letters == self.letter_of[self.start]
-            begin = np.unique(automaton.targets[read & np.isin(automaton.sources, automaton.initial)])
-        sources = np.concatenate((*froms, np.full(len(begin), root)))
-        targets = np.concatenate((*tos, begin * nodes + self.start))
-        graph = _graph(sources, targets, root + 1)
-        order, parents = breadth_first_order(graph, root)
-        order = order[1:]
-        heads = order[automaton.accepting[order // nodes] & _on_loops(graph, sources, targets)[order]]
-        if not len(heads):
+        nodes, state = len(self.letter_of), automaton.initial
+        if state != DEAD and semantics is Semantics.STANDARD:
+            state = int(automaton.targets[state, self.letter_of[self.start]])
+        if state == DEAD:
             return None
-        head = int(heads[0])
-        way = _way(parents, root, head)[1:]
-        after, back = breadth_first_order(graph, head)
-        closing = set(sources[targets == head].tolist())
-        last = next(state for state in after.tolist() if state in closing)
-        around = [*_way(back, head, last)[1:], head]
-        if semantics is Semantics.PAPER:
-            way = way[1:]
-        return LassoWord(self._spelled(way, nodes), self._spelled(around, nodes))
+        usable = ~closed[self.targets]
+        before, after = self.sources[usable], self.targets[usable]
+        entered = automaton.targets[:, self.letter_of[after]]
+        q, edge = np.nonzero(entered != DEAD)
+        sources, targets = q * nodes + before[edge], entered[q, edge] * nodes + after[edge]
+        marks, size = automaton.marks[q, self.letter_of[after[edge]]], automaton.size * nodes
+        first = state * nodes + self.start
+        order, parents = breadth_first_order(_graph(sources, targets, size), first)
+        for fin, inf in automaton.pairs:
+            kept = marks & fin == 0
+            part = _Marked(sources[kept], targets[kept], marks[kept] & inf, size)
+            heads = order[part.recurrent(inf)[order]]
+            if len(heads):
+                head = int(heads[0])
+                way = _way(parents, first, head)
+                if semantics is Semantics.PAPER:
+                    way = way[1:]
+                return LassoWord(self._spelled(way, nodes), self._spelled(part.around(head, inf), nodes))
+        return None
 
     def _spelled(self, states: list[int], nodes: int) -> tuple[Letter, ...]:
         return tuple(self.letters[int(self.letter_of[state % nodes])] for state in states)
@@ -101,11 +102,49 @@ def _graph(sources: IntArray, targets: IntArray, size: int) -> "csr_array[np.flo
     return coo_array((np.ones(len(sources)), (sources, targets)), shape=(size, size)).tocsr()
 
 
-def _on_loops(graph: "csr_array[np.float64, tuple[int, int]]", sources: IntArray, targets: IntArray) -> BoolArray:
-    _, components = connected_components(graph, directed=True, connection="strong")
-    loops: BoolArray = np.bincount(components)[components] > 1
-    loops[sources[sources == targets]] = True
-    return loops
+@dataclass(frozen=True, eq=False)
+class _Marked:
+    """A graph with marked edges: (E,) vertices that they leave and enter, and marks as bits; and how many vertices."""
+
+    sources: IntArray
+    targets: IntArray
+    marks: IntArray
+    size: int
+
+    @cached_property
+    def components(self) -> Codes:
+        """(size,) the strongly connected component of each vertex."""
+        graph = _graph(self.sources, self.targets, self.size)
+        return connected_components(graph, directed=True, connection="strong")[1]
+
+    @cached_property
+    def inner(self) -> BoolArray:
+        """(E,) whether an edge stays in its component."""
+        return np.asarray(self.components[self.sources] == self.components[self.targets])
+
+    def recurrent(self, every: int) -> BoolArray:
+        """(size,) whether a loop through the vertex bears all marks of ``every``."""
+        borne = np.full(self.size, -1)
+        of_edge = self.components[self.sources[self.inner]]
+        borne[of_edge] = 0
+        np.bitwise_or.at(borne, of_edge, self.marks[self.inner])
+        found: BoolArray = (borne == every)[self.components]
+        return found
+
+    def around(self, head: int, every: int) -> list[int]:
+        """The vertices of such a loop from ``head``, in which it ends."""
+        inside = self.inner & (self.components[self.sources] == self.components[head])
+        sources, targets, marks = self.sources[inside], self.targets[inside], self.marks[inside]
+        graph, way, left = _graph(sources, targets, self.size), [head], every
+        while left or len(way) == 1 or way[-1] != head:
+            order, parents = breadth_first_order(graph, way[-1])
+            place = np.full(self.size, self.size)
+            place[order] = np.arange(len(order))
+            wanted = np.flatnonzero(marks & left if left else targets == head)
+            nearest = int(wanted[np.argmin(place[sources[wanted]])])
+            way += [*_way(parents, way[-1], int(sources[nearest]))[1:], int(targets[nearest])]
+            left &= ~int(marks[nearest])
+        return way[1:]
 
 
 def _way(parents: Codes, begin: int, end: int) -> list[int]:

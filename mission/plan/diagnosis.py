@@ -11,11 +11,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 
+from mission.errors import AutomatonSizeError
 from mission.geometry.arrays import BoolArray
-from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
+from mission.logic.automata.conjunction import Conjunction
+from mission.logic.automata.rabin import DEAD, Rabin, everything
 from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.syntax import (
     TRUE,
@@ -26,8 +29,9 @@ from mission.logic.formula.syntax import (
     negation,
     postorder,
     proposition,
+    proposition_order,
 )
-from mission.logic.formula.word import LassoWord, satisfies
+from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.plan.coarse_map import CoarseMap
 from mission.plan.core import Core, smallest_core
 from mission.plan.missing_letters import (
@@ -35,13 +39,15 @@ from mission.plan.missing_letters import (
     accepts_nothing,
     accepts_something,
     missing_letter,
-    violated_by_first,
 )
 from mission.plan.specification import accepts, automaton_of, described, deterministic_of
 from mission.planning.product import Product
 from mission.planning.refusal import refusal
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import NamedAutomaton, Semantics
+
+MAX_WORK: Final = 5_000_000
+"""Transitions that are looked at for all questions together: states of automata times edges of the map."""
 
 
 class Cause(StrEnum):
@@ -174,11 +180,21 @@ class _Question:
             for node in postorder(part.formula)
         )
         self.map = CoarseMap.of(system, start, keeps_triangles=counts)
+        self._work = 0
 
     def met_with(self, members: tuple[int, ...]) -> int | None:
-        """The parts that a flight meets which meets ``members``, as bits; None where there is no such flight."""
+        """The parts that a flight meets which meets ``members``, as bits; None where there is no such flight.
+
+        Raises:
+            AutomatonSizeError: The question, with those that were asked before, is too much work.
+        """
         chosen = [self.parts[member] for member in members]
-        word = self.map.word(self.compiled(chosen), self.closed(chosen), self.semantics)
+        asked = (rabin for member in members for rabin in self._automata[member])
+        whole = Conjunction.of([*asked] or [everything(len(self.map.letters))]).whole
+        self._work += self.map.edges(whole)
+        if self._work > MAX_WORK:
+            raise AutomatonSizeError(f"to say why takes more than {MAX_WORK:,} transitions")
+        word = self.map.word(whole, self.closed(chosen), self.semantics)
         if word is None:
             return None
         return sum(1 << i for i, part in enumerate(self.parts) if part.met_by(word))
@@ -187,14 +203,13 @@ class _Question:
         """(N,) the nodes of the map that restricted regions among ``parts`` close."""
         return self.map.closed(frozenset(part.restricted for part in parts))
 
-    def compiled(self, parts: Sequence[Part]) -> CompiledAutomaton:
-        """An automaton of the parts that are no restricted regions, over the letters of the map."""
-        return compile_to_alphabet(_automaton(part for part in parts if not part.restricted), self.map.letters)
-
-
-def _automaton(parts: Iterable[Part]) -> BuchiAutomaton:
-    """An automaton of what all parts ask for."""
-    return automaton_of(*_required(parts))
+    @cached_property
+    def _automata(self) -> tuple[tuple[Rabin, ...], ...]:
+        """Deterministic automata of each part over the letters of the map; none of a region that closes triangles."""
+        return tuple(
+            () if part.restricted else deterministic_of(part.formula, part.given, self.map.letters).parts
+            for part in self.parts
+        )
 
 
 def _required(parts: Iterable[Part]) -> tuple[Formula, NamedAutomaton | None]:
@@ -210,24 +225,43 @@ class _Explanation:
     def __init__(self, question: _Question, core: Core) -> None:
         self._question, self._core = question, core
         self._parts = [question.parts[member] for member in core.members]
-        self._automaton = _automaton(self._parts)
 
     def diagnosis(self) -> Diagnosis:
-        if accepts_nothing(self._automaton):
-            text = self._said("contradicts itself: no flight whatever satisfies it", "contradict each other")
-            return self._of(Cause.THEMSELVES, text)
-        missing = missing_letter(self._automaton, self._question.map.letters)
-        if missing is not None:
-            return self._of(Cause.LABELS, self._labels(missing), missing.regions)
+        if self._whole.initial == DEAD:
+            return self._on_any_map()
         if self._violated_at_start():
             alone = f"is already violated where the flight starts, in {self._place}"
             together = f"cannot all be met by a flight that starts in {self._place}"
             return self._of(Cause.START, self._said(alone, together))
         if self._cut_off:
             return self._of(Cause.UNREACHABLE, self._unreachable(), self._cut_off)
+        return self._on_this_map()
+
+    def _on_any_map(self) -> Diagnosis:
+        """What is wrong whatever lies beside what, with the labels that there are."""
+        formula, given = _required(self._parts)
+        names = tuple(dict.fromkeys((*(given.automaton.propositions if given else ()), *proposition_order(formula))))
+        nothing = accepts_nothing(self._over, names)
+        if nothing is None:
+            return self._on_this_map()
+        if nothing:
+            text = self._said("contradicts itself: no flight whatever satisfies it", "contradict each other")
+            return self._of(Cause.THEMSELVES, text)
+        missing = missing_letter(self._over, names, self._question.map.letters)
+        return self._of(Cause.LABELS, self._labels(missing), missing.regions)
+
+    def _on_this_map(self) -> Diagnosis:
         alone = f"contradicts the map: no flight from {self._place} satisfies it"
         said = self._said(alone, f"contradict the map: no flight from {self._place} meets them all")
         return self._of(Cause.MAP, f"{said}\n{self._how_far()}")
+
+    @cached_property
+    def _whole(self) -> Rabin:
+        return self._over(self._question.map.letters)
+
+    def _over(self, letters: tuple[Letter, ...]) -> Rabin:
+        """A deterministic automaton of the parts."""
+        return deterministic_of(*_required(self._parts), letters).whole
 
     def _of(self, cause: Cause, text: str, regions: tuple[str, ...] = ()) -> Diagnosis:
         written = tuple(part.written for part in self._parts if not part.restricted)
@@ -252,7 +286,7 @@ class _Explanation:
         """The regions that a part may ask for; those that it cannot do without, where it is an automaton."""
         if part.given is None:
             return _asked_for(part.formula)
-        automaton, letters = _automaton([part]), self._question.map.letters
+        automaton, letters = automaton_of(part.formula, part.given), self._question.map.letters
         return frozenset(
             name
             for name in automaton.propositions
@@ -263,8 +297,8 @@ class _Explanation:
         question = self._question
         if question.semantics is Semantics.PAPER:
             return False
-        compiled = compile_to_alphabet(self._automaton, question.map.letters)
-        return violated_by_first(compiled, int(question.system.letter_of[question.start]))
+        start = question.system.letter_of[question.start]
+        return int(self._whole.targets[self._whole.initial, start]) == DEAD
 
     def _said(self, alone: str, together: str) -> str:
         if len(self._parts) == 1:

@@ -1,8 +1,8 @@
 """What is needed to be true in one place, and no triangle of the map offers."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import combinations, islice, permutations
+from itertools import chain, combinations, islice, permutations
 from typing import Final
 
 import numpy as np
@@ -13,10 +13,13 @@ from mission.logic.automata.automaton import (
     compile_to_alphabet,
     states_with_nonempty_language,
 )
+from mission.logic.automata.rabin import DEAD, Rabin
 from mission.logic.formula.word import Letter
 
 _MOST_TOGETHER: Final = 4
 _MAX_CANDIDATES: Final = 500
+_MAX_WORK: Final = 5_000_000  # transitions that are looked at for all candidates
+_MOST_NAMES: Final = 11
 
 
 @dataclass(frozen=True)
@@ -34,27 +37,33 @@ class Missing:
     regions: tuple[str, ...]
 
 
-def accepts_nothing(automaton: BuchiAutomaton) -> bool:
-    """Whether no word whatever is accepted."""
-    names = automaton.propositions
-    # One letter for each edge keeps every run: an accepting one may read these.
-    holding = {next(holds for holds, _ in edge.guard.cubes) for edge in automaton.edges}
-    letters = (frozenset(name for bit, name in enumerate(names) if holds >> bit & 1) for holds in sorted(holding))
-    return not accepts_something(automaton, tuple(letters))
+Over = Callable[[tuple[Letter, ...]], Rabin]
+"""From letters to a deterministic automaton over their numbers; it may raise AutomatonSizeError."""
 
 
-def missing_letter(automaton: BuchiAutomaton, letters: tuple[Letter, ...]) -> Missing | None:
-    """What an automaton asks for that no triangle offers; None where it accepts some word over ``letters``.
+def accepts_nothing(over: Over, names: tuple[str, ...]) -> bool | None:
+    """Whether no word whatever over some propositions is accepted; None where they are too many."""
+    if len(names) > _MOST_NAMES:
+        return None
+    chosen = chain.from_iterable(combinations(names, size) for size in range(len(names) + 1))
+    return over(tuple(map(frozenset, chosen))).initial == DEAD
+
+
+def missing_letter(over: Over, names: tuple[str, ...], letters: tuple[Letter, ...]) -> Missing:
+    """What is asked for that no triangle offers, where no word over ``letters`` is accepted.
 
     A letter is to blame where something would be accepted if the map had it. Where several would do, the first in
     this order is named: a region without a triangle, regions together, a region outside another, no region at all.
     """
-    if accepts_something(automaton, letters):
-        return None
-    names = automaton.propositions
     seen = tuple(dict.fromkeys(frozenset(names) & letter for letter in letters))
-    for added, missing in islice(_candidates(names, seen), _MAX_CANDIDATES):
-        if accepts_something(automaton, (*seen, *added)):
+    candidates = list(islice(_candidates(names, seen), _MAX_CANDIDATES))
+    every = tuple(dict.fromkeys(chain(seen, *(added for added, _ in candidates))))
+    number = {letter: index for index, letter in enumerate(every)}
+    whole = over(every)
+    affordable = 0 if whole.initial == DEAD else _MAX_WORK // (whole.size * (len(seen) + 1))
+    for added, missing in candidates[:affordable]:
+        columns = np.array(sorted({number[letter] for letter in (*seen, *added)}))
+        if whole.over(columns).alive()[whole.initial]:
             return missing
     return Missing("places", "no triangle has the labels for them", ())
 

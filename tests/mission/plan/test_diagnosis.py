@@ -1,17 +1,18 @@
 """Diagnoses against the search of the product itself, on random small domains."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 from random import Random
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError
-from mission.logic.automata.automaton import compile_to_alphabet
-from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import Formula, always, conjunction, eventually, negation, proposition
+from mission.logic.formula.word import satisfies
+from mission.plan import diagnosis
 from mission.plan.coarse_map import CoarseMap
 from mission.plan.diagnosis import Cause, Part, diagnose, parts_of
 from mission.planning.product import Product
@@ -87,10 +88,9 @@ def test_a_word_of_the_coarse_map_satisfies_its_formula(
 ) -> None:
     system, formula = random_domain(domain), random_conjunction(draw)
     area = CoarseMap.of(system, 0, keeps_triangles=keeps)
-    automaton = translate(formula)
-    word = area.word(compile_to_alphabet(automaton, system.letters), area.closed(frozenset({"k"})), semantics)
+    word = area.word(required(formula, system.letters).whole, area.closed(frozenset({"k"})), semantics)
     if word is not None:
-        assert automaton.accepts(word)
+        assert satisfies(word, formula)
         assert not any("k" in letter for letter in word.prefix + word.suffix)
         assert semantics is Semantics.PAPER or (word.prefix + word.suffix)[0] == system.letters[system.letter_of[0]]
 
@@ -148,3 +148,30 @@ def test_the_paper_does_not_read_the_label_of_the_start() -> None:
 def test_a_restricted_region_that_a_conjunct_forbids_is_one_part() -> None:
     parts = parts_of(parse_formula("F a & G !k"), ("k", "m"), {})
     assert [str(part) for part in parts] == ["F a", "G !k", "m is restricted: it is never entered"]
+
+
+def reactions(count: int) -> tuple[Formula, TransitionSystem]:
+    """Each region calls for the next one, the first recurs, and the last does not; all are on the map."""
+    names = [f"p{i}" for i in range(count)]
+    calls = " & ".join(f"G ({one} -> F {other})" for one, other in pairwise(names))
+    return parse_formula(f"{calls} & G F {names[0]} & F G !{names[-1]}"), row("", *names)
+
+
+def test_reactions_that_contradict_each_other_are_named() -> None:
+    formula, system = reactions(6)
+    found = diagnose(formula, system, (), 0, Semantics.STANDARD)
+    assert found is not None
+    assert (found.cause, len(found.conjuncts), found.smallest) == (Cause.THEMSELVES, 7, True)
+
+
+def test_so_are_many_though_the_words_of_all_maps_are_too_many() -> None:
+    formula, system = reactions(12)
+    found = diagnose(formula, system, (), 0, Semantics.STANDARD)
+    assert found is not None
+    assert (found.cause, len(found.conjuncts), found.smallest) == (Cause.MAP, 13, True)
+    assert "it contradicts itself, or asks for" in found.text
+
+
+def test_the_questions_have_a_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(diagnosis, "MAX_WORK", 0)
+    assert diagnose(*reactions(6), (), 0, Semantics.STANDARD) is None
