@@ -49,8 +49,8 @@ PICTURES: tuple[_OfPlan | _OfFlight, ...] = (
         Picture(
             "02_partition.png",
             "Partition",
-            "The domain, cut into triangles. Survey regions and home are filled, restricted regions hatched. Each "
-            "triangle shows its number over its three vertices, counter-clockwise.",
+            "The domain, cut into triangles. Survey regions and home are filled, restricted regions hatched. Unless "
+            "there are too many, each triangle shows its number over its three vertices, counter-clockwise.",
         ),
         annotated_partition,
     ),
