@@ -57,7 +57,8 @@ def refined(
     near = Arrangement(arrangement.vertices_m - origin_m, arrangement.segments)
     domain = shapely.transform(domain, lambda places: places - origin_m)
     work = _Refinement(near, domain, 0.5 / np.sin(np.radians(smallest_angle_deg)), largest_m)
-    while work.cut_segments() | work.mend_triangles():
+    # Segments first: where one is missing, a vertex for a triangle may fall beside it, and cuts would crowd there.
+    while work.cut_segments() or work.mend_triangles():
         if len(work.mesh.vertices) > MOST_VERTICES:
             x, y = work.mesh.vertices[-1] + origin_m
             raise GeometryError(

@@ -139,3 +139,11 @@ def sharpest(arrangement: Arrangement) -> float:
         gaps = np.diff(np.append(bearings, bearings[0] + 360.0))
         least = min(least, float(gaps.min()))
     return least
+
+
+def test_nested_squares_a_metre_apart_are_meshed_at_their_own_scale() -> None:
+    rings = [np.array([[a, a], [110.0 - a, a], [110.0 - a, 110.0 - a], [a, 110.0 - a]]) for a in range(20, 50)]
+    arrangement = drawn(SQUARE, *rings)
+    found = refined(arrangement, shapely.Polygon(SQUARE))
+    assert found.partition.edge_lengths_m.min() > 0.1
+    assert_sound(found, arrangement, shapely.Polygon(SQUARE))
