@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ FULL = Path("/dev/full")
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals and /dev/full are POSIX")
 
 WHEN_IMPORTED = """
-import os, sys
+import os, signal, sys
 from importlib.abc import MetaPathFinder
 
 _, module, number, *sys.argv[1:] = sys.argv
@@ -29,11 +30,20 @@ class Sender(MetaPathFinder):
             sys.meta_path.remove(self)
             os.kill(os.getpid(), int(number))
 
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whoever runs the tests may ignore it
 sys.meta_path.insert(0, Sender())
 from mission.cli import main
 sys.exit(main())
 """
 """Sends a signal to itself where a module, its first argument, is about to be loaded."""
+
+
+@pytest.fixture
+def heeded() -> Iterator[None]:
+    """A hang-up counts, whoever runs the tests."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
 
 
 def ended_at(module: str, number: signal.Signals, *arguments: str) -> subprocess.CompletedProcess[bytes]:
@@ -60,7 +70,11 @@ def test_a_signal_ends_the_program_at_once_without_a_traceback(module: str, numb
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_while_planning(number: signal.Signals, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_signal_while_planning(
+    number: signal.Signals,
+    heeded: None,
+    monkeypatch: pytest.MonkeyPatch,  # noqa: ARG001 - it has effect
+) -> None:
     before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     monkeypatch.setattr("mission.cli.check.planned", lambda _name: signal.raise_signal(number))
     assert main(["check", PAPER]) == 128 + number

@@ -50,6 +50,6 @@ def test_the_table_counts_them(tmp_path: Path, capsys: pytest.CaptureFixture[str
     assert main(["plan", str(file), "--transitions"]) == 0
     printed = capsys.readouterr().out
     assert "A  2 automata side by side, all of which must accept: " in printed
-    assert "(with the product of A, of " in printed
+    assert "(with deterministic automata of its parts, 2 states together)" in printed
     assert main(["plan", str(file), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["automaton_parts"] == 2
