@@ -69,12 +69,9 @@ def test_a_signal_ends_the_program_at_once_without_a_traceback(module: str, numb
     assert (done.returncode, done.stdout, done.stderr) == (128 + number, b"", b"")
 
 
+@pytest.mark.usefixtures("heeded")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_while_planning(
-    number: signal.Signals,
-    heeded: None,
-    monkeypatch: pytest.MonkeyPatch,  # noqa: ARG001 - it has effect
-) -> None:
+def test_a_signal_while_planning(number: signal.Signals, monkeypatch: pytest.MonkeyPatch) -> None:
     before = [signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     monkeypatch.setattr("mission.cli.check.planned", lambda _name: signal.raise_signal(number))
     assert main(["check", PAPER]) == 128 + number
