@@ -122,10 +122,20 @@ def test_whatever_is_drawn_is_meshed(seed: int, count: int) -> None:
     arrangement = drawn(SQUARE + offset, *rims)
     found = refined(arrangement, square)
     assert found.partition.areas_m2.sum() == pytest.approx(1.0e4, rel=1e-3)
-    # Beside an angle of the outlines, the least that Miller, Pav and Walkington prove.
-    apart = np.radians(sharpest(arrangement))
-    beside_deg = np.degrees(np.arctan2(np.sin(apart), 2.0 - np.cos(apart)))
-    assert angles_deg(found.partition).min() >= min(20.0, beside_deg) - 1e-3
+    assert_thin_beside_sharp_angles_only(found.partition, arrangement)
+
+
+def assert_thin_beside_sharp_angles_only(partition: Partition, arrangement: Arrangement) -> None:
+    """A triangle with an angle below the least has it between segments, or its shortest edge ends on two of them."""
+    angles = angles_deg(partition)
+    thin = np.flatnonzero(angles.min(axis=1) < 20.0 - 1e-6)
+    assert not len(thin) or sharpest(arrangement) < 60.0
+    segments = shapely.linestrings(arrangement.vertices_m[arrangement.segments])
+    lines = shapely.union_all(segments)
+    tips = partition.edge_lengths_m[thin].argmin(axis=1)
+    for side in (1, 2):
+        ends = partition.corners_m[thin, (tips + side) % 3]
+        assert (shapely.distance(lines, shapely.points(ends)) < 1e-6).all()
 
 
 def sharpest(arrangement: Arrangement) -> float:
