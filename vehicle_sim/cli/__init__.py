@@ -159,8 +159,8 @@ def _schedule(path: str) -> "Schedule":
         with Path(path).open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise ConfigurationError(f"cannot read {path}: {error.strerror or error}; check its name") from error
-    return read_schedule(content, path)
+        raise ConfigurationError(f"cannot read {printable(path)}: {error.strerror or error}; check its name") from error
+    return read_schedule(content, printable(path))
 
 
 def _check_signing(address: Address, *, has_key: bool) -> None:
@@ -197,8 +197,9 @@ def _tell(options: argparse.Namespace, ids: Sequence[int], bound: list[Address])
 
 
 def _notify(sentence: str) -> None:
+    lines = "\n".join(map(printable, sentence.split("\n")))  # the faults of a file have a line each
     with suppress(OSError):  # a vehicle that flies does not fall for want of a listener
-        print(f"vehicle-sim: {printable(sentence)}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
+        print(f"vehicle-sim: {lines}", file=sys.stderr, flush=True)  # noqa: T201 - the program's own voice
 
 
 @contextmanager

@@ -23,9 +23,9 @@ def flying(*faults: str, flavour: Flavour = AP, seed: int = 1, wind_m_s: float =
     """A vehicle that hovers at 10 m, 20 s after take-off; times of its faults count from take-off."""
     config = VehicleConfig(flavour=flavour, seed=seed, wind_m_s=wind_m_s)
     vehicle = Vehicle(replace(config, faults=schedule_of(*(f"{fault}, since: takeoff" for fault in faults))))
-    wait_until(vehicle, lambda v: v.autopilot.home is not None, within_s=20.0)
     if flavour is AP:
         vehicle.autopilot.set_mode(Mode.GUIDED)
+    wait_until(vehicle, lambda v: not v.autopilot.arming_faults, within_s=30.0)
     assert vehicle.autopilot.arm() is Outcome.ACCEPTED
     assert vehicle.autopilot.takeoff(10.0) is Outcome.ACCEPTED
     lifted_s = wait_until(vehicle, lambda v: v.autopilot.flying, within_s=10.0)
