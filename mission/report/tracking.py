@@ -123,4 +123,6 @@ def distances_m(record: Record, shapes: Mapping[str, BaseGeometry]) -> dict[str,
     if not len(positions):
         return {}
     line = shapely.LineString(positions) if len(positions) > 1 else shapely.Point(positions[0])
-    return {name: float(shapely.distance(line, shape)) for name, shape in shapes.items()}
+    # Where the vehicle stood still, older versions of GEOS divide 0 by 0 in passing.
+    with np.errstate(invalid="ignore"):
+        return {name: float(shapely.distance(line, shape)) for name, shape in shapes.items()}
