@@ -4,15 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.delaunay import Triangulation
-from mission.geometry.pieces import edge_keys
 from mission.geometry.simplices import Partition
-from mission.geometry.triangulation import selected
+from mission.geometry.triangulation import parted, selected
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,16 +58,9 @@ def faces_of(mesh: Triangulation, segments: IntArray, domain: shapely.Geometry) 
     Raises:
         GeometryError: No triangle lies in it.
     """
-    triangles, neighbours, count = mesh.triangles, mesh.neighbours, len(mesh.triangles)
-    facets = np.stack((np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)), axis=-1)
-    walls = np.isin(edge_keys(facets, len(mesh.vertices)), edge_keys(segments, len(mesh.vertices)))
-    rows, sides = np.nonzero((neighbours >= 0) & ~walls)
-    links = coo_array((np.ones(len(rows)), (rows, neighbours[rows, sides])), shape=(count, count))
-    faces, face_of = connected_components(links, directed=False)
+    triangles, neighbours = mesh.triangles, mesh.neighbours
     whole = Partition(mesh.vertices, triangles, neighbours)
-    widest = np.empty(faces, dtype=np.int64)
-    ascending = np.argsort(whole.inradii_m, kind="stable")
-    widest[face_of[ascending]] = ascending
+    face_of, widest = parted(whole, segments)
     centres = whole.incentres_m[widest]
     inside = shapely.contains_xy(domain, *centres.T)
     if not inside.any():

@@ -7,6 +7,7 @@ import numpy as np
 from mission.geometry.arrangement import Arrangement
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.delaunay import Cavities, with_room
+from mission.geometry.triangulation import edge_keys
 
 _SHARP: Final = np.pi / 3.0 - 1e-9
 _ROUNDING: Final = 1e-9
@@ -151,12 +152,6 @@ class Pieces:
         place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         at = np.flatnonzero(keys[place] == wanted)
         return order[place[at]], at
-
-
-def edge_keys(links: IntArray, vertices: int) -> IntArray:
-    """One integer for each undirected edge; shape (..., 2) in, (...) out."""
-    keys: IntArray = links.min(axis=-1) * vertices + links.max(axis=-1)
-    return keys
 
 
 def _sharp_vertices(arrangement: Arrangement) -> BoolArray:

@@ -121,7 +121,7 @@ class EdgesInMesh:
         _refuse_ends_off_vertices(edges_m, edges, mesh.vertices_m[vertices], closeness)
         inner = edges[:-1] == edges[1:]
         links = np.stack((vertices[:-1], vertices[1:]), axis=1)[inner].astype(np.int64)
-        present = np.isin(_edge_keys(links, len(mesh.vertices_m)), _facet_keys(mesh))
+        present = np.isin(edge_keys(links, len(mesh.vertices_m)), _facet_keys(mesh))
         return cls(links, edges[:-1][inner].astype(np.int64), present)
 
     @property
@@ -136,21 +136,33 @@ def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
     Raises:
         GeometryError: If no triangle lies inside.
     """
-    # The boundary cuts the mesh into pieces that are wholly inside or outside. The widest triangle of each piece
-    # tells which, so that slivers beside the boundary are never judged by rounding.
-    walls = _edge_keys(EdgesInMesh.of(mesh, ring_edges(boundary_m)).links, len(mesh.vertices_m))
-    open_facets = (mesh.neighbours >= 0) & ~np.isin(_facet_keys(mesh), walls)
+    piece_of, widest = parted(mesh, EdgesInMesh.of(mesh, ring_edges(boundary_m)).links)
+    polygon = shapely.Polygon(boundary_m)
+    inside = shapely.contains_xy(polygon, mesh.incentres_m[widest, 0], mesh.incentres_m[widest, 1])
+    if not inside.any():
+        raise GeometryError("no triangle lies inside the boundary")
+    return selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
+
+
+def parted(mesh: Partition, walls: IntArray) -> tuple[IntArray, IntArray]:
+    """The pieces that some of its edges cut a mesh into, each wholly inside or outside of what they bound.
+
+    Args:
+        mesh: M triangles.
+        walls: Edges, shape (W, 2), vertex indices.
+
+    Returns:
+        The piece of each triangle, shape (M,), and the widest triangle of each piece, by whose incentre a piece is
+        judged: slivers beside a wall are never judged by rounding.
+    """
+    open_facets = (mesh.neighbours >= 0) & ~np.isin(_facet_keys(mesh), edge_keys(walls, len(mesh.vertices_m)))
     rows, facets = np.nonzero(open_facets)
     links = coo_array((np.ones(len(rows)), (rows, mesh.neighbours[rows, facets])), shape=(mesh.size, mesh.size))
     pieces, piece_of = connected_components(links, directed=False)
     widest = np.empty(pieces, dtype=np.int64)
     ascending = np.argsort(mesh.inradii_m, kind="stable")
     widest[piece_of[ascending]] = ascending
-    polygon = shapely.Polygon(boundary_m)
-    inside = shapely.contains_xy(polygon, mesh.incentres_m[widest, 0], mesh.incentres_m[widest, 1])
-    if not inside.any():
-        raise GeometryError("no triangle lies inside the boundary")
-    return selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
+    return piece_of.astype(np.int64), widest
 
 
 def slivers(partition: Partition) -> IntArray:
@@ -194,7 +206,7 @@ def _refuse_ends_off_vertices(edges_m: FloatArray, edge_of: IntArray, found_m: F
         raise GeometryError(f"the corner ({decimal(x)}, {decimal(y)}) is no vertex of the mesh")
 
 
-def _edge_keys(links: IntArray, vertices: int) -> IntArray:
+def edge_keys(links: IntArray, vertices: int) -> IntArray:
     """One integer for each undirected edge; shape (..., 2) in, (...) out."""
     keys: IntArray = links.min(axis=-1) * vertices + links.max(axis=-1)
     return keys
@@ -203,4 +215,4 @@ def _edge_keys(links: IntArray, vertices: int) -> IntArray:
 def _facet_keys(mesh: Partition) -> IntArray:
     """Keys of all facets, shape (M, 3)."""
     ends = np.stack((np.roll(mesh.triangles, -1, axis=1), np.roll(mesh.triangles, -2, axis=1)), axis=-1)
-    return _edge_keys(ends, len(mesh.vertices_m))
+    return edge_keys(ends, len(mesh.vertices_m))

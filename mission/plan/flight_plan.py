@@ -201,11 +201,6 @@ class FlightPlan:
         return self.homeward is not None and bool(ends[self.homeward.run.suffix[0]])
 
     @cached_property
-    def compiled(self) -> CompiledAutomaton:
-        """The automaton over the letters of the domain."""
-        return compile_to_alphabet(self.automaton, self.labelling.letters)
-
-    @cached_property
     def deterministic(self) -> Rabin:
         """A deterministic automaton of what the flight satisfies, over the letters of the domain."""
         return deterministic_of(self.required.formula, self.required.given, self.labelling.letters).whole
