@@ -11,9 +11,8 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.plan.visits import visits
 from mission.spec.model import Region
-from mission.steering.joined import JoinedCurve
+from mission.steering.joined import Curve, JoinedCurve
 from mission.steering.path import SteeringPath
-from mission.steering.smoothing import FourierCurve
 
 _SAMPLES_A_VISIT = 129
 _DEEP_ENOUGH = 0.5
@@ -77,9 +76,7 @@ def shallow_stop(stops: tuple[Stop, ...], tube_m: float) -> str:
     return ""
 
 
-def _deepest(
-    curve: FourierCurve | SteeringPath, outline: BaseGeometry, start_s: float, end_s: float
-) -> tuple[float, float]:
+def _deepest(curve: Curve | SteeringPath, outline: BaseGeometry, start_s: float, end_s: float) -> tuple[float, float]:
     s = np.linspace(start_s, end_s, _SAMPLES_A_VISIT)
     points = shapely.points(curve.position(s))
     depth = np.where(shapely.contains(outline, points), 1.0, -1.0) * shapely.distance(outline.boundary, points)

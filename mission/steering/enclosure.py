@@ -44,26 +44,13 @@ class Enclosure:
 
 
 def _enclosure(curve: JoinedCurve, knots: FloatArray, points: FloatArray, bends: FloatArray) -> Enclosure:
-    remainder = np.empty(len(knots) - 1)
-    ends = np.searchsorted(knots, curve.starts_s)
-    for leg, start, (first, last) in zip(curve.legs, curve.starts_s, pairwise(ends), strict=False):
-        own = slice(first, last + 1)
-        bounds = leg.norm_bounds(knots[own] - start, 2, bends[own])
-        remainder[first:last] = bounds * np.diff(knots[own]) ** 2 / 8.0
+    remainder = curve.norm_bounds(knots, 2, bends) * np.diff(knots) ** 2 / 8.0
     return Enclosure(frozen_floats(knots), frozen_floats(points), frozen_floats(bends), frozen_floats(remainder))
 
 
 def enclose(curve: JoinedCurve, cells: int) -> Enclosure:
-    """Enclose each leg of a curve on an even grid of ``cells`` pieces, more than the leg has frequencies."""
-    knots, points, bends = np.zeros(1), curve.position([0.0]), curve.derivative([0.0], 2)
-    for leg, start, end in zip(curve.legs, curve.starts_s[:-1], curve.starts_s[1:], strict=True):
-        grid = np.linspace(start, end, cells + 1)
-        bent = leg.on_grid(cells, 2)
-        if np.linalg.norm(bent[0]) > np.linalg.norm(bends[-1]):
-            bends[-1] = bent[0]
-        knots = np.concatenate((knots, grid[1:]))
-        points = np.concatenate((points, leg.on_grid(cells, 0)[1:]))
-        bends = np.concatenate((bends, bent[1:]))
+    """Enclose each smooth piece of a curve in ``cells`` parts or more, more than it has frequencies."""
+    knots, points, _, bends = curve.sampled(cells)
     return _enclosure(curve, knots, points, bends)
 
 
@@ -72,9 +59,7 @@ def insert_knots(curve: JoinedCurve, enclosure: Enclosure, knots_s: FloatArray) 
     new = np.setdiff1d(knots_s, enclosure.knots_s)
     new = new[(new > 0.0) & (new < curve.duration_s)]
     places = np.searchsorted(enclosure.knots_s, new)
-    points, bends = np.empty((2, len(new), 2))
-    for leg, found, own in curve.placed(new):
-        points[found], _, bends[found] = leg.jet(own)
+    points, _, bends = curve.jet(new)
     return _enclosure(
         curve,
         np.insert(enclosure.knots_s, places, new),

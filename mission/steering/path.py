@@ -1,9 +1,11 @@
 """The planned path: a run of triangles, steered through by one affine field in each (paper, Sec. 4.1.2)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +13,10 @@ from numpy.typing import ArrayLike
 from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.geometry.simplices import Partition
 from mission.planning.run import Run
+from mission.spec.model import Point
 from mission.steering.facet_control import affine_fields, exit_velocities, stay_velocities
 from mission.steering.flow import exit_time, flow_with_velocity, settling_time
+from mission.steering.rounded import RoundedPolyline
 
 _NODES = 24  # Gauss-Legendre nodes a panel of the arc length
 _SETTLED = 0.25  # how near the equilibrium of u_0 a visit goes, in radii of the inscribed circle
@@ -32,6 +36,8 @@ class Segment:
         entry_m: Where the path enters.
         start_s: When it enters, steering time.
         duration_s: How long it takes.
+        lanes: Where a region is covered: a curve that is flown from here and back to here, from rest to rest, in the
+            place of a field (which vanishes).
     """
 
     triangle: int
@@ -41,6 +47,7 @@ class Segment:
     entry_m: tuple[float, float]
     start_s: float
     duration_s: float
+    lanes: RoundedPolyline | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +88,12 @@ class SteeringPath:
         """Which of the legs is the lap."""
         return None if self.lap is None else min(self.lap[0], 1)
 
+    @property
+    def parts(self) -> "tuple[SteeringPath | RoundedPolyline, ...]":
+        """What fields steer, from rest to rest, and the lanes in between; each from time 0."""
+        groups = groupby(self.segments, key=lambda segment: segment.lanes)
+        return tuple(lanes or SteeringPath(_from_zero(tuple(part))) for lanes, part in groups)
+
     def then(self, onward: "SteeringPath") -> "SteeringPath":
         """This path with another one after it, which begins where this one ends."""
         later = (replace(each, start_s=each.start_s + self.duration_s) for each in onward.segments)
@@ -105,7 +118,13 @@ class SteeringPath:
         times = np.clip(np.atleast_1d(np.asarray(t_s, dtype=np.float64)), 0.0, self.duration_s)
         index = np.clip(np.searchsorted(self.knots_s, times, side="right") - 1, 0, len(self.segments) - 1)
         F, g, entries = self._fields
-        return flow_with_velocity(F[index], g[index], entries[index], times - self.knots_s[index])
+        elapsed = times - self.knots_s[index]
+        position, velocity = flow_with_velocity(F[index], g[index], entries[index], elapsed)
+        for number in np.unique(index).tolist():
+            lanes = self.segments[number].lanes
+            if lanes is not None:
+                position[index == number], velocity[index == number], _ = lanes.jet(elapsed[index == number])
+        return position, velocity
 
     def position(self, t_s: ArrayLike) -> FloatArray:
         """Position at the times ``t_s`` (T,), shape (T, 2), metres."""
@@ -117,7 +136,8 @@ class SteeringPath:
 
     @cached_property
     def length_m(self) -> float:
-        """Arc length, by Gauss-Legendre panels short against the rate of each field."""
+        """Arc length: where fields steer, by Gauss-Legendre panels short against the rate of each."""
+        covered_m = sum(segment.lanes.length_m for segment in self.segments if segment.lanes is not None)
         durations = np.diff(self.knots_s)
         rates = np.array([np.linalg.norm(segment.F) for segment in self.segments])
         counts = np.maximum(1, np.ceil(rates * durations / (2.0 * _PANEL))).astype(np.int64)
@@ -130,7 +150,7 @@ class SteeringPath:
         index = np.repeat(index, _NODES)
         _, velocity = flow_with_velocity(F[index], g[index], entries[index], offsets.ravel())
         speeds = np.hypot(velocity[:, 0], velocity[:, 1]).reshape(-1, _NODES)
-        return float((speeds @ weights * (0.5 * widths)).sum())
+        return covered_m + float((speeds @ weights * (0.5 * widths)).sum())
 
 
 def build_path(
@@ -141,6 +161,7 @@ def build_path(
     speed_m_s: float,
     final_stay_s: float,
     settle_in: frozenset[int] = frozenset(),
+    lanes_in: Mapping[int, Callable[[Point], RoundedPolyline]] = MappingProxyType({}),
 ) -> SteeringPath:
     """Steer through the triangles of a run.
 
@@ -158,19 +179,22 @@ def build_path(
         settle_in: Indices into ``run.states`` at which u_0 is applied first, until the path has come close to its
             equilibrium, and the run's control then: a visit that does more than cut a corner. The triangles that the
             path runs through are the same.
+        lanes_in: Indices into ``run.states`` at which the path comes to rest first, in the equilibrium of u_0, to fly a
+            curve that begins and ends there, which is made for that place.
 
     Raises:
         ValueError: If an argument is out of range.
     """
     if not (speed_m_s > 0.0 and final_stay_s > 0.0):
         raise ValueError("speed and stay must be positive")
-    steps = _Steps(partition, run, speed_m_s, final_stay_s, settle_in)
+    steps = _Steps(partition, run, speed_m_s, final_stay_s, _Visits(settle_in, lanes_in))
     segments: list[Segment] = []
     entry = np.array(start_m, dtype=np.float64)
     loop, end = len(run.prefix), len(run.states)
     for index in range(loop):
         entry = steps.append(segments, index, entry)
     if not run.recurrent:
+        entry = steps.cover(segments, loop, entry)
         steps.stay(segments, run.suffix[0], entry)
         return SteeringPath(tuple(segments))
     entry = steps.come_to_rest(segments, run.suffix[0], entry)
@@ -185,12 +209,17 @@ def _from_zero(segments: tuple[Segment, ...]) -> tuple[Segment, ...]:
     return tuple(replace(segment, start_s=segment.start_s - segments[0].start_s) for segment in segments)
 
 
+class _Visits(NamedTuple):
+    """What the path does at some states of a run beside going through, as in ``build_path``."""
+
+    settle_in: frozenset[int]
+    lanes_in: Mapping[int, Callable[[Point], RoundedPolyline]]
+
+
 class _Steps:
     """The fields of the triangles that a run passes, and how the path goes on with each."""
 
-    def __init__(
-        self, partition: Partition, run: Run, speed_m_s: float, final_stay_s: float, settle_in: frozenset[int]
-    ) -> None:
+    def __init__(self, partition: Partition, run: Run, speed_m_s: float, final_stay_s: float, visits: _Visits) -> None:
         passed = sorted(set(run.states))
         part = Partition(partition.vertices_m, partition.triangles[passed], np.full((len(passed), 3), -1))
         velocities = np.concatenate(
@@ -198,20 +227,34 @@ class _Steps:
         )  # (n, control, vertex, xy)
         self._F, self._g = affine_fields(part.corners_m[:, None], velocities)
         self._place = {triangle: i for i, triangle in enumerate(passed)}
-        self._part, self._run, self._stay_s, self._settle_in = part, run, final_stay_s, settle_in
+        self._part, self._run, self._stay_s, self._visits = part, run, final_stay_s, visits
         self._speed_m_s = speed_m_s
 
     def append(self, segments: list[Segment], index: int, entry: FloatArray) -> FloatArray:
         """Go through the ``index``-th state of the run; return where the path leaves it."""
         triangle, control = self._run.states[index], self._run.controls[index]
         i = self._place[triangle]
-        if index in self._settle_in:
+        if index in self._visits.lanes_in:
+            entry = self.cover(segments, index, entry)
+        elif index in self._visits.settle_in:
             entry = self._settle(segments, triangle, entry)
         if control == 0:
             return self.stay(segments, triangle, entry)
         time, leaving = exit_time(self._F[i, control], self._g[i, control], self._part.corners_m[i], control - 1, entry)
         self._follow(segments, triangle, control, entry, time)
         return leaving
+
+    def cover(self, segments: list[Segment], index: int, entry: FloatArray) -> FloatArray:
+        """Come to rest in the ``index``-th state of the run and fly its lanes, if it has some; return where that is."""
+        if index not in self._visits.lanes_in:
+            return entry
+        rest = self.come_to_rest(segments, self._run.states[index], entry)
+        place = (float(rest[0]), float(rest[1]))
+        lanes = self._visits.lanes_in[index](place)
+        still = frozen_floats(np.zeros((2, 2))), frozen_floats(np.zeros(2))
+        begins_s = segments[-1].start_s + segments[-1].duration_s if segments else 0.0
+        segments.append(Segment(self._run.states[index], 0, *still, place, begins_s, lanes.duration_s, lanes))
+        return rest
 
     def stay(self, segments: list[Segment], triangle: int, entry: FloatArray) -> FloatArray:
         """Apply u_0 for the time of a stay; return where the path is then."""

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from mission.errors import UnprovedError
 from mission.spec.model import Extension
 from mission.steering.certificate import Certificate
-from mission.steering.joined import JoinedCurve
+from mission.steering.joined import Curve, JoinedCurve, Piece
 from mission.steering.path import SteeringPath
+from mission.steering.rounded import RoundedPolyline
 from mission.steering.smoothing import fit_fourier
 
 FEWEST_FREQUENCIES = 4
@@ -27,13 +28,20 @@ def fit_legs(legs: Sequence[SteeringPath], frequencies: int, extension: Extensio
 
     Args:
         legs: The planned path, from rest to rest each.
-        frequencies: Number of waves of the longest leg; the others have their share of it by their durations, so that
-            all follow the path equally closely.
-        extension: How a leg is continued beyond its ends. Where there are several it must be odd, or they do not join.
+        frequencies: Number of waves of the longest part that fields steer; the others have their share of it by their
+            durations, so that all follow the path equally closely. Lanes stay as they are.
+        extension: How such a part is continued beyond its ends. Where there are several it must be odd, or they do not
+            join.
     """
-    longest_s = max(leg.duration_s for leg in legs)
-    shares = [_share(frequencies, leg.duration_s / longest_s) for leg in legs]
-    return JoinedCurve(tuple(fit_fourier(leg, share, extension) for leg, share in zip(legs, shares, strict=True)))
+    parts = [leg.parts for leg in legs]
+    longest_s = max(_steered_s(part) for leg in parts for part in leg)
+
+    def fitted(part: SteeringPath | RoundedPolyline) -> Piece:
+        if isinstance(part, RoundedPolyline):
+            return part
+        return fit_fourier(part, _share(frequencies, part.duration_s / longest_s), extension)
+
+    return JoinedCurve(tuple(_joined(tuple(map(fitted, leg))) for leg in parts))
 
 
 def smooth_with_proof(
@@ -95,9 +103,26 @@ def _share(frequencies: int, part: float) -> int:
 
 
 def _truncated(curve: JoinedCurve, frequencies: int) -> JoinedCurve:
-    """The same with fewer waves, each leg with its share; they do not depend on how many more were fitted."""
-    longest_s = max(leg.duration_s for leg in curve.legs)
-    return JoinedCurve(tuple(leg.truncated(_share(frequencies, leg.duration_s / longest_s)) for leg in curve.legs))
+    """The same with fewer waves, each piece with its share; they do not depend on how many more were fitted."""
+    longest_s = max(_steered_s(piece) for piece in curve.pieces)
+
+    def cut(leg: Curve) -> Curve:
+        if isinstance(leg, JoinedCurve):
+            return JoinedCurve(tuple(map(cut, leg.legs)))
+        if isinstance(leg, RoundedPolyline):
+            return leg
+        return leg.truncated(_share(frequencies, leg.duration_s / longest_s))
+
+    return JoinedCurve(tuple(map(cut, curve.legs)))
+
+
+def _steered_s(part: SteeringPath | Piece) -> float:
+    """How long a part is steered by fields."""
+    return 0.0 if isinstance(part, RoundedPolyline) else part.duration_s
+
+
+def _joined(pieces: tuple[Piece, ...]) -> Curve:
+    return pieces[0] if len(pieces) == 1 else JoinedCurve(pieces)
 
 
 def _tried(

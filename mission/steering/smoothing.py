@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.spec.model import Extension
 from mission.steering.path import SteeringPath
+from mission.steering.sampled import Sampled
 
 _NODES = 24
 _PHASE = 10.0  # rad on either side of a panel's middle
@@ -134,6 +135,22 @@ class FourierCurve:
         times = np.linspace(0.0, self.duration_s, cells + 1)
         return np.asarray(waves + self._polynomial(times, order), dtype=np.float64)
 
+    def sampled(self, fewest: int) -> Sampled:
+        """The curve at evenly spaced knots: ``fewest`` pieces, or as many more as its waves need."""
+        cells = max(fewest, self.frequencies + 1)
+        knots = np.linspace(0.0, self.duration_s, cells + 1)
+        return Sampled(knots, *(self.on_grid(cells, order) for order in range(3)))
+
+    @cached_property
+    def length_m(self) -> float:
+        """Arc length, by Gauss-Legendre panels of a quarter of the fastest wave."""
+        nodes, weights = _rule()
+        panels = 2 * self.frequencies
+        width = self.duration_s / panels
+        s = ((np.arange(panels)[:, None] + 0.5 * (nodes + 1.0)) * width).ravel()
+        speeds = np.linalg.norm(self.derivative(s, 1), axis=1).reshape(panels, -1)
+        return float((speeds @ weights).sum() * 0.5 * width)
+
     @cached_property
     def suprema(self) -> tuple[float, float, float, float]:
         """Proved upper bounds of |r'|, |r''|, |r'''| and |r''''| on the whole curve (Euclidean norms)."""
@@ -161,6 +178,7 @@ class FourierCurve:
     def to_json(self) -> dict[str, Any]:
         """The curve as JSON values; ``from_json`` gives it back bit by bit."""
         return {
+            "kind": "fourier",
             "extension": self.extension.value,
             "duration_s": self.duration_s,
             "base_m": self.base_m.tolist(),

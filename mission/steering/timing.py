@@ -27,10 +27,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.ndimage import maximum_filter1d
 
 from mission.geometry.arrays import FloatArray, IntArray, frozen_floats
-from mission.steering.smoothing import FourierCurve
+from mission.steering.joined import Curve, JoinedCurve
 
 GRAVITY_M_S2 = 9.80665
 _CELLS_PER_WAVE = 8
@@ -132,7 +131,7 @@ class TimeLaw:
 
 
 def time_law(
-    curve: FourierCurve,
+    curve: Curve,
     *,
     speed_m_s: float,
     acceleration_m_s2: float,
@@ -143,7 +142,7 @@ def time_law(
     """The fastest law of the module's kind that keeps the limits and is nowhere faster than planned.
 
     Args:
-        curve: The smoothed path.
+        curve: The smoothed path; where the pieces of one that is joined meet, the vehicle rests for a moment.
         speed_m_s: Largest horizontal speed.
         acceleration_m_s2: Largest horizontal acceleration.
         tilt_rad: Largest tilt; it bounds the acceleration by g tan(tilt) in level flight.
@@ -156,7 +155,8 @@ def time_law(
     limit = min(acceleration_m_s2, GRAVITY_M_S2 * math.tan(tilt_rad))
     if not (speed_m_s > 0 and limit > 0 and 0 < tilt_rad < math.pi / 2):
         raise ValueError("limits of speed, acceleration and tilt must be positive")
-    stops = dict.fromkeys((0.0, curve.duration_s), 0.0)
+    joints = curve.joints_s[1:-1].tolist() if isinstance(curve, JoinedCurve) else []
+    stops = dict.fromkeys((0.0, *joints, curve.duration_s), 0.0)
     for place, seconds in holds:
         if not (0.0 <= place <= curve.duration_s and 0.0 <= seconds < math.inf):
             raise ValueError("a hold lies on the curve and lasts a finite time")
@@ -166,22 +166,27 @@ def time_law(
         stops[stop] = max(stops.get(stop, 0.0), seconds)
     grid, first, second = _bounds(curve, np.array(sorted(stops)), limit, window_s)
     squares = _largest_squares(grid, first, second, (speed_m_s, limit), np.array(sorted(stops)))
-    return _law(grid, np.sqrt(squares), {s: seconds for s, seconds in stops.items() if seconds > 0}, window_s)
+    holds_s = {s: seconds for s, seconds in stops.items() if seconds > 0 or s in joints}
+    return _law(grid, np.sqrt(squares), holds_s, window_s)
 
 
 def _bounds(
-    curve: FourierCurve, stops: FloatArray, limit: float, window_s: float
+    curve: Curve, stops: FloatArray, limit: float, window_s: float
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """A grid that is fine where the vehicle starts and stops, and bounds of |r'| and |r''| on its cells.
 
     Each bound covers every place within ``window_s`` of steering time of its cell.
     """
-    cells = max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies)
-    even = np.linspace(0.0, curve.duration_s, cells + 1)
-    width = curve.duration_s / cells
-    reach = 2 * math.ceil(window_s / width) + 1
-    first = maximum_filter1d(curve.norm_bounds(even, 1, curve.on_grid(cells, 1)), reach, mode="nearest")
-    second = maximum_filter1d(curve.norm_bounds(even, 2, curve.on_grid(cells, 2)), reach, mode="nearest")
+    knots, _, slopes, bends = curve.sampled(max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
+    # The cells that lie within the window of each, if only in part.
+    low = np.searchsorted(knots, knots[:-1] - window_s, side="right") - 1
+    high = np.searchsorted(knots, knots[1:] + window_s, side="left")
+    near = np.stack((np.maximum(low, 0), np.minimum(high, len(knots) - 1)), axis=1).ravel()
+    first, second = (
+        np.maximum.reduceat(np.append(curve.norm_bounds(knots, order, values), 0.0), near)[::2]
+        for order, values in ((1, slopes), (2, bends))
+    )
+    width = float(np.diff(knots).max())
     # Doubling distances from a stop, from an eighth of the shortest ramp to full speed up to the even grid's width.
     # A path that stays in one place has no ramp.
     ramp = max(float(first.max()) / (2.0 * limit), _SAME_PLACE * curve.duration_s)
@@ -190,8 +195,8 @@ def _bounds(
     near = (stops[:, None] + np.concatenate((-steps, [0.0], steps))).ravel()
     near = near[(near >= 0.0) & (near <= curve.duration_s)]
     # Between two stops there is a knot at which the vehicle moves.
-    grid = np.union1d(np.union1d(even, near), 0.5 * (stops[:-1] + stops[1:]))
-    cell = np.clip(np.searchsorted(even, 0.5 * (grid[:-1] + grid[1:]), side="right") - 1, 0, cells - 1)
+    grid = np.union1d(np.union1d(knots, near), 0.5 * (stops[:-1] + stops[1:]))
+    cell = np.clip(np.searchsorted(knots, 0.5 * (grid[:-1] + grid[1:]), side="right") - 1, 0, len(first) - 1)
     return grid, first[cell], second[cell]
 
 

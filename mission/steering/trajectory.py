@@ -10,15 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mission.geometry.arrays import FloatArray, IntArray
-from mission.steering.joined import JoinedCurve, joins
-from mission.steering.smoothing import FourierCurve
+from mission.steering.joined import Curve, JoinedCurve, curve_from_json, joins
 from mission.steering.timing import TimeLaw
 
 
 class Leg(NamedTuple):
     """A curve r(s) with its time law s = sigma(t), from rest to rest."""
 
-    curve: FourierCurve
+    curve: Curve
     law: TimeLaw
 
     @property
@@ -150,7 +149,7 @@ class Trajectory:
     def from_json(data: Mapping[str, Any]) -> "Trajectory":
         """The trajectory that ``to_json`` wrote; raises KeyError, TypeError or ValueError where it is not one."""
         return Trajectory(
-            tuple(Leg(FourierCurve.from_json(leg["curve"]), TimeLaw.from_json(leg["law"])) for leg in data["legs"]),
+            tuple(Leg(curve_from_json(leg["curve"]), TimeLaw.from_json(leg["law"])) for leg in data["legs"]),
             float(data["altitude_m"]),
             None if data["lap"] is None else int(data["lap"]),
             None if data["laps"] is None else int(data["laps"]),
