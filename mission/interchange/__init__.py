@@ -1,0 +1,1 @@
+"""Areas as other programs draw them: GeoJSON, KML and KMZ, QGroundControl's plans, waypoints and fences."""

@@ -1,0 +1,112 @@
+"""What the files of other programs draw, whatever their format: named features with a shape and, maybe, a role."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from mission.errors import Fault, SpecError
+
+Point = tuple[float, float]
+"""Longitude and latitude in degrees (WGS 84), or east and north in metres, as the drawing says."""
+
+
+class Role(StrEnum):
+    """What a feature is for in a mission."""
+
+    BOUNDARY = "boundary"
+    SURVEY = "survey"
+    RESTRICTED = "restricted"
+    HOME = "home"
+    AREA = "area"
+
+
+@dataclass(frozen=True)
+class Polygon:
+    """Rings that are not closed: the outline first, then the holes."""
+
+    outline: tuple[Point, ...]
+    holes: tuple[tuple[Point, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class Line:
+    """An open line; ``width_m`` is its whole width, None where the file gives none."""
+
+    points: tuple[Point, ...]
+    width_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A circle, or a place where ``radius_m`` is None."""
+
+    centre: Point
+    radius_m: float | None = None
+
+
+Shape = Polygon | Line | Spot
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """How a survey was planned by the program that drew it: spacing, and heading from north over east."""
+
+    spacing_m: float
+    heading_deg: float | None = None
+
+
+@dataclass(frozen=True)
+class Feature:
+    """One thing that a file draws.
+
+    Attributes:
+        name: As the file has it, empty where it has none.
+        shapes: Its parts, at least one.
+        role: What it is for; None where the file does not tell.
+        reason: What tells that, for people: ``its name``.
+        height_m: How high it reaches, or is flown over; None where the file does not tell.
+        lanes: Of a survey that was planned already.
+    """
+
+    name: str
+    shapes: tuple[Shape, ...]
+    role: Role | None = None
+    reason: str = ""
+    height_m: float | None = None
+    lanes: Lanes | None = None
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """All that one file draws.
+
+    Attributes:
+        format: Of the file, for people.
+        features: In the file's order.
+        in_degrees: Whether points are longitudes and latitudes; otherwise they are metres.
+        remarks: What of the file was left out, or read in a way that should be known.
+        altitude_m: At which it was to be flown, above the start; None where the file does not tell.
+        speed_m_s: The same for the speed.
+    """
+
+    format: str
+    features: tuple[Feature, ...]
+    in_degrees: bool = True
+    remarks: tuple[str, ...] = ()
+    altitude_m: float | None = None
+    speed_m_s: float | None = None
+
+    def points(self) -> list[Point]:
+        """Every point of every feature, without the reach of circles and widths."""
+        return [point for feature in self.features for shape in feature.shapes for point in points_of(shape)]
+
+
+def points_of(shape: Shape) -> tuple[Point, ...]:
+    """The points that a shape is drawn by."""
+    if isinstance(shape, Polygon):
+        return shape.outline + tuple(point for hole in shape.holes for point in hole)
+    return shape.points if isinstance(shape, Line) else (shape.centre,)
+
+
+def broken(message: str, hint: str = "", *, path: str = "", line: int = 0, column: int = 0) -> SpecError:
+    """The refusal of a file, with the place of what is wrong in it."""
+    return SpecError((Fault(line, column, path, message, hint),))
