@@ -9,8 +9,11 @@ offset of length d is short by d^3 / 6R^2: 0.4 mm at 5 km, 4 m at 100 km.
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from mission.decimals import decimal
 from mission.errors import GeometryError
+from mission.geometry.arrays import FloatArray
 
 SEMI_MAJOR_AXIS_M = 6_378_137.0
 FLATTENING = 1.0 / 298.257_223_563
@@ -19,6 +22,9 @@ ECCENTRICITY_SQUARED = FLATTENING * (2.0 - FLATTENING)
 
 REACH_M = 1_000_000.0
 """Places farther apart than this have no offset: a plane says nothing of them."""
+
+PLANE_M = 50_000.0
+"""As far from its origin a mission may reach: 0.5 m are missing there against distances along the ground."""
 
 Vector = tuple[float, float, float]
 
@@ -76,6 +82,23 @@ def place_at_offset(from_place: LatLon, east_m: float, north_m: float) -> LatLon
     depth = -c / (half_b + math.sqrt(half_b * half_b - a * c))
     x, y, z = (flat[k] + depth * up[k] for k in range(3))
     return LatLon(math.degrees(math.atan2(stretch * z, math.hypot(x, y))), math.degrees(math.atan2(y, x)))
+
+
+def enu_offsets_m(from_place: LatLon, places_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """East and north of many places, seen from one, shape (N, 2), and how far away each is, shape (N,).
+
+    Args:
+        from_place: Where they are seen from.
+        places_deg: Latitudes and longitudes, shape (N, 2).
+    """
+    latitude, longitude = np.radians(places_deg).T
+    across = SEMI_MAJOR_AXIS_M / np.sqrt(1.0 - ECCENTRICITY_SQUARED * np.sin(latitude) ** 2)
+    around = across * np.cos(latitude)
+    height = across * (1.0 - ECCENTRICITY_SQUARED) * np.sin(latitude)
+    centred = np.stack((around * np.cos(longitude), around * np.sin(longitude), height), axis=1)
+    apart = centred - np.array(_earth_centred(from_place))
+    offsets: FloatArray = apart @ np.array(_axes(from_place)[:2]).T
+    return offsets, np.sqrt((apart * apart).sum(axis=1))
 
 
 def _earth_centred(place: LatLon) -> Vector:

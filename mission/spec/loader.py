@@ -1,8 +1,8 @@
 """Mission files, read strictly: every fault of a file is reported, all at once, each with its line and path.
 
 The way of a file: bytes -> text -> tree with positions (``yaml_tree``) -> plain data -> against the schema
-(``structure``) -> its meaning, where the structure is sound (``check``), and that of the automaton that it may name
-(``named_automaton``) -> frozen values (``values``).
+(``structure``) -> degrees as metres (``geography``) -> its meaning, where the structure is sound (``check``),
+and that of the automaton that it may name (``named_automaton``) -> frozen values (``values``).
 """
 
 from collections.abc import Callable
@@ -12,6 +12,7 @@ from typing import Any
 from mission.errors import Fault, SpecError
 from mission.spec.check import is_clean, meaning_findings
 from mission.spec.finding import Finding, shortened
+from mission.spec.geography import in_degrees, in_metres
 from mission.spec.model import MissionSpec, NamedAutomaton
 from mission.spec.named_automaton import AUTOMATON, named_automaton
 from mission.spec.placing import placed
@@ -73,11 +74,14 @@ def parse_mission(content: bytes, source: str = "", read: Reader | None = None) 
         raise SpecError(error.faults, source) from None
     data, findings = plain_data(tree)
     findings.extend(structure_findings(data, tree))
+    if in_degrees(data):
+        data, found = in_metres(data)
+        findings.extend(found)
     automaton = None
     if len(findings) < MOST_ERRORS:
-        found = meaning_findings(data, findings)
+        meant = meaning_findings(data, findings)
         automaton, unsound = _automaton(data, findings, read or _nothing_beside)
-        findings += [*found, *unsound]
+        findings += [*meant, *unsound]
     faults.extend(placed(finding, tree, text) for finding in findings)
     if faults:
         raise SpecError(_bounded(sorted(set(faults))), source)

@@ -6,7 +6,6 @@ import numpy as np
 
 from mission.decimals import decimal, measure
 from mission.geometry.arrays import FloatArray
-from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.spec.finding import Finding, Path, listed
 from mission.spec.schema import MAX_COORDINATE_M
 
@@ -28,21 +27,12 @@ def scale_finding(path: Path, points: FloatArray) -> Finding | None:
     if extent >= LEAST_EXTENT_M:
         return None
     message = f"the domain is {measure(extent)} m wide, less than {decimal(LEAST_EXTENT_M)} m: coordinates are metres"
-    longitude, latitude = points.min(axis=0).tolist()
-    if not (np.abs(points) <= (180.0, 89.0)).all() or extent == 0.0:
+    if not (np.abs(points) <= 180.0).all() or extent == 0.0:  # noqa: PLR2004 - the globe
         return Finding(path, message, "write all points in metres, x east and y north")
-    # Along small steps, so that the factors hold for the whole of a domain.
-    zero = LatLon(latitude, longitude)
-    step_deg = 1e-3
-    east = enu_offset_m(zero, LatLon(latitude, (longitude + step_deg + 180.0) % 360.0 - 180.0))[0] / step_deg
-    north = enu_offset_m(zero, LatLon(latitude + step_deg, longitude))[1] / step_deg
-    metres = (points - (longitude, latitude)) * (east, north)
-    origin = f"`origin: {{latitude_deg: {decimal(latitude)}, longitude_deg: {decimal(longitude)}}}`"
-    formulas = f"(longitude - {decimal(longitude)}) * {east:.0f} and (latitude - {decimal(latitude)}) * {north:.0f}"
-    first = listed(map(pair, metres[:4].round(2)), most=4)
+    swapped = listed((pair(point[::-1]) for point in points[:4]), most=4)
     hint = (
-        f"if these are degrees, [longitude, latitude], give {origin} and all points in metres from there, {formulas}; "
-        f"the first are then {first}"
+        "if these are degrees, write `corners: latitude_longitude` in `domain`, and the latitude first in every point: "
+        f"of [longitude, latitude], the first are then {swapped}"
     )
     return Finding(path, f"{message}, and these look like degrees", hint)
 

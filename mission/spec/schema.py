@@ -35,7 +35,7 @@ def _one_of(*keys: str) -> list[Schema]:
 
 COORDINATE: Final[Schema] = {"type": "number", "minimum": -MAX_COORDINATE_M, "maximum": MAX_COORDINATE_M}
 _POINT: Final[Schema] = {
-    "description": "A place in the domain, [east, north] in metres.",
+    "description": "A place in the domain, [east, north] in metres, or [latitude, longitude] where `corners` says so.",
     "type": "array",
     "items": COORDINATE,
     "minItems": 2,
@@ -88,6 +88,12 @@ _DOMAIN: Final = _object(
             "examples": [[[10, 5]]],
         },
         "mesh": _MESH,
+        "corners": {
+            "description": "What all points of the file are: [east, north] in metres, or [latitude, longitude] in "
+            "degrees (WGS 84), within 50 km of the origin, which is the middle of the domain where there is none.",
+            "enum": ["metres", "latitude_longitude"],
+            "default": "metres",
+        },
     },
     oneOf=_one_of("nodes", "boundary"),
     dependentRequired={"points": ["boundary"], "mesh": ["boundary"]},

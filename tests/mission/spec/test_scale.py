@@ -35,18 +35,20 @@ def test_projected_coordinates_less_what_the_hint_says_are_sound() -> None:
 
 
 @pytest.mark.parametrize("place", [(8.54, 47.39), (-179.9995, -16.5), (179.9999, 0.0), (-58.4, -34.6)])
-def test_degrees_times_what_the_hint_says_are_sound(place: tuple[float, float]) -> None:
+def test_degrees_with_the_key_that_the_hint_names_are_sound(place: tuple[float, float]) -> None:
     text = converted(
         (BROKEN / "degrees_as_metres.yaml").read_text(encoding="utf-8"),
         lambda x, y: (place[0] + (x - 8.54) / 20, place[1] + (y - 47.39) / 20),
     )
     hint = hint_of(text)
-    latitude, longitude = map(float, re.findall("_deg: (-?[0-9.]+)", hint))
-    factors = [float(factor) for factor in re.findall(r"\) \* ([0-9]+)", hint)]
-    metres = converted(text, lambda x, y: ((x - longitude) * factors[0], (y - latitude) * factors[1]))
-    east, north = parse_mission(metres.encode()).start.position_m
+    first = PAIR.findall(hint)[0]
+    assert (float(first[1]), float(first[0])) == place
+    (key,) = re.findall("`(corners: .*?)`", hint)
+    degrees = converted(text, lambda x, y: (y, (x + 180.0) % 360.0 - 180.0)).replace("domain:\n", f"domain:\n  {key}\n")
+    spec = parse_mission(degrees.encode())
     start = LatLon(place[1] + 0.0002 / 20, (place[0] + 0.0002 / 20 + 180.0) % 360.0 - 180.0)
-    assert (east, north) == pytest.approx(enu_offset_m(LatLon(latitude, longitude), start), abs=0.01)
+    assert spec.origin is not None
+    assert spec.start.position_m == pytest.approx(enu_offset_m(spec.origin, start), abs=0.01)
 
 
 def test_a_small_domain_that_is_not_in_degrees_is_refused_too() -> None:
