@@ -1,0 +1,101 @@
+"""Lanes of one heading: lines over a part of the ground, cut by its rim, and gathered to cells.
+
+The cells are those of the boustrophedon decomposition (Choset and Pignon, 1997) at the resolution of the lanes: where
+a hole or a bay parts a line, or joins two, a cell ends. What lies between two lines and parts neither makes no cell.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from mission.geometry.arrays import FloatArray, IntArray
+
+_SHORTEST: Final = 0.02
+"""Of the spacing: cuts that are shorter are no lanes."""
+_JUMP: Final = 4.0
+"""Spacings by which a cell's rim may go on from one lane to the next, beside twice what it usually does there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """The lanes of one heading.
+
+    Attributes:
+        lanes_m: Shape (n, 2, 2), all in the same direction, ordered by line and along it.
+        cell_of: Shape (n,), from 0.
+    """
+
+    lanes_m: FloatArray
+    cell_of: IntArray
+
+
+def axes(heading_deg: float) -> FloatArray:
+    """Unit vectors along a heading, clockwise from north, and to the left of it; shape (2, 2)."""
+    turn = np.radians(heading_deg)
+    return np.array([[np.sin(turn), np.cos(turn)], [-np.cos(turn), np.sin(turn)]])
+
+
+def sweep(part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float, spacing_m: float) -> Sweep:
+    """Lanes over one part of the ground.
+
+    Args:
+        part: Polygon where lanes may lie.
+        reachable: What they are to cover.
+        heading_deg: Clockwise from north.
+        spacing_m: At most so far apart.
+    """
+    frame = axes(heading_deg)
+    edges = np.concatenate([_ring(ring) for ring in shapely.get_rings(part)]) @ frame.T
+    heights = _heights(edges[..., 1], shapely.get_coordinates(reachable) @ frame[1], spacing_m)
+    cuts, line = _cuts(edges, heights)
+    long = np.diff(cuts, axis=1)[:, 0] > _SHORTEST * spacing_m
+    cuts, line = cuts[long], line[long]
+    lanes = np.stack((cuts, np.broadcast_to(heights[line][:, None], cuts.shape)), axis=2) @ frame
+    return Sweep(lanes, _cells(cuts, line, spacing_m))
+
+
+def _ring(ring: shapely.LinearRing) -> FloatArray:
+    corners = shapely.get_coordinates(ring)
+    return np.stack((corners[:-1], corners[1:]), axis=1)
+
+
+def _heights(rim: FloatArray, wanted: FloatArray, spacing_m: float) -> FloatArray:
+    """Where lines lie across the heading: evenly, the outermost half a spacing inside of what they are to cover."""
+    low, high = rim.min(), rim.max()
+    margin = min(1e-6 * spacing_m, (high - low) / 4.0)  # a line along the uppermost edge would cut nothing
+    low, high = low + margin, high - margin
+    first, last = max(low, wanted.min() + spacing_m / 2.0), min(high, wanted.max() - spacing_m / 2.0)
+    if first >= last:
+        return np.array([np.clip((first + last) / 2.0, low, high)])
+    return np.linspace(first, last, 1 + int(np.ceil((last - first) / spacing_m - 1e-9)))
+
+
+def _cuts(edges: FloatArray, heights: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Where lines run inside, begin and end along them, shape (n, 2); and the number of the line, shape (n,)."""
+    low, high = edges[..., 1].min(axis=1), edges[..., 1].max(axis=1)
+    # Each edge without its upper end: a line through a corner then crosses an even number of them.
+    line, edge = np.nonzero((low <= heights[:, None]) & (heights[:, None] < high))
+    (begin_u, begin_v), (end_u, end_v) = edges[edge, 0].T, edges[edge, 1].T
+    along = begin_u + (heights[line] - begin_v) / (end_v - begin_v) * (end_u - begin_u)
+    order = np.lexsort((along, line))
+    return along[order].reshape(-1, 2), line[order][::2].astype(np.int64)
+
+
+def _cells(cuts: FloatArray, line: IntArray, spacing_m: float) -> IntArray:
+    """Number cells: chains of lanes of which each meets one on the next line only, and that one no other."""
+    count = len(cuts)
+    begins, ends = cuts.T
+    meets = (line[:, None] + 1 == line) & (begins[:, None] < ends) & (begins < ends[:, None])
+    single = meets & (meets.sum(axis=1) == 1)[:, None] & (meets.sum(axis=0) == 1)
+    lower, upper = np.nonzero(single)
+    jumps = np.abs(cuts[upper] - cuts[lower]).max(axis=1)
+    usual = np.median(jumps) if len(jumps) else 0.0
+    smooth = jumps <= max(_JUMP * spacing_m, 2.0 * usual)
+    lower, upper = lower[smooth], upper[smooth]
+    links = coo_array((np.ones(len(lower)), (lower, upper)), shape=(count, count))
+    _, cell_of = connected_components(links, directed=False)
+    return cell_of.astype(np.int64)

@@ -1,0 +1,216 @@
+"""Covering regions: complete but for what the ground forbids, inside, no lane twice, and about as long as must be."""
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.ndimage import distance_transform_edt
+
+from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.covering import INSET, TOLERANCE, cover
+from mission.errors import GeometryError
+
+PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
+AWAY = np.array([-60.0, -60.0])
+
+
+def covered(
+    region: shapely.Geometry, *, spacing_m: float, aside_m: float = 0.5, heading_deg: float | None = None
+) -> Coverage:
+    """A region in the middle of much free space, its holes forbidden."""
+    return cover(
+        region,
+        shapely.buffer(region, -aside_m),
+        free_of(region, aside_m),
+        spacing_m=spacing_m,
+        entry_m=AWAY,
+        pace=PACE,
+        heading_deg=heading_deg,
+    )
+
+
+def free_of(region: shapely.Geometry, aside_m: float) -> shapely.Geometry:
+    holes = [shapely.Polygon(ring) for part in shapely.get_parts(region) for ring in part.interiors]
+    forbidden = shapely.union_all(shapely.buffer(holes, aside_m))
+    return shapely.difference(shapely.box(-100.0, -100.0, 250.0, 250.0), forbidden)
+
+
+def distances_m(places: np.ndarray, lanes: np.ndarray) -> np.ndarray:
+    """From each place to the nearest of the lanes."""
+    steps = lanes[:, 1] - lanes[:, 0]
+    share = ((places[:, None] - lanes[:, 0]) * steps).sum(axis=2) / (steps**2).sum(axis=1)
+    nearest = lanes[:, 0] + np.clip(share, 0.0, 1.0)[..., None] * steps
+    found: np.ndarray = np.linalg.norm(places[:, None] - nearest, axis=2).min(axis=1)
+    return found
+
+
+def worst_m(region: shapely.Geometry, ground: shapely.Geometry, lanes: np.ndarray, reach_m: float) -> float:
+    """Of a grid of places in the region that are within reach of the ground, how far the farthest is from a lane."""
+    left, low, right, high = shapely.bounds(region)
+    step = np.hypot(right - left, high - low) / 150.0
+    x, y = np.meshgrid(np.arange(left, right + step, step), np.arange(low, high + step, step))
+    on_ground = shapely.contains_xy(ground, x, y)
+    # A place of the grid on the ground is no farther than the ground is: none is called reachable that is not.
+    reachable = (distance_transform_edt(~on_ground) * step <= reach_m) & shapely.contains_xy(region, x, y)
+    return float(distances_m(np.stack((x[reachable], y[reachable]), axis=1), lanes).max())
+
+
+def assert_sound(
+    coverage: Coverage, region: shapely.Geometry, ground: shapely.Geometry, free: shapely.Geometry, spacing_m: float
+) -> None:
+    lanes = shapely.linestrings(coverage.lanes_m)
+    assert shapely.covers(ground, lanes).all()
+    assert all(shapely.covers(free, shapely.LineString(way)) for way in (*coverage.ways_m, coverage.approach_m))
+    most = spacing_m * (0.5 + TOLERANCE + 3.0 * INSET)
+    assert worst_m(region, ground, coverage.lanes_m, spacing_m / 2.0) <= most
+    tree = shapely.STRtree(lanes)
+    beside, thin = tree.query(shapely.buffer(lanes, 1e-4 * spacing_m, cap_style="flat"), predicate="intersects")
+    twice = shapely.intersection(shapely.buffer(lanes[beside], 1e-4 * spacing_m, cap_style="flat"), lanes[thin])
+    assert shapely.length(twice)[beside != thin].max(initial=0.0) < 0.05 * spacing_m
+    # The whole is one line, whose pieces are the lanes and the ways in turn.
+    assert len(coverage.ways_m) == len(coverage.lanes_m) - 1
+    assert len(coverage.line_m) == len(coverage.on_lane) + 1
+    pieces = np.linalg.norm(np.diff(coverage.line_m, axis=0), axis=1)
+    assert pieces[coverage.on_lane].sum() == pytest.approx(coverage.lanes_length_m)
+    assert pieces[~coverage.on_lane].sum() == pytest.approx(coverage.ways_length_m)
+    assert coverage.approach_m[-1].tolist() == coverage.line_m[0].tolist() == coverage.lanes_m[0, 0].tolist()
+
+
+def drawn(seed: int) -> shapely.Geometry:
+    """A field with bays and holes, at random; one part or several."""
+    chance = np.random.default_rng(seed)
+    turns = np.sort(chance.uniform(0.0, 2.0 * np.pi, chance.integers(3, 12)))
+    radii = chance.uniform(20.0, 75.0, len(turns))
+    field = shapely.make_valid(
+        shapely.Polygon(75.0 + radii[:, None] * np.stack((np.cos(turns), np.sin(turns)), axis=1))
+    )
+    for _ in range(chance.integers(0, 4)):
+        corners = chance.uniform(20.0, 130.0, 2) + chance.uniform(-15.0, 15.0, (3, 2))
+        field = shapely.difference(field, shapely.buffer(shapely.Polygon(corners), chance.choice([0.0, 3.0])))
+    return shapely.MultiPolygon(
+        [part for part in shapely.get_parts(field) if part.geom_type == "Polygon" and part.area > 1.0]
+    )
+
+
+@settings(max_examples=12)
+@given(st.integers(0, 10**6), st.floats(4.0, 15.0), st.floats(0.2, 2.0), st.none() | st.floats(0.0, 360.0))
+def test_whatever_the_region_is_it_is_covered(
+    seed: int, spacing_m: float, aside_m: float, heading_deg: float | None
+) -> None:
+    region = drawn(seed)
+    ground = shapely.buffer(region, -aside_m)
+    if ground.is_empty:
+        return
+    free = free_of(region, aside_m / 2.0)
+    coverage = cover(region, ground, free, spacing_m=spacing_m, entry_m=AWAY, pace=PACE, heading_deg=heading_deg)
+    assert_sound(coverage, region, ground, free, spacing_m)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [(0, 0), (120, 0), (120, 80), (0, 80)],
+        [(0, 0), (100, 10), (130, 70), (60, 120), (-10, 60)],
+        [(0, 0), (120, 20), (40, 110)],
+    ],
+)
+def test_lanes_of_a_convex_field_are_about_as_long_as_its_area_asks_for(corners: list[tuple[float, float]]) -> None:
+    region, spacing_m = shapely.Polygon(corners), 4.0
+    coverage = covered(region, spacing_m=spacing_m)
+    assert coverage.lanes_length_m <= 1.03 * region.area / spacing_m + spacing_m * len(coverage.lanes_m)
+    assert coverage.ways_length_m <= 0.25 * coverage.lanes_length_m
+    assert coverage.exact
+
+
+def test_a_rectangle_is_flown_along_its_longer_side_from_the_corner_at_hand() -> None:
+    coverage = covered(shapely.box(0.0, 0.0, 120.0, 40.0), spacing_m=8.0)
+    assert coverage.heading_deg == pytest.approx(90.0)
+    assert coverage.lanes_m.shape == (5, 2, 2)
+    np.testing.assert_allclose(coverage.lanes_m[0], [[0.5, 4.0], [119.5, 4.0]], atol=8.0 * 3.0 * INSET)
+    np.testing.assert_allclose(coverage.lanes_m[:, 0, 1], [4.0, 12.0, 20.0, 28.0, 36.0], atol=1e-6)
+    # The way to the side along the rim, four times.
+    assert coverage.ways_length_m == pytest.approx(32.0)
+    assert coverage.cell_of.tolist() == [0] * 5
+
+
+def test_a_wanted_heading_is_kept_and_a_wanted_exit_reached() -> None:
+    region = shapely.box(0.0, 0.0, 60.0, 40.0)
+    coverage = cover(
+        region,
+        shapely.buffer(region, -0.5),
+        free_of(region, 0.0),
+        spacing_m=8.0,
+        entry_m=(-10.0, -10.0),
+        exit_m=(-10.0, 50.0),
+        heading_deg=380.0,
+        pace=PACE,
+    )
+    assert coverage.heading_deg == pytest.approx(20.0)
+    assert coverage.leaving_m[0].tolist() == coverage.lanes_m[-1, 1].tolist()
+    assert coverage.leaving_m[-1].tolist() == [-10.0, 50.0]
+    long = coverage.cell_of >= 0
+    steps = coverage.lanes_m[long, 1] - coverage.lanes_m[long, 0]
+    np.testing.assert_allclose(np.degrees(np.arctan2(steps[:, 0], steps[:, 1])) % 180.0, 20.0)
+
+
+def test_a_region_narrower_than_the_spacing_gets_one_lane_along_its_middle() -> None:
+    coverage = covered(shapely.box(0.0, 0.0, 100.0, 6.0), spacing_m=8.0)
+    assert coverage.lanes_m.shape == (1, 2, 2)
+    np.testing.assert_allclose(coverage.lanes_m[0, :, 1], 3.0)
+    assert coverage.ways_m == ()
+
+
+def test_the_side_of_a_hole_along_the_lanes_has_a_lane_where_the_others_are_too_far() -> None:
+    hole = [(30.0, 33.0), (90.0, 33.0), (90.0, 47.0), (30.0, 47.0)]
+    region = shapely.Polygon([(0.0, 0.0), (120.0, 0.0), (120.0, 80.0), (0.0, 80.0)], [hole])
+    coverage = covered(region, spacing_m=8.0, heading_deg=90.0)
+    assert_sound(coverage, region, shapely.buffer(region, -0.5), free_of(region, 0.0), 8.0)
+    own = coverage.lanes_m[coverage.cell_of < 0]
+    assert np.ptp(own[..., 1], axis=1).max() < 8.0 * INSET
+    assert np.linalg.norm(own[:, 1] - own[:, 0], axis=1).max() > 50.0
+
+
+def test_parts_are_joined_through_free_space_and_never_through_what_is_forbidden() -> None:
+    region = shapely.MultiPolygon([shapely.box(0.0, 0.0, 60.0, 10.0), shapely.box(0.0, 30.0, 60.0, 40.0)])
+    ground, wall = shapely.buffer(region, -0.5), shapely.box(-20.0, 18.0, 50.0, 22.0)
+    free = shapely.difference(shapely.box(-50.0, -50.0, 100.0, 100.0), wall)
+    coverage = cover(region, ground, free, spacing_m=5.0, entry_m=(-10.0, 0.0), pace=PACE)
+    assert_sound(coverage, region, ground, free, 5.0)
+    assert [shapely.covers(ground, shapely.LineString(way)) for way in coverage.ways_m].count(False) == 1
+
+
+def test_far_from_the_origin_it_is_the_same() -> None:
+    region, offset = drawn(5), np.array([4.5e5, 5.4e6])
+    moved = shapely.transform(region, lambda xy: xy + offset)
+    ground = shapely.buffer(region, -1.0)
+    here = cover(region, ground, ground, spacing_m=8.0, entry_m=ground.representative_point().coords[0], pace=PACE)
+    ground = shapely.transform(ground, lambda xy: xy + offset)
+    there = cover(moved, ground, ground, spacing_m=8.0, entry_m=here.approach_m[0] + offset, pace=PACE)
+    assert there.cell_of.tolist() == here.cell_of.tolist()
+    np.testing.assert_allclose(there.lanes_m - offset, here.lanes_m, atol=1e-5)
+
+
+def test_what_cannot_be_covered_is_refused() -> None:
+    region = shapely.box(0.0, 0.0, 60.0, 40.0)
+    ground = shapely.buffer(region, -1.0)
+    two = shapely.MultiPolygon([shapely.box(1.0, 1.0, 20.0, 39.0), shapely.box(40.0, 1.0, 59.0, 39.0)])
+    for shapes, spacing_m, said in [
+        ((region, shapely.Polygon(), ground), 8.0, "no lane fits"),
+        ((region, ground, shapely.box(0.0, 0.0, 30.0, 40.0)), 8.0, "leave free space"),
+        ((region, ground, ground), 0.01, "more than"),
+        ((region, two, two), 8.0, "no way leads"),
+    ]:
+        with pytest.raises(GeometryError, match=said):
+            cover(*shapes, spacing_m=spacing_m, entry_m=(2.0, 2.0), pace=PACE)
+
+
+def test_turns_cost_time() -> None:
+    straight = np.array([[0.0, 0.0], [100.0, 0.0]])
+    assert PACE.duration_s(straight) == pytest.approx(100.0 / 5.0 + 5.0 / 2.5)
+    there_and_back = np.array([[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]])
+    assert PACE.duration_s(there_and_back) == pytest.approx(2.0 * PACE.duration_s(straight))
+    bent = np.array([[0.0, 0.0], [50.0, 0.0], [50.0, 50.0]])
+    assert PACE.duration_s(straight) < PACE.duration_s(bent) < PACE.duration_s(straight) + 2.0
+    assert PACE.duration_s(np.array([[0.0, 0.0], [1.0, 0.0]])) == pytest.approx(2.0 * np.sqrt(1.0 / 2.5))
+    assert PACE.duration_s(straight[:1]) == 0.0
