@@ -208,3 +208,30 @@ class Guidance(NamedTuple):
 
     setpoint: Setpoint | None
     limits: Limits
+
+
+class CameraOrder(NamedTuple):
+    """What is asked of the camera: what is None stays as it is.
+
+    Attributes:
+        shoots: Whether a picture is taken at once.
+        distance_m: A picture each time that the vehicle has come so far, level; 0 on ArduPilot never.
+        interval_s: Time between the pictures of a series.
+        pictures: How many of them are taken, -1 without end, 0 none any more (ArduPilot).
+        enabled: Whether it is triggered at all (PX4).
+        paused: Whether it is not for the time being (PX4).
+        restarts: Whether pictures are counted from 0 again (PX4).
+    """
+
+    shoots: bool = False
+    distance_m: float | None = None
+    interval_s: float | None = None
+    pictures: int | None = None
+    enabled: bool | None = None
+    paused: bool | None = None
+    restarts: bool = False
+
+    @property
+    def triggers(self) -> bool:
+        """Whether pictures are taken from then on, until another order."""
+        return self.enabled is True or bool(self.pictures)

@@ -4,8 +4,9 @@ from dataclasses import dataclass, field
 from math import cos, hypot, isfinite, sin
 from typing import Final, NamedTuple
 
-from vehicle_sim.autopilot import Autopilot
+from vehicle_sim.autopilot import Autopilot, Mode
 from vehicle_sim.battery import Battery
+from vehicle_sim.camera import camera_of
 from vehicle_sim.clock import StepClock
 from vehicle_sim.control.controller import Controller, TrackingGains
 from vehicle_sim.control.rotor_control import RotorControl
@@ -148,6 +149,7 @@ class Vehicle:
         self.autopilot = Autopilot(
             config.flavour, flight_settings(self.parameters), self.battery, self._estimator.estimate
         )
+        self.camera = camera_of(self.parameters)
 
     def _obey(self) -> None:
         """Let a parameter be in force from the moment that it is set: a request may follow before the next step."""
@@ -258,8 +260,19 @@ class Vehicle:
             if self.faults.advance(time_s, armed=self.autopilot.armed, flying=self.autopilot.flying):
                 self._suffer()
             self.autopilot.advance(self._command.thrust_m_s2, self._felt_wind(estimate))
+        self._photograph(estimate)
         command = self._controller.step(estimate, self.autopilot.guidance)
         self._command = command if self._rotors is None else self._rotors.step(command, estimate)
+
+    def _photograph(self, estimate: Estimate) -> None:
+        """Pass on what the mission asks of the camera, and let it look."""
+        camera, orders = self.camera, self.autopilot.camera_orders
+        while orders:
+            order = orders.popleft()
+            if camera is not None:
+                camera.take(order)
+        if camera is not None:
+            camera.step(estimate, in_mission=self.autopilot.mode is Mode.AUTO)
 
     def _felt_wind(self, estimate: Estimate) -> Vector:
         """Return the level wind whose drag explains the disturbance that the controller sees."""

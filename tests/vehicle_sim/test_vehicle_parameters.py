@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from vehicle_sim.errors import ConfigurationError, ParameterError
 from vehicle_sim.parameters import Flavour, Parameter, ParameterKind, ParameterStore, default_parameters
+from vehicle_sim.parameters.payload import ARDUPILOT_PAYLOAD, PX4_PAYLOAD
 from vehicle_sim.parameters.settings import flight_settings
 from vehicle_sim.protocol.flavour import TABLES
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
@@ -39,6 +40,7 @@ def test_every_setting_depends_on_some_parameter_alone(flavour: Flavour) -> None
     """No parameter of flight is there for show: each changes the settings, or is read by name elsewhere."""
     elsewhere = {"MAV_SYSID", "MAV_SYS_ID", "SYS_FAILURE_EN"}
     elsewhere |= {"RCMAP_ROLL", "RCMAP_PITCH", "RCMAP_THROTTLE", "RCMAP_YAW"}
+    elsewhere |= {parameter.name for parameter in (*ARDUPILOT_PAYLOAD, *PX4_PAYLOAD)}
     elsewhere |= {name for names in TABLES[flavour].stream_parameters.values() for name in names.values()}
     names = {name for name in default_parameters(flavour) if not name.startswith("SIM_")}
     for name in names - elsewhere:

@@ -29,7 +29,7 @@ from vehicle_sim.autopilot.state import State
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
-from vehicle_sim.signals import Estimate, Guidance, Vector
+from vehicle_sim.signals import CameraOrder, Estimate, Guidance, Vector
 
 
 class Machine(State):
@@ -109,6 +109,8 @@ class Machine(State):
         return ""
 
     def _enter(self, mode: Mode) -> None:
+        if self.flavour is Flavour.PX4 and self.mode is Mode.AUTO:
+            self.camera_orders.append(CameraOrder(paused=True))
         self.mission.stop()
         self.mode = mode
         self._speeds.clear()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Final, NamedTuple
 
-from vehicle_sim.signals import Geodetic
+from vehicle_sim.signals import CameraOrder, Geodetic
 
 
 class SpeedAxis(Enum):
@@ -39,6 +39,7 @@ class Command(Enum):
     SET_HOME = auto()
     LOOK_AT = auto()
     LOOK_AHEAD = auto()
+    PHOTOGRAPH = auto()
     NOTHING = auto()
     JUMP = auto()
 
@@ -69,6 +70,7 @@ KINDS: Final[Mapping[Command, Kind]] = {
     Command.SET_HOME: Kind.ACT,
     Command.LOOK_AT: Kind.ACT,
     Command.LOOK_AHEAD: Kind.ACT,
+    Command.PHOTOGRAPH: Kind.ACT,
     Command.NOTHING: Kind.ACT,
     Command.JUMP: Kind.JUMP,
 }
@@ -121,6 +123,7 @@ class MissionItem:
         speed_m_s: To what.
         target: Index of the item to jump to.
         repeats: How often to jump; `FOREVER` never ends.
+        order: What the camera is to do.
         continues: Whether the next item follows by itself.
         unflyable: Why a flavour that accepts the item does not fly it; empty if it does.
     """
@@ -139,6 +142,7 @@ class MissionItem:
     speed_m_s: float = 0.0
     target: int = 0
     repeats: int = 0
+    order: CameraOrder | None = None
     continues: bool = True
     unflyable: str = ""
 

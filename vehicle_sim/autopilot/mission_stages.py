@@ -16,7 +16,7 @@ from vehicle_sim.autopilot.rally import Destination
 from vehicle_sim.autopilot.tasks import HoldTask, LandTask, ReturnTask, TakeoffTask, Task
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
 from vehicle_sim.parameters import Flavour, FlightSettings, YawBehaviour
-from vehicle_sim.signals import FREE, Estimate, Geodetic, PartialVector, Setpoint, Vector
+from vehicle_sim.signals import FREE, CameraOrder, Estimate, Geodetic, PartialVector, Setpoint, Vector
 
 Stages = list[Callable[[], Task]]
 """What an item becomes: tasks that follow each other, each made when its turn comes; none: it goes on as is."""
@@ -36,6 +36,7 @@ class Craft(Protocol):
     home: Geodetic | None
     flying: bool
     texts: deque[StatusText]
+    camera_orders: deque[CameraOrder]
     mission: Mission
 
     @property
@@ -199,6 +200,12 @@ class StagedTask(Task):
     def look(self, item: MissionItem) -> Stages:
         """Look at the item's place from now on, or ahead again."""
         self._look_at = None if item.place is None else self._ned(item.place)
+        return []
+
+    def photograph(self, item: MissionItem) -> Stages:
+        """Let the camera do what the item says."""
+        if item.order is not None:
+            self._craft.camera_orders.append(item.order)
         return []
 
     # Stages.

@@ -11,11 +11,13 @@ from vehicle_sim.autopilot.mission_items import FOREVER, Command, Kind, MissionI
 from vehicle_sim.autopilot.mission_stages import Craft, StagedTask, Stages, wrap
 from vehicle_sim.autopilot.modes import Event, Severity
 from vehicle_sim.autopilot.tasks import HoldTask, Task
-from vehicle_sim.signals import Estimate
+from vehicle_sim.signals import CameraOrder, Estimate
 
 _AT_REST_M_S: Final = 0.4
 _TURNED_RAD: Final = pi / 90.0
 _REPORTED: Final = frozenset({Command.WAYPOINT, Command.LOITER_TIME})
+_UNTOLD: Final = frozenset({Command.PHOTOGRAPH, Command.NOTHING})
+"""Acts that ArduPilot does not call reached."""
 
 
 class _Row(NamedTuple):
@@ -50,6 +52,7 @@ class MissionTask(StagedTask):
         self._beside: tuple[int, MissionItem, float] | None = None
         self._turns_told = 0
         self._home = craft.home
+        self._photographed: CameraOrder | None = None
 
     # What the machine asks.
 
@@ -111,7 +114,13 @@ class MissionTask(StagedTask):
             return
         if self._px4:
             self._recall_speeds()
+            self._recall_camera()
         self._start()
+
+    def _recall_camera(self) -> None:
+        """Find what the camera was to do before the current item; it does so again from the next one on (PX4)."""
+        orders = [item.order for item in self._mission.items[: self._mission.current] if item.order is not None]
+        self._photographed = orders[-1] if orders and orders[-1].triggers else None
 
     def _recall_speeds(self) -> None:
         """Set the speeds again that items before the current one have set (PX4)."""
@@ -173,6 +182,9 @@ class MissionTask(StagedTask):
                 self._end()
                 return
         if mission.advance():
+            if self._photographed is not None:
+                self._craft.camera_orders.append(self._photographed)
+                self._photographed = None
             self._start()
         else:
             self._end()
@@ -247,7 +259,7 @@ class MissionTask(StagedTask):
             done = True
         if done:
             self._beside = None
-            if item.command is not Command.NOTHING:
+            if item.command not in _UNTOLD:
                 self._mission.reach(index)
 
     def _distance_m(self) -> float:
@@ -303,5 +315,6 @@ class MissionTask(StagedTask):
         Command.SET_HOME: _Row(StagedTask.set_home, _at_once),
         Command.LOOK_AT: _Row(StagedTask.look, _at_once),
         Command.LOOK_AHEAD: _Row(StagedTask.look, _at_once),
+        Command.PHOTOGRAPH: _Row(StagedTask.photograph, _at_once),
         Command.NOTHING: _Row(StagedTask.stay, _at_once),
     }

@@ -29,7 +29,7 @@ from vehicle_sim.autopilot.tasks import LevelTask, Task
 from vehicle_sim.battery import Battery, BatteryLevel
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
 from vehicle_sim.parameters import Action, Flavour, FlightSettings
-from vehicle_sim.signals import Estimate, Geodetic, Guidance, Setpoint, Vector
+from vehicle_sim.signals import CameraOrder, Estimate, Geodetic, Guidance, Setpoint, Vector
 
 if TYPE_CHECKING:
     from vehicle_sim.autopilot.mission_items import SpeedAxis
@@ -47,7 +47,7 @@ class State:
     Public attributes to read: `mode`, `intended_mode` (the one last asked for), `armed`, `flying`, `flights` (how often
     it was disarmed), `home`, `home_revision` (grows with every change of home), `guidance`, `slowed` (the fence keeps
     velocities lower than asked), `guard`, `pilot` (who may be at the sticks), and `texts`, a queue whose reader pops
-    what it has taken (old ones drop out of a full queue). To be set: `rally`.
+    what it has taken (old ones drop out of a full queue); `camera_orders` is such a queue, too. To be set: `rally`.
     """
 
     def __init__(self, flavour: Flavour, settings: FlightSettings, battery: Battery, estimate: Estimate) -> None:
@@ -62,6 +62,7 @@ class State:
         self.home_revision = 0
         self.mission = Mission(self.flavour)
         self.texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
+        self.camera_orders: deque[CameraOrder] = deque(maxlen=_MOST_TEXTS)
         self.settings = settings
         self._battery = battery
         self._estimate = estimate

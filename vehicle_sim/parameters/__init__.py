@@ -2,6 +2,7 @@
 
 from vehicle_sim.parameters.actions import Action
 from vehicle_sim.parameters.ardupilot import ARDUPILOT
+from vehicle_sim.parameters.payload import ARDUPILOT_PAYLOAD, PX4_PAYLOAD
 from vehicle_sim.parameters.protection import (
     ALL_FENCES,
     FenceSettings,
@@ -37,5 +38,5 @@ __all__ = [
 
 def default_parameters(flavour: Flavour) -> ParameterStore:
     """Return a store with all parameters of `flavour` at their defaults."""
-    is_px4 = flavour is Flavour.PX4
-    return ParameterStore(flavour, (*PX4, *PX4_SIMULATION) if is_px4 else (*ARDUPILOT, *ARDUPILOT_SIMULATION))
+    px4, ardupilot = (*PX4, *PX4_PAYLOAD, *PX4_SIMULATION), (*ARDUPILOT, *ARDUPILOT_PAYLOAD, *ARDUPILOT_SIMULATION)
+    return ParameterStore(flavour, px4 if flavour is Flavour.PX4 else ardupilot)

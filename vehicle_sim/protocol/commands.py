@@ -53,12 +53,12 @@ class CommandService:
     """Carries commands out and acknowledges them.
 
     Attributes:
-        handlers: What to do with each command; other services add theirs.
+        handlers: What to do with each command, None leaves it unanswered; other services add theirs.
     """
 
     def __init__(self, host: Host) -> None:
         self._host = host
-        self.handlers: dict[int, Callable[[Request], Outcome | int]] = {
+        self.handlers: dict[int, Callable[[Request], Outcome | int | None]] = {
             mavlink.MAV_CMD_COMPONENT_ARM_DISARM: self._arm_disarm,
             mavlink.MAV_CMD_DO_SET_MODE: self._do_set_mode,
             mavlink.MAV_CMD_NAV_TAKEOFF: self._takeoff,
@@ -107,7 +107,8 @@ class CommandService:
     def _answer(self, request: Request) -> None:
         handler = self.handlers.get(request.command)
         result = Outcome.UNSUPPORTED if handler is None else handler(request)
-        self._acknowledge(request.sender, request.command, result)
+        if result is not None:
+            self._acknowledge(request.sender, request.command, result)
 
     def _acknowledge(self, sender: Sender, command: int, result: int) -> None:
         sender.link.send(

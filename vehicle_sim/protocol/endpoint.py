@@ -9,6 +9,7 @@ for datagram in endpoint.outgoing("gcs"): ...
 from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.attitudes import AttitudeService
+from vehicle_sim.protocol.cameras import CameraService
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT, mavlink
 from vehicle_sim.protocol.failures import FailureService
@@ -22,6 +23,7 @@ from vehicle_sim.protocol.link import Link
 from vehicle_sim.protocol.log_transfer import LogService
 from vehicle_sim.protocol.missions import MissionService
 from vehicle_sim.protocol.mode_list import ModeListService
+from vehicle_sim.protocol.mounts import MountService
 from vehicle_sim.protocol.parameters import ParameterService
 from vehicle_sim.protocol.plans import PlanService
 from vehicle_sim.protocol.policy import SigningPolicy
@@ -117,6 +119,9 @@ class Endpoint:
         commands.handlers.update(FailureService(self).commands)
         commands.handlers.update(fences.commands)
         commands.handlers.update(self._missions.commands)
+        self._cameras = CameraService(self)
+        commands.handlers.update(self._cameras.commands)
+        commands.handlers.update(MountService(self).commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
@@ -138,6 +143,7 @@ class Endpoint:
             **self._missions.telemetry,
             **mode_list.telemetry,
             **fences.telemetry,
+            **self._cameras.telemetry,
         }
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
@@ -281,6 +287,8 @@ class Endpoint:
         if vehicle.autopilot.mission.news:
             self._missions.report()
         self._presence.advance()
+        if vehicle.camera is not None and vehicle.camera.news:
+            self._tell_pictures()
         for link in self._links.values():
             if link.streams.next_due_us <= now_us:
                 for message_id in link.streams.due(now_us):
@@ -289,6 +297,13 @@ class Endpoint:
                         link.send(message)
         self.recorder.advance()
         self._go_on_sending()
+
+    def _tell_pictures(self) -> None:
+        for message in self._cameras.news():
+            self.recorder.take(message)
+            for link in self._links.values():
+                if self.table.tells_pictures or link.streams.interval_us(message.get_msgId()) is not None:
+                    link.send(message)
 
     def _go_on_sending(self) -> None:
         """Send the next part of what is long."""
@@ -311,6 +326,7 @@ class Endpoint:
         self.system_id = int(self.vehicle.parameters[self.table.system_id_parameter])
         self._router = Router(self.system_id, self.component_id)
         self._presence.reboot()
+        self._cameras.reboot()
         for link in self._links.values():
             link.speak_for(self.system_id)
             self._parameters.forget(link)

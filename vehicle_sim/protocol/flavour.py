@@ -75,6 +75,7 @@ class FlavourTable:
         system_id_parameter: The parameter that holds the system id.
         no_reboot: Result of a request to restart while armed.
         answers_ping: Whether PING is answered.
+        tells_pictures: Whether each picture is told on every link, and not on those alone that stream such messages.
         takeoff_is_amsl: Whether NAV_TAKEOFF's height is above mean sea level instead of above home.
     """
 
@@ -101,6 +102,7 @@ class FlavourTable:
     system_id_parameter: str
     no_reboot: Outcome
     answers_ping: bool
+    tells_pictures: bool
     takeoff_is_amsl: bool
     modes: Mapping[int, Mode] = field(init=False)
 
@@ -206,6 +208,7 @@ _ARDUPILOT: Final = FlavourTable(
     system_id_parameter="MAV_SYSID",
     no_reboot=Outcome.FAILED,
     answers_ping=False,
+    tells_pictures=True,
     takeoff_is_amsl=False,
 )
 
@@ -270,6 +273,7 @@ _PX4: Final = FlavourTable(
             PING=0.1,
             VIBRATION=0.1,
             MISSION_CURRENT=1,
+            CAMERA_IMAGE_CAPTURED=1,
         )
         | {CURRENT_MODE_ID: 0.5},
         Rates.ONBOARD: _rates(
@@ -297,6 +301,8 @@ _PX4: Final = FlavourTable(
             BATTERY_STATUS=0.5,
             VIBRATION=0.5,
             MISSION_CURRENT=1,
+            CAMERA_TRIGGER=1,
+            CAMERA_IMAGE_CAPTURED=1,
         )
         | {CURRENT_MODE_ID: 0.5},
     },
@@ -314,7 +320,7 @@ _PX4: Final = FlavourTable(
             "FENCE_STATUS",
         )
     ),
-    told_on_change=frozenset(_messages("GPS_GLOBAL_ORIGIN")),
+    told_on_change=frozenset(_messages("GPS_GLOBAL_ORIGIN", "CAMERA_TRIGGER", "CAMERA_IMAGE_CAPTURED")),
     no_stream=Outcome.FAILED,
     no_message=Outcome.DENIED,
     no_mode=Outcome.TEMPORARILY_REJECTED,
@@ -327,6 +333,7 @@ _PX4: Final = FlavourTable(
     system_id_parameter="MAV_SYS_ID",
     no_reboot=Outcome.DENIED,
     answers_ping=True,
+    tells_pictures=False,
     takeoff_is_amsl=True,
 )
 

@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple
 from vehicle_sim.autopilot import Command, Datum, MissionItem, Place, SpeedAxis
 from vehicle_sim.autopilot.mission_items import FOREVER
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.camera_orders import order_of_item
 from vehicle_sim.protocol.dialect import mavlink
 from vehicle_sim.protocol.places import AMSL_FRAMES, GLOBAL_FRAMES, HOME_FRAMES, is_latitude, is_longitude
 from vehicle_sim.protocol.plan_store import PlanItem
@@ -121,12 +122,12 @@ _COMMON: Final[Mapping[str, _Row]] = {
     "DO_SET_ROI_LOCATION": _Row(_C.LOOK_AT, "SetROI", placed=True),
     "DO_SET_ROI_NONE": _Row(_C.LOOK_AHEAD, "SetROI"),
     "DO_LAND_START": _Row(_C.NOTHING, "LandStart", placed=True),
-    # There is no camera, no gimbal, no servo: as on a vehicle without them, these do nothing.
+    "DO_DIGICAM_CONTROL": _Row(_C.PHOTOGRAPH, "DigiCamCtrl"),
+    "DO_SET_CAM_TRIGG_DIST": _Row(_C.PHOTOGRAPH, "SetCamTrigDst"),
+    "IMAGE_START_CAPTURE": _Row(_C.PHOTOGRAPH, "ImageStartCapture"),
+    "IMAGE_STOP_CAPTURE": _Row(_C.PHOTOGRAPH, "ImageStopCapture"),
+    # The mount looks down whatever it is told; there is no video and no servo.
     "DO_MOUNT_CONTROL": _Row(_C.NOTHING, "MountControl"),
-    "DO_DIGICAM_CONTROL": _Row(_C.NOTHING, "DigiCamCtrl"),
-    "DO_SET_CAM_TRIGG_DIST": _Row(_C.NOTHING, "SetCamTrigDst"),
-    "IMAGE_START_CAPTURE": _Row(_C.NOTHING, "ImageStartCapture"),
-    "IMAGE_STOP_CAPTURE": _Row(_C.NOTHING, "ImageStopCapture"),
     "VIDEO_START_CAPTURE": _Row(_C.NOTHING, "VideoStartCapture"),
     "VIDEO_STOP_CAPTURE": _Row(_C.NOTHING, "VideoStopCapture"),
     "DO_GIMBAL_MANAGER_PITCHYAW": _Row(_C.NOTHING, "GimbalPitchYaw"),
@@ -148,7 +149,8 @@ _PX4_ALONE: Final[Mapping[str, _Row]] = {
     "CONDITION_DELAY": _Row(_C.WAIT, ""),
     "CONDITION_DISTANCE": _Row(_C.WITHIN_DISTANCE, ""),
     "DO_MOUNT_CONFIGURE": _Row(_C.NOTHING, ""),
-    "DO_TRIGGER_CONTROL": _Row(_C.NOTHING, ""),
+    "DO_TRIGGER_CONTROL": _Row(_C.PHOTOGRAPH, ""),
+    "DO_SET_CAM_TRIGG_INTERVAL": _Row(_C.PHOTOGRAPH, ""),
     "SET_CAMERA_MODE": _Row(_C.NOTHING, ""),
     "DO_GRIPPER": _Row(_C.NOTHING, ""),
 }
@@ -238,9 +240,15 @@ def mission_item(flavour: Flavour, item: PlanItem) -> MissionItem:
         name=row.name,
         place=_place(item, px4=px4) if wants_place and not here else None,
         continues=bool(item.autocontinue) or not px4,
+        order=order_of_item(flavour, item.command, (*item.params, _shot(item), float(item.y), item.z)),
         unflyable=f"unsupported cmd: {item.command}" if px4 and item.command in _PX4_NOT_FLOWN else "",
         **fields,
     )
+
+
+def _shot(item: PlanItem) -> float:
+    """Return the fifth parameter of what stands at no place; a float in a global frame was taken for degrees."""
+    return item.x / E7 if item.frame in GLOBAL_FRAMES and abs(item.x) >= E7 else float(item.x)
 
 
 def _place(item: PlanItem, *, px4: bool) -> Place:

@@ -99,8 +99,8 @@ def test_default_rates_of_px4(rates: Rates) -> None:
     station.run(20.0)
     for message_id, hertz in TABLES[Flavour.PX4].default_rates_hz[rates].items():
         name = name_of(message_id)
-        # There is nothing to fly to on the ground, and the origin comes on change alone, whatever its rate.
-        if name not in ("POSITION_TARGET_LOCAL_NED", "GPS_GLOBAL_ORIGIN"):
+        # There is nothing to fly to on the ground; the origin and pictures come on change alone, whatever their rate.
+        if name != "POSITION_TARGET_LOCAL_NED" and message_id not in TABLES[Flavour.PX4].told_on_change:
             assert len(station.of(name)) == pytest.approx(20.0 * hertz, abs=1.1), name
 
 
@@ -206,8 +206,9 @@ def test_every_message_can_be_sent_at_every_stage_of_a_flight(flavour: Flavour) 
 
     ask_for_all()
     station.wait_for_position()
-    # No target is flown yet, and no fence watched.
-    assert ask_for_all() <= {"POSITION_TARGET_LOCAL_NED", "POSITION_TARGET_GLOBAL_INT", "FENCE_STATUS"}
+    # No target is flown yet, no fence watched, no picture taken.
+    pictures = {"CAMERA_FEEDBACK", "CAMERA_TRIGGER", "CAMERA_IMAGE_CAPTURED"}
+    assert ask_for_all() <= {"POSITION_TARGET_LOCAL_NED", "POSITION_TARGET_GLOBAL_INT", "FENCE_STATUS"} | pictures
     station.take_off()
     ask_for_all()
 
