@@ -14,39 +14,48 @@ from scipy.spatial import Delaunay, cKDTree
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
 _ROUNDING = 1e-12
+_Array = TypeVar("_Array", FloatArray, IntArray, BoolArray)
 
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """What an insertion changed.
+    """What an insertion changed. Edges are named by a triangle and the side of it, opposite its corner of that number.
 
     Attributes:
         taken: Which of the offered points went in, shape (P,).
-        triangles: Indices of the triangles that are new, shape (T,); some replace triangles of the same index.
-        lost: Edges that are gone, pairs of vertices, shape (L, 2).
+        triangles: Indices of the triangles that are new, shape (T,); some replace triangles of the same index. The
+            first corner of each is a new vertex.
+        rims: The edge opposite that corner as it was named before, shape (T, 2).
+        lost: Edges that are gone as they were named, shape (L, 2); each is listed from either side.
     """
 
     taken: BoolArray
     triangles: IntArray
+    rims: IntArray
     lost: IntArray
 
 
 @dataclass(frozen=True, eq=False)
 class Cavities:
-    """The triangles that points would replace: pairs of a point and a triangle, sorted.
+    """The triangles that points would replace: pairs of a point and a triangle.
 
     Attributes:
         owner: Index of the point, shape (C,).
         triangle: Index of the triangle, shape (C,).
+        beyond: The triangles beside it, shape (C, 3); -1 for none.
+        inner: Which of them are of the same cavity, shape (C, 3).
     """
 
     owner: IntArray
     triangle: IntArray
+    beyond: IntArray
+    inner: BoolArray
 
     def of(self, kept: BoolArray) -> "Cavities":
         """Those of some of the points, which are numbered anew; ``kept`` has shape (P,)."""
         some = kept[self.owner]
-        return Cavities((np.cumsum(kept) - 1)[self.owner[some]], self.triangle[some])
+        number = np.cumsum(kept) - 1
+        return Cavities(number[self.owner[some]], self.triangle[some], self.beyond[some], self.inner[some])
 
 
 class Triangulation:
@@ -100,23 +109,25 @@ class Triangulation:
     def cavities(self, points: FloatArray, seeds: IntArray) -> Cavities:
         """The triangles in whose circumcircles points lie.
 
+        A cavity has no vertex inside, so its triangles hang together like a tree, and each is met once.
+
         Args:
             points: Shape (P, 2), none of them a vertex.
             seeds: Shape (P,), for each a triangle in whose circumcircle it lies.
         """
-        size = self._triangle_count
-        before, front = np.empty(0, dtype=np.int64), np.arange(len(points)) * size + seeds
-        fronts = [front]
-        while len(front):
-            owner, triangle = np.repeat(front // size, 3), self._neighbours[front % size].reshape(-1)
-            keys = np.unique((owner * size + triangle)[triangle >= 0])
-            # What was found lies in this front or the one before it: neighbours are at most one step apart.
-            keys = keys[~_among(keys, front)]
-            keys = keys[~_among(keys, before)] if len(before) else keys
-            before, front = front, keys[self._depth(keys % size, points[keys // size]) > 0.0]
-            fronts.append(front)
-        known = np.sort(np.concatenate(fronts))
-        return Cavities(known // size, known % size)
+        owner, triangle, before = np.arange(len(points)), seeds, np.full(len(points), -2)
+        found = []
+        while len(owner):
+            beyond = self._neighbours[triangle]
+            inner = beyond == before[:, None]
+            row, side = np.nonzero(~inner & (beyond >= 0))
+            ahead = beyond[row, side]
+            deep = self._depth(ahead, points[owner[row]]) > 0.0
+            row, side, ahead = row[deep], side[deep], ahead[deep]
+            inner[row, side] = True
+            found.append((owner, triangle, beyond, inner))
+            owner, triangle, before = owner[row], ahead, triangle[row]
+        return Cavities(*map(np.concatenate, zip(*found, strict=True)))
 
     def insert(self, points: FloatArray, cavities: Cavities) -> Growth:
         """Put points in as far as their cavities keep apart; where they do not, the earlier point goes in.
@@ -125,35 +136,41 @@ class Triangulation:
             points: Shape (P, 2), none of them a vertex.
             cavities: Theirs.
         """
-        owner, cavity, size = cavities.owner, cavities.triangle, self._triangle_count
-        outside, corners = self._neighbours[cavity], self._triangles[cavity]
-        inner = _among((owner[:, None] * size + outside).reshape(-1), owner * size + cavity).reshape(-1, 3)
-        inner &= outside >= 0
-        taken = self._kept_apart(len(points), owner, cavity, outside)
-        row, side = np.nonzero(~inner & taken[owner][:, None])
-        whose, beyond = owner[row], outside[row, side]
-        first, second = corners[row, (side + 1) % 3], corners[row, (side + 2) % 3]
-        a, b = self._vertices[first], self._vertices[second]
-        flat = _cross(b - a, points[whose] - a) <= _ROUNDING * ((b - a) ** 2).sum(axis=1)
-        taken[whose[flat]] = False
+        owner, cavity = cavities.owner, cavities.triangle
+        taken = self._kept_apart(len(points), owner, cavity, cavities.beyond)
+        row, side = np.nonzero(~cavities.inner & taken[owner][:, None])
+        whose, whole = owner[row], cavity[row]
+        first, second = self._triangles[whole, (side + 1) % 3], self._triangles[whole, (side + 2) % 3]
+        a = self._vertices[first]
+        along, aside = self._vertices[second] - a, points[whose] - a
+        area, size = along[:, 0] * aside[:, 1] - along[:, 1] * aside[:, 0], along[:, 0] ** 2 + along[:, 1] ** 2
+        taken[whose[area <= _ROUNDING * size]] = False
         keep = taken[whose]
-        whose, beyond, first, second = whose[keep], beyond[keep], first[keep], second[keep]
+        rims = np.stack((whole, side), axis=1)[keep]
         gone = taken[owner]
-        row, side = np.nonzero(inner & gone[:, None])
-        lost = np.stack((corners[row, (side + 1) % 3], corners[row, (side + 2) % 3]), axis=1)
-        number = self._vertex_count + np.cumsum(taken) - 1
-        slots = self._grown(points[taken], cavity[gone], len(first))
-        self._fill(slots, number[whose], first, second, beyond)
-        return Growth(taken, slots, lost)
+        row, side = np.nonzero(cavities.inner & gone[:, None])
+        lost = np.stack((cavity[row], side), axis=1)
+        apex = (self._vertex_count + np.cumsum(taken) - 1)[whose[keep]]
+        slots = self._grown(points[taken], cavity[gone], len(apex))
+        self._fill(slots, apex, first[keep], second[keep], self._neighbours[rims[:, 0], rims[:, 1]])
+        return Growth(taken, slots, rims, lost)
 
     def _kept_apart(self, count: int, owner: IntArray, cavity: IntArray, outside: IntArray) -> BoolArray:
-        """Which points go in: no earlier one has a triangle of theirs, or one beside theirs, in its cavity."""
-        earliest = np.full(self._triangle_count + 1, count)
-        np.minimum.at(earliest, cavity, owner)
-        # No neighbour (-1) picks the last entry, which is no cavity's.
-        hindered = (earliest[cavity] < owner) | (earliest[outside].min(axis=1) < owner)
-        taken = np.ones(count, dtype=np.bool_)
-        taken[owner[hindered]] = False
+        """Which points go in: none that do so earlier have one of their triangles, or one beside them, in a cavity."""
+        taken = np.zeros(count, dtype=np.bool_)
+        while len(owner):
+            # No neighbour (-1) picks the last entry, which is no cavity's.
+            earliest = np.full(self._triangle_count + 1, count)
+            np.minimum.at(earliest, cavity, owner)
+            settled = np.ones(count, dtype=np.bool_)
+            settled[owner[(earliest[cavity] < owner) | (earliest[outside] < owner[:, None]).any(axis=1)]] = False
+            going = settled[owner]
+            taken[owner[going]] = True
+            claimed = np.zeros(self._triangle_count + 1, dtype=np.bool_)
+            claimed[cavity[going]] = True
+            settled[owner[claimed[cavity] | claimed[outside].any(axis=1)]] = True
+            left = ~settled[owner]
+            owner, cavity, outside = owner[left], cavity[left], outside[left]
         return taken
 
     def _grown(self, points: FloatArray, free: IntArray, wanted: int) -> IntArray:
@@ -171,44 +188,34 @@ class Triangulation:
         """Write triangles from apexes to the edges of rims, and link them with each other and with what is beyond."""
         self._triangles[slots] = np.stack((apex, first, second), axis=1)
         # About an apex, the triangle whose first is this one's second comes next, and the other way round.
-        begins, ends = (apex * self._vertex_count + end for end in (first, second))
-        by_begin = np.argsort(begins)
-        following = by_begin[np.searchsorted(begins[by_begin], ends)]
-        preceding = np.empty_like(following)
-        preceding[following] = np.arange(len(following))
-        self._neighbours[slots] = np.stack((beyond, slots[following], slots[preceding]), axis=1)
+        by_begin, by_end = (np.argsort(apex * self._vertex_count + end) for end in (first, second))
+        beside = np.empty((len(slots), 3), dtype=np.int64)
+        beside[:, 0] = beyond
+        beside[by_end, 1] = slots[by_begin]
+        beside[by_begin, 2] = slots[by_end]
+        self._neighbours[slots] = beside
         some = beyond >= 0
-        facing = self._triangles[beyond[some]]
-        side = ((facing != first[some, None]) & (facing != second[some, None])).argmax(axis=1)
-        self._neighbours[beyond[some], side] = slots[some]
+        beyond, first, second = beyond[some], first[some], second[some]
+        zeroth, next_, _ = self._triangles[beyond].T
+        side = np.where((next_ != first) & (next_ != second), 1, 2)
+        side[(zeroth != first) & (zeroth != second)] = 0
+        self._neighbours[beyond, side] = slots[some]
 
     def _depth(self, triangles: IntArray, points: FloatArray) -> FloatArray:
         """How deep each point lies in the circumcircle of the triangle beside it: above 0 inside by more than rounding.
 
         The determinant of the lifted corners, against the sum of the sizes of its terms.
         """
-        corners = self._vertices[self._triangles[triangles]] - points[:, None]
-        x, y = corners[..., 0], corners[..., 1]
-        lifted = x * x + y * y
-        one, other = [1, 2, 0], [2, 0, 1]
-        plus, minus = x[:, one] * y[:, other], y[:, one] * x[:, other]
-        terms, sizes = lifted * (plus - minus), lifted * (np.abs(plus) + np.abs(minus))
-        depth: FloatArray = terms.sum(axis=1) - _ROUNDING * sizes.sum(axis=1)
+        corners = [self._vertices[ends] - points for ends in self._triangles[triangles].T]
+        # Columns, not rows of two or three: sums along short rows are slow.
+        a, b, c = ((np.ascontiguousarray(corner[:, 0]), np.ascontiguousarray(corner[:, 1])) for corner in corners)
+        terms = sizes = np.zeros(len(points))
+        for (ux, uy), (vx, vy), (wx, wy) in ((a, b, c), (b, c, a), (c, a, b)):
+            lifted, plus, minus = ux * ux + uy * uy, vx * wy, vy * wx
+            terms = terms + lifted * (plus - minus)
+            sizes = sizes + lifted * (np.abs(plus) + np.abs(minus))
+        depth: FloatArray = terms - _ROUNDING * sizes
         return depth
-
-
-def _cross(u: FloatArray, v: FloatArray) -> FloatArray:
-    product: FloatArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return product
-
-
-def _among(keys: IntArray, known: IntArray) -> BoolArray:
-    """Which keys are among others that are sorted and not empty."""
-    found: BoolArray = known[np.minimum(np.searchsorted(known, keys), len(known) - 1)] == keys
-    return found
-
-
-_Array = TypeVar("_Array", FloatArray, IntArray, BoolArray)
 
 
 def with_room(array: _Array, rows: int) -> _Array:

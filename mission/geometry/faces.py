@@ -47,12 +47,12 @@ class FacedMesh:
         return FacedMesh(there, self.face_of, self.inside_m + by_m)
 
 
-def faces_of(mesh: Triangulation, segments: IntArray, domain: shapely.Geometry) -> FacedMesh:
+def faces_of(mesh: Triangulation, walls: BoolArray, domain: shapely.Geometry) -> FacedMesh:
     """The faces in a domain; a face is judged by its widest triangle.
 
     Args:
         mesh: The triangles, those around the domain included.
-        segments: Edges of the mesh, shape (S, 2), that part faces; the domain's rim is among them.
+        walls: Which sides of the triangles part faces, shape (M, 3); the domain's rim is among them.
         domain: The part of the plane that is kept.
 
     Raises:
@@ -60,7 +60,7 @@ def faces_of(mesh: Triangulation, segments: IntArray, domain: shapely.Geometry) 
     """
     triangles, neighbours = mesh.triangles, mesh.neighbours
     whole = Partition(mesh.vertices, triangles, neighbours)
-    face_of, widest = parted(whole, segments)
+    face_of, widest = parted(whole, walls)
     centres = whole.incentres_m[widest]
     inside = shapely.contains_xy(domain, *centres.T)
     if not inside.any():

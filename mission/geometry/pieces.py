@@ -6,8 +6,8 @@ import numpy as np
 
 from mission.geometry.arrangement import Arrangement
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.geometry.delaunay import Cavities, with_room
-from mission.geometry.triangulation import edge_keys
+from mission.geometry.delaunay import Cavities, Growth, Triangulation, with_room
+from mission.geometry.triangulation import edge_keys, facet_keys
 
 _SHARP: Final = np.pi / 3.0 - 1e-9
 _ROUNDING: Final = 1e-9
@@ -23,47 +23,66 @@ class Pieces:
         encroached: Shape (S,), whether it is no edge or a vertex beside it lies in its diametral circle.
     """
 
-    def __init__(self, arrangement: Arrangement, offset: int) -> None:
+    def __init__(self, arrangement: Arrangement, mesh: Triangulation) -> None:
         """Begin with whole segments.
 
         Args:
             arrangement: The segments.
-            offset: How many vertices of the mesh come before those of the arrangement.
+            mesh: The triangulation of its vertices.
         """
-        self._given = arrangement.segments + offset
-        self._owner = np.arange(len(self._given))
-        self._lies_on = np.full(offset + len(arrangement.vertices_m), -1)
-        self._sharp: BoolArray = np.append(np.zeros(offset, dtype=np.bool_), _sharp_vertices(arrangement))
-        self.ends: IntArray = self._given.copy()
+        self.ends: IntArray = arrangement.segments + mesh.CORNERS
+        self._given, self._owner = self.ends.copy(), np.arange(len(self.ends))
+        self._sharp: BoolArray = np.append(np.zeros(mesh.CORNERS, dtype=np.bool_), _sharp_vertices(arrangement))
+        self._halves = np.full((len(mesh.vertices), 2), -1)  # the pieces that end and begin in a cut, before later cuts
         self.beside = np.full(len(self.ends), -1)
         self.encroached: BoolArray = np.ones(len(self.ends), dtype=np.bool_)
-        self._sides: IntArray = np.empty((0, 3), dtype=np.int64)  # of each triangle the pieces among its edges, or -1
+        self.sides: IntArray = self._among_sides(mesh)
+        self._note(np.arange(len(mesh.triangles)), mesh)
 
-    def look(self, triangles: IntArray, corners: IntArray, lost: IntArray, vertices: FloatArray) -> None:
-        """Take note of new triangles, and of edges that are gone.
+    def look(self, growth: Growth, mesh: Triangulation) -> None:
+        """Take note of new triangles, and of edges that are gone."""
+        missing = self.sides[growth.lost[:, 0], growth.lost[:, 1]]
+        missing = missing[missing >= 0]
+        self.beside[missing], self.encroached[missing] = -1, True
+        # Every new edge ends in a new vertex, so it is a piece only where that vertex cut one.
+        apex, first, second = mesh.triangles[growth.triangles].T
+        sides = np.full((len(apex), 3), -1)
+        sides[:, 0] = self.sides[growth.rims[:, 0], growth.rims[:, 1]]
+        cutting = np.flatnonzero(self._halves[apex, 0] >= 0)
+        for end in (0, 1):
+            half = self._halves[apex[cutting], end]
+            other = self.ends[half, end]
+            for side, corner in ((1, second[cutting]), (2, first[cutting])):
+                met = other == corner
+                sides[cutting[met], side] = half[met]
+        self.sides = with_room(self.sides, len(mesh.triangles))
+        self.sides[growth.triangles] = sides
+        self._note(growth.triangles, mesh)
 
-        Args:
-            triangles: Their indices, shape (T,).
-            corners: Their vertices, shape (T, 3).
-            lost: Edges, shape (L, 2).
-            vertices: All vertices, shape (V, 2).
-        """
-        order, keys = self._sorted(len(vertices))
-        found, _ = self._find(lost, order, keys, len(vertices))
-        self.beside[found], self.encroached[found] = -1, True
-        edges = np.stack((np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)), axis=-1).reshape(-1, 2)
-        found, at = self._find(edges, order, keys, len(vertices))
-        self._sides = with_room(self._sides, int(triangles.max()) + 1)
-        sides = np.full((len(triangles), 3), -1)
-        sides.reshape(-1)[at] = found
-        self._sides[triangles] = sides
-        seen = vertices[corners.reshape(-1)[at]]
-        begins, ends = vertices[self.ends[found, 0]], vertices[self.ends[found, 1]]
-        inside = ((begins - seen) * (ends - seen)).sum(axis=1) < -_ROUNDING * ((ends - begins) ** 2).sum(axis=1)
-        fresh = self.beside[found] < 0
-        self.encroached[found[fresh]] = False
-        self.beside[found] = triangles[at // 3]
-        self.encroached[found[inside]] = True
+    def _among_sides(self, mesh: Triangulation) -> IntArray:
+        """Of each triangle the pieces that its sides are, shape (M, 3); -1 for none."""
+        keys = edge_keys(self.ends, len(mesh.vertices))
+        order = np.argsort(keys)
+        wanted = facet_keys(mesh.triangles, len(mesh.vertices))
+        place = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+        sides: IntArray = np.where(keys[place] == wanted, place, -1)
+        return sides
+
+    def _note(self, triangles: IntArray, mesh: Triangulation) -> None:
+        """Which pieces are sides of triangles, and which of these see a corner in their diametral circles."""
+        row, side = np.nonzero(self.sides[triangles] >= 0)
+        triangle = triangles[row]
+        found, seen = self.sides[triangle, side], mesh.vertices[mesh.triangles[triangle, side]]
+        self.encroached[found[self.beside[found] < 0]] = False
+        self.beside[found] = triangle
+        self.encroached[found[self._see(found, seen, mesh.vertices)]] = True
+
+    def _see(self, which: IntArray, points: FloatArray, vertices: FloatArray) -> BoolArray:
+        """Whether each point lies in the diametral circle of the piece beside it."""
+        begins, ends = vertices[self.ends[which, 0]], vertices[self.ends[which, 1]]
+        length, before, after = (ends - begins).T, (begins - points).T, (ends - points).T
+        inside: BoolArray = before[0] * after[0] + before[1] * after[1] < -_ROUNDING * (length[0] ** 2 + length[1] ** 2)
+        return inside
 
     def cuts(self, which: IntArray, vertices: FloatArray) -> FloatArray:
         """Where pieces are cut: in the middle, or on a circle about the one end that is sharp; shape (N, 2).
@@ -81,9 +100,9 @@ class Pieces:
 
     def cut(self, which: IntArray, vertices: int) -> None:
         """Cut pieces at the last vertices of a mesh of so many."""
-        number = vertices - len(which) + np.arange(len(which))
+        number, fresh = vertices - len(which) + np.arange(len(which)), len(self.ends) + np.arange(len(which))
         self.grow(len(which))
-        self._lies_on[number] = self._owner[which]
+        self._halves[number] = np.stack((which, fresh), axis=1)
         rest = np.stack((number, self.ends[which, 1]), axis=1)
         self.ends[which, 1] = number
         self.beside[which], self.encroached[which] = -1, True
@@ -94,7 +113,7 @@ class Pieces:
 
     def grow(self, count: int) -> None:
         """Take note of new vertices that cut no piece, or none yet."""
-        self._lies_on = np.concatenate((self._lies_on, np.full(count, -1)))
+        self._halves = np.concatenate((self._halves, np.full((count, 2), -1)))
         self._sharp = np.concatenate((self._sharp, np.zeros(count, dtype=np.bool_)))
 
     def admit(self, points: FloatArray, cavities: Cavities, vertices: FloatArray) -> BoolArray:
@@ -103,55 +122,41 @@ class Pieces:
         A piece with a point in its circle is an edge of that point's cavity: the circle's half on either side lies
         within the circumcircle of the triangle there.
         """
-        piece = self._sides[cavities.triangle]
-        row, _ = np.nonzero(piece >= 0)
-        piece, owner = piece[piece >= 0], cavities.owner[row]
-        begins, ends, seen = vertices[self.ends[piece, 0]], vertices[self.ends[piece, 1]], points[owner]
-        inside = ((begins - seen) * (ends - seen)).sum(axis=1) < -_ROUNDING * ((ends - begins) ** 2).sum(axis=1)
+        sides = self.sides[cavities.triangle]
+        row, side = np.nonzero(sides >= 0)
+        piece, owner = sides[row, side], cavities.owner[row]
+        inside = self._see(piece, points[owner], vertices)
         self.encroached[piece[inside]] = True
         free = np.ones(len(points), dtype=np.bool_)
         free[owner[inside]] = False
         return free
 
-    def excuse(self, turned: IntArray, vertices: FloatArray) -> BoolArray:
+    def excuse(self, triangles: IntArray, apexes: IntArray, mesh: Triangulation) -> BoolArray:
         """Which thin triangles a sharp angle of the outlines makes so, shape (N,).
 
         Args:
-            turned: Shape (N, 3): vertices, beginning with the one opposite the shortest edge.
-            vertices: All vertices, shape (V, 2).
+            triangles: Shape (N,), their indices.
+            apexes: Shape (N,), which of the corners is the one opposite the shortest side, 0 to 2.
+            mesh: The triangles.
         """
-        order, keys = self._sorted(len(vertices))
-        apex, first, second = turned.T
+        vertices = mesh.vertices
+        apex, first, second = (mesh.triangles[triangles, (apexes + turn) % 3] for turn in range(3))
         # The angle at the apex is that of two pieces.
         excused: BoolArray = self._sharp[apex].copy()
-        for end in (first, second):
-            _, at = self._find(np.stack((apex, end), axis=1), order, keys, len(vertices))
-            beside = np.zeros(len(turned), dtype=np.bool_)
-            beside[at] = True
-            excused &= beside
+        for turn in (1, 2):
+            excused &= self.sides[triangles, (apexes + turn) % 3] >= 0
         # The shortest edge joins two cuts on one circle about a vertex where two segments meet.
-        one, other = self._lies_on[first], self._lies_on[second]
-        both = np.flatnonzero((one >= 0) & (other >= 0) & (one != other))
-        ends, others = self._given[one[both]], self._given[other[both]]
+        one, other = self._halves[first, 0], self._halves[second, 0]
+        both = np.flatnonzero((one >= 0) & (other >= 0))
+        one, other = self._owner[one[both]], self._owner[other[both]]
+        both, one, other = both[one != other], one[one != other], other[one != other]
+        ends, others = self._given[one], self._given[other]
         shared = (ends[:, :, None] == others[:, None, :]).any(axis=2)
         hub = np.where(shared[:, 0], ends[:, 0], ends[:, 1])
         to_first, to_second = (np.linalg.norm(vertices[end[both]] - vertices[hub], axis=1) for end in (first, second))
         alike = np.abs(to_first - to_second) <= _ALIKE * to_first
         excused[both] |= shared.any(axis=1) & self._sharp[hub] & alike
         return excused
-
-    def _sorted(self, vertices: int) -> tuple[IntArray, IntArray]:
-        keys = edge_keys(self.ends, vertices)
-        order = np.argsort(keys)
-        return order, keys[order]
-
-    @staticmethod
-    def _find(edges: IntArray, order: IntArray, keys: IntArray, vertices: int) -> tuple[IntArray, IntArray]:
-        """Which edges are pieces: the pieces, and where they stand among the edges."""
-        wanted = edge_keys(edges, vertices)
-        place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        at = np.flatnonzero(keys[place] == wanted)
-        return order[place[at]], at
 
 
 def _sharp_vertices(arrangement: Arrangement) -> BoolArray:

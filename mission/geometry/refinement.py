@@ -15,7 +15,7 @@ import shapely
 
 from mission.errors import GeometryError
 from mission.geometry.arrangement import Arrangement
-from mission.geometry.arrays import BoolArray, IntArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.delaunay import Growth, Triangulation, with_room
 from mission.geometry.faces import FacedMesh, faces_of
 from mission.geometry.pieces import Pieces
@@ -64,7 +64,7 @@ def refined(
             raise GeometryError(
                 f"the mesh would have more than {MOST_VERTICES:,} vertices, the last near ({x:.2f}, {y:.2f})"
             )
-    return faces_of(work.mesh, work.pieces.ends, domain).moved(origin_m)
+    return faces_of(work.mesh, work.pieces.sides[: len(work.mesh.triangles)] >= 0, domain).moved(origin_m)
 
 
 def finest_m(area_m2: float) -> float:
@@ -78,14 +78,12 @@ class _Refinement:
 
     def __init__(self, arrangement: Arrangement, domain: shapely.Geometry, ratio: float, largest_m: float) -> None:
         self.mesh = Triangulation(arrangement.vertices_m)
-        self.pieces = Pieces(arrangement, Triangulation.CORNERS)
+        self.pieces = Pieces(arrangement, self.mesh)
         self._domain, self._ratio, self._largest_m = domain, ratio, largest_m
         shapely.prepare(domain)
         self._bad: BoolArray = np.zeros(0, dtype=np.bool_)
-        nothing = np.empty((0, 2), dtype=np.int64)
-        self._look(
-            Growth(np.ones(len(arrangement.vertices_m), dtype=np.bool_), np.arange(len(self.mesh.triangles)), nothing)
-        )
+        self._size: FloatArray = np.zeros(0)
+        self._judge(np.arange(len(self.mesh.triangles)))
 
     def cut_segments(self) -> bool:
         """Cut pieces with a vertex in their diametral circles, as many as keep apart; False where there is none."""
@@ -107,7 +105,7 @@ class _Refinement:
         bad = np.flatnonzero(self._bad[: len(self.mesh.triangles)])
         if not len(bad):
             return False
-        bad = self._first_in_their_neighbourhood(bad)
+        bad = self._apart(bad)
         points = Slimness.of(self.mesh.vertices, self.mesh.triangles[bad]).off_centres(self._ratio)
         cavities = self.mesh.cavities(points, bad)
         free = self.pieces.admit(points, cavities, self.mesh.vertices)
@@ -116,25 +114,42 @@ class _Refinement:
         self._look(growth)
         return True
 
-    def _first_in_their_neighbourhood(self, bad: IntArray) -> IntArray:
-        """Those of the bad triangles that come before all beside them, the smaller, the sooner, in that order."""
-        size = Slimness.of(self.mesh.vertices, self.mesh.triangles[bad]).shortest
-        order = np.lexsort((np.mod(bad * _GOLDEN, 1.0), np.floor(np.log2(size))))
-        rank = np.full(len(self.mesh.triangles) + 1, len(bad))
-        rank[bad[order]] = np.arange(len(bad))
-        chosen: IntArray = bad[order[rank[self.mesh.neighbours[bad[order]]].min(axis=1) > np.arange(len(bad))]]
-        return chosen
+    def _apart(self, bad: IntArray) -> IntArray:
+        """As many of the bad triangles as are three steps apart, the smaller, the sooner, in that order.
+
+        Cavities of triangles that are nearer overlap more often than not.
+        """
+        bad = bad[np.lexsort((np.mod(bad * _GOLDEN, 1.0), np.floor(np.log2(self._size[bad]))))]
+        beside, none = self.mesh.neighbours, len(bad)
+        near = np.concatenate((beside[bad], beside[beside[bad]].reshape(-1, 9)), axis=1)
+        # No neighbour (-1) picks the last entry.
+        rank = np.full(len(beside) + 1, none)
+        left, chosen = np.arange(none), np.zeros(none, dtype=np.bool_)
+        while len(left):
+            rank[bad[left]] = left
+            first = rank[near[left]].min(axis=1) >= left
+            chosen[left[first]] = True
+            rank[bad[left]] = none
+            rank[bad[left[first]]] = -1
+            left = left[~first]
+            left = left[rank[near[left]].min(axis=1) >= 0]
+        return bad[chosen]
 
     def _look(self, growth: Growth) -> None:
         """Judge triangles that are new, and the pieces beside them."""
-        if not len(growth.triangles):
-            return
-        corners, vertices = self.mesh.triangles[growth.triangles], self.mesh.vertices
-        self.pieces.look(growth.triangles, corners, growth.lost, vertices)
+        if len(growth.triangles):
+            self.pieces.look(growth, self.mesh)
+            self._judge(growth.triangles)
+
+    def _judge(self, triangles: IntArray) -> None:
+        """Which triangles are bad: too thin, or too large, and in the domain."""
+        vertices, corners = self.mesh.vertices, self.mesh.triangles[triangles]
         shapes = Slimness.of(vertices, corners)
         bad = shapes.radius > self._ratio * shapes.shortest * (1.0 + _ROUNDING)
-        bad[bad] = ~self.pieces.excuse(shapes.turned[bad], vertices)
+        bad[bad] = ~self.pieces.excuse(triangles[bad], shapes.apex[bad], self.mesh)
         bad |= shapes.longest > self._largest_m
         bad[bad] = shapely.contains_xy(self._domain, *vertices[corners[bad]].mean(axis=1).T)
+        self._size = with_room(self._size, len(self.mesh.triangles))
+        self._size[triangles] = shapes.shortest
         self._bad = with_room(self._bad, len(self.mesh.triangles))
-        self._bad[growth.triangles] = bad
+        self._bad[triangles] = bad

@@ -1,5 +1,6 @@
 """Triangles seen from their shortest edge: how thin they are, and where a vertex mends them."""
 
+import functools
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,33 +17,34 @@ class Slimness:
     """Shapes of N triangles.
 
     Attributes:
-        turned: Shape (N, 3): vertices, beginning with the one opposite the shortest edge.
+        corners: Positions, three of shape (N, 2).
+        apex: Shape (N,), which of the corners is opposite the shortest edge, 0 to 2.
         shortest: Length of the shortest edge, shape (N,).
         longest: Length of the longest.
         radius: Of the circumscribed circle; 0 where the triangle is flat, for that one lies on a straight rim, between
             vertices that rounding keeps off it.
-        corners: Positions of ``turned``, shape (N, 3, 2).
     """
 
-    turned: IntArray
+    corners: tuple[FloatArray, FloatArray, FloatArray]
+    apex: IntArray
     shortest: FloatArray
     longest: FloatArray
     radius: FloatArray
-    corners: FloatArray
 
     @classmethod
     def of(cls, vertices: FloatArray, triangles: IntArray) -> "Slimness":
         """Measure triangles, shape (N, 3), of vertices, shape (V, 2)."""
-        corners = vertices[triangles]
-        sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
-        lengths = np.linalg.norm(sides, axis=-1)
-        doubled = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
-        longest = lengths.max(axis=1)
+        a, b, c = (vertices[ends] for ends in triangles.T)
+        ab, bc, ca = (b - a).T, (c - b).T, (a - c).T
+        lengths = opposite_a, opposite_b, opposite_c = np.hypot(*bc), np.hypot(*ca), np.hypot(*ab)
+        doubled = np.abs(ab[0] * bc[1] - ab[1] * bc[0])
+        # Columns, not rows of three: minima along short rows are slow.
+        shortest, longest = functools.reduce(np.minimum, lengths), functools.reduce(np.maximum, lengths)
         flat = doubled <= _FLAT * longest**2
-        radius = np.where(flat, 0.0, lengths.prod(axis=1) / (2.0 * np.where(flat, 1.0, doubled)))
-        turn = (lengths.argmin(axis=1)[:, None] + np.arange(3)) % 3
-        rows = np.arange(len(triangles))[:, None]
-        return cls(triangles[rows, turn], lengths.min(axis=1), longest, radius, corners[rows, turn])
+        radius = np.where(flat, 0.0, opposite_a * opposite_b * opposite_c / (2.0 * np.where(flat, 1.0, doubled)))
+        apex = np.where(opposite_b == shortest, 1, 2)
+        apex[opposite_a == shortest] = 0
+        return cls((a, b, c), apex, shortest, longest, radius)
 
     def off_centres(self, ratio: float) -> FloatArray:
         """Where new vertices mend the triangles, shape (N, 2).
@@ -52,7 +54,8 @@ class Slimness:
         Args:
             ratio: Of circumradius and shortest edge at the least angle.
         """
-        apex, a, b = np.moveaxis(self.corners, 1, 0)
+        rows, corners = np.arange(len(self.apex)), np.stack(self.corners, axis=1)
+        apex, a, b = (corners[rows, (self.apex + turn) % 3] for turn in range(3))
         middle, along = (a + b) / 2.0, (b - a) / self.shortest[:, None]
         normal = np.stack((-along[:, 1], along[:, 0]), axis=1)
         normal *= np.sign(((apex - middle) * normal).sum(axis=1))[:, None]

@@ -121,7 +121,8 @@ class EdgesInMesh:
         _refuse_ends_off_vertices(edges_m, edges, mesh.vertices_m[vertices], closeness)
         inner = edges[:-1] == edges[1:]
         links = np.stack((vertices[:-1], vertices[1:]), axis=1)[inner].astype(np.int64)
-        present = np.isin(edge_keys(links, len(mesh.vertices_m)), _facet_keys(mesh))
+        count = len(mesh.vertices_m)
+        present = np.isin(edge_keys(links, count), facet_keys(mesh.triangles, count))
         return cls(links, edges[:-1][inner].astype(np.int64), present)
 
     @property
@@ -136,7 +137,8 @@ def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
     Raises:
         GeometryError: If no triangle lies inside.
     """
-    piece_of, widest = parted(mesh, EdgesInMesh.of(mesh, ring_edges(boundary_m)).links)
+    links, count = EdgesInMesh.of(mesh, ring_edges(boundary_m)).links, len(mesh.vertices_m)
+    piece_of, widest = parted(mesh, np.isin(facet_keys(mesh.triangles, count), edge_keys(links, count)))
     polygon = shapely.Polygon(boundary_m)
     inside = shapely.contains_xy(polygon, mesh.incentres_m[widest, 0], mesh.incentres_m[widest, 1])
     if not inside.any():
@@ -144,18 +146,18 @@ def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
     return selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
 
 
-def parted(mesh: Partition, walls: IntArray) -> tuple[IntArray, IntArray]:
+def parted(mesh: Partition, walls: BoolArray) -> tuple[IntArray, IntArray]:
     """The pieces that some of its edges cut a mesh into, each wholly inside or outside of what they bound.
 
     Args:
         mesh: M triangles.
-        walls: Edges, shape (W, 2), vertex indices.
+        walls: Which facets are such edges, shape (M, 3).
 
     Returns:
         The piece of each triangle, shape (M,), and the widest triangle of each piece, by whose incentre a piece is
         judged: slivers beside a wall are never judged by rounding.
     """
-    open_facets = (mesh.neighbours >= 0) & ~np.isin(_facet_keys(mesh), edge_keys(walls, len(mesh.vertices_m)))
+    open_facets = (mesh.neighbours >= 0) & ~walls
     rows, facets = np.nonzero(open_facets)
     links = coo_array((np.ones(len(rows)), (rows, mesh.neighbours[rows, facets])), shape=(mesh.size, mesh.size))
     pieces, piece_of = connected_components(links, directed=False)
@@ -208,11 +210,11 @@ def _refuse_ends_off_vertices(edges_m: FloatArray, edge_of: IntArray, found_m: F
 
 def edge_keys(links: IntArray, vertices: int) -> IntArray:
     """One integer for each undirected edge; shape (..., 2) in, (...) out."""
-    keys: IntArray = links.min(axis=-1) * vertices + links.max(axis=-1)
+    keys: IntArray = np.minimum(links[..., 0], links[..., 1]) * vertices + np.maximum(links[..., 0], links[..., 1])
     return keys
 
 
-def _facet_keys(mesh: Partition) -> IntArray:
-    """Keys of all facets, shape (M, 3)."""
-    ends = np.stack((np.roll(mesh.triangles, -1, axis=1), np.roll(mesh.triangles, -2, axis=1)), axis=-1)
-    return edge_keys(ends, len(mesh.vertices_m))
+def facet_keys(triangles: IntArray, vertices: int) -> IntArray:
+    """Keys of all facets, shape (M, 3), each opposite the corner of its number."""
+    ends = np.stack((np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)), axis=-1)
+    return edge_keys(ends, vertices)
