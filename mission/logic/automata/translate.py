@@ -14,6 +14,7 @@ from itertools import islice, permutations
 from typing import Final, TypeVar
 
 from mission.errors import AutomatonSizeError
+from mission.logic.automata.anticipation import anticipated
 from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.automata.degeneralisation import degeneralised, with_few_mixed_states
 from mission.logic.automata.deterministic import accepting_like
@@ -172,7 +173,11 @@ class _Translation:
                     yield deterministic
 
     def _tableau(self, diagrams: Diagrams, formula: Formula, limit: int, work: int) -> Structure:
-        return reduced(Tableau(diagrams, self._names, work).structure(formula, limit))
+        found = reduced(Tableau(diagrams, self._names, work).structure(formula, limit))
+        changed = anticipated(found)
+        if changed.moves == found.moves:
+            return found
+        return min(found, reduced(changed), key=lambda structure: structure.size)
 
     def _deterministic(self, positive: Structure) -> Structure | None:
         """A deterministic automaton on a structure of what can remain of the formula, if one is found."""

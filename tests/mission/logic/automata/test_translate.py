@@ -110,9 +110,9 @@ def test_missions_have_small_and_right_automata() -> None:
 @pytest.mark.parametrize(
     ("texts", "states"),
     [
-        (ETESSAMI_HOLZMANN, 97),
-        (SOMENZI_BLOEM, 161),
-        ([family(2) for family in FAMILIES.values()], 265),
+        (ETESSAMI_HOLZMANN, 94),
+        (SOMENZI_BLOEM, 157),
+        ([family(2) for family in FAMILIES.values()], 253),
     ],
     ids=["Etessami, Holzmann", "Somenzi, Bloem", "families of 2"],
 )
