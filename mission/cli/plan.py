@@ -10,7 +10,7 @@ from pathlib import Path
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach
 from mission.decimals import decimal
-from mission.plan import FlightPlan, plan_to_json, shortest_runs
+from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT, run_costs
 from mission.planning.run import Run
 from mission.printable import printable
@@ -106,6 +106,19 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "frequencies": plan.curve.frequencies,
+        "covers": [
+            {
+                "region": visit.region,
+                "lanes": len(visit.lanes_m),
+                "spacing_m": visit.spacing_m,
+                "heading_deg": visit.heading_deg,
+                "lanes_length_m": visit.lanes_length_m,
+                "ways_length_m": visit.ways_m,
+                "trigger_m": visit.trigger_m,
+                "exact": visit.exact,
+            }
+            for visit in plan.covers
+        ],
         "certificate": {
             "holds": certificate.holds,
             "tube_m": certificate.tube_m,
@@ -166,12 +179,22 @@ def _print_plan(plan: FlightPlan) -> None:
     if plan.homeward is not None:
         _print(f"Way back       {' '.join(map(str, plan.homeward.run.states))}")
     _print(f"Path           {plan.path.length_m:.2f} m in {plan.path.duration_s:.1f} s")
+    for visit in plan.covers:
+        _print(f"Covered        {_lanes(visit)}")
     held = sum(hold for _, hold in plan.stops)
     loiter = f", {held:g} s of loitering included" if held else ""
     _print(f"Trajectory     {_duration(plan.trajectory)}{loiter}")
     tried = " (as few as the proof needs)" if spec.smoothing.frequencies == "auto" else ""
     _print(f"Smoothing      {spec.smoothing.extension.value} extension, {plan.curve.frequencies} frequencies{tried}")
     _print_certificate(plan)
+
+
+def _lanes(visit: CoveredVisit) -> str:
+    images = "" if visit.trigger_m is None else f"; images every {decimal(round(visit.trigger_m, 2))} m"
+    order = "" if visit.exact else "; in the best order that was found"
+    lanes = f"{count(len(visit.lanes_m), 'lane')} {decimal(round(visit.spacing_m, 2))} m apart"
+    lengths = f"{visit.lanes_length_m:,.0f} m, and {visit.ways_m:,.0f} m between"
+    return f"{visit.region} by {lanes}, heading {visit.heading_deg:.0f} degrees, {lengths}{images}{order}"
 
 
 def _costs(plan: FlightPlan) -> str:

@@ -1,6 +1,7 @@
 """From a mission to a flight plan: the pure stages, composed; and the plan as JSON."""
 
 from mission.plan.comparison import difference
+from mission.plan.covering import CoveredVisit
 from mission.plan.flight_plan import FlightPlan, certify_again, certify_homeward_again, prover_of
 from mission.plan.proved_path import trajectory_of
 from mission.plan.serial import plan_from_json, plan_to_json
@@ -8,6 +9,7 @@ from mission.plan.stages import plan_mission, shortest_runs
 from mission.plan.tasks import DroppedTask, formula_of
 
 __all__ = [
+    "CoveredVisit",
     "DroppedTask",
     "FlightPlan",
     "certify_again",

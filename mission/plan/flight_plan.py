@@ -14,6 +14,7 @@ from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import UNIT, run_costs, transition_weights
+from mission.plan.covering import CoveredVisit
 from mission.plan.detour import Avoidance
 from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.proved_run import PassedOver
@@ -63,6 +64,7 @@ class FlightPlan:
         passed_over: The shortest runs that were tried before the one that is flown, and were not proved.
         avoidance: What the run that is flown, and the shortest ones that are counted, keep out of, as no run through it
             is proved; None where it is one of the best.
+        covers: Where regions are covered by lanes, in the order of the path.
     """
 
     spec: MissionSpec
@@ -84,6 +86,7 @@ class FlightPlan:
     homeward: Homeward | None = None
     passed_over: tuple[PassedOver, ...] = ()
     avoidance: Avoidance | None = None
+    covers: tuple[CoveredVisit, ...] = ()
 
     @property
     def specification(self) -> str:
@@ -216,11 +219,6 @@ class FlightPlan:
         return compile_to_alphabet(self.required.refutation, self.labelling.letters)
 
 
-def tube_of(spec: MissionSpec) -> float:
-    """Half width of the tube on each axis, w tau^2: the bound of the tracking error of Eq. 12 under a disturbance w."""
-    return spec.flight.disturbance_m_s2 * spec.flight.time_constant_s**2
-
-
 def prover_of(
     spec: MissionSpec,
     partition: Partition,
@@ -235,7 +233,7 @@ def prover_of(
         refutation=refutation,
         semantics=spec.semantics,
         restricted=restricted,
-        tube_m=tube_of(spec),
+        tube_m=spec.flight.tube_m,
     )
 
 

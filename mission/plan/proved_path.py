@@ -3,14 +3,15 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from mission.errors import UnprovedError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import Rabin
-from mission.plan.flight_plan import tube_of
+from mission.plan.covering import Covering
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
-from mission.plan.visits import earnest_visits
+from mission.plan.visits import covered_visits, earnest_visits
 from mission.planning.run import Run
 from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
 from mission.steering.certificate import Certificate
@@ -35,14 +36,26 @@ class PathPlanner:
         spec: The mission.
         partition: Its triangles.
         labelling: Their labels.
+        covering: Covers the mission's regions; None where a visit is just that.
     """
 
     spec: MissionSpec
     partition: Partition
     labelling: Labelling
+    covering: Covering | None = None
 
     def path(self, run: Run, automaton: Rabin, start_m: Point) -> SteeringPath:
-        """Steer through a run whose word an automaton reads."""
+        """Steer through a run whose word an automaton reads.
+
+        Raises:
+            NoPlanError: A region that it visits cannot be covered as the mission asks.
+        """
+        covers = covered_visits(self.spec, self.partition, self.labelling, automaton, run) if self.covering else {}
+        lanes_in = {
+            index: tuple(partial(self.covering.lanes, region) for region in regions)
+            for index, regions in covers.items()
+            if self.covering
+        }
         return build_path(
             self.partition,
             run,
@@ -50,6 +63,7 @@ class PathPlanner:
             speed_m_s=self.spec.flight.speed_m_s,
             final_stay_s=self.spec.flight.final_stay_s,
             settle_in=earnest_visits(self.spec, self.partition, self.labelling, automaton, run),
+            lanes_in=lanes_in,
         )
 
     def smoothed(
@@ -75,10 +89,11 @@ class PathPlanner:
             UnprovedError: There is no proof.
         """
         smoothing, legs = self.spec.smoothing, path.legs
-        extension = Extension.ODD if joins else smoothing.extension
+        joined = joins or any(len(leg.parts) > 1 for leg in legs)
+        extension = Extension.ODD if joined else smoothing.extension
 
         def refuses(curve: JoinedCurve) -> str:
-            return shallow_stop(self.stops(path, curve), tube_of(self.spec))
+            return shallow_stop(self.stops(path, curve), self.spec.flight.tube_m)
 
         if smoothing.frequencies == "auto":
             try:
@@ -108,7 +123,7 @@ class PathPlanner:
 
 def _advice(spec: MissionSpec) -> str:
     """What may help where no curve is proved."""
-    tube_m = tube_of(spec)
+    tube_m = spec.flight.tube_m
     if tube_m == 0.0:
         return (
             "a path without a tube may cut the corners of the regions that it visits: a `loiter_s` of theirs, or a "

@@ -16,6 +16,7 @@ from mission.geometry.arrays import IntArray
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton
+from mission.plan.covering import CoveredVisit
 from mission.plan.detour import Avoidance, Avoided
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.homeward import Homeward
@@ -29,9 +30,10 @@ from mission.spec.model import MissionSpec
 from mission.spec.tasks import task_text
 from mission.steering.certificate import Certificate
 from mission.steering.path import Segment, SteeringPath
+from mission.steering.rounded import RoundedPolyline
 from mission.steering.trajectory import Trajectory
 
-FORMAT = "ltl-mission plan 2"
+FORMAT = "ltl-mission plan 3"
 _NAMED = "mission_automaton"
 
 
@@ -74,10 +76,12 @@ def plan_to_json(plan: FlightPlan) -> str:
                     "entry_m": list(segment.entry_m),
                     "start_s": segment.start_s,
                     "duration_s": segment.duration_s,
+                    **({} if segment.lanes is None else {"lanes": segment.lanes.to_json()}),
                 }
                 for segment in path.segments
             ],
         },
+        "covers": [visit.to_json() for visit in plan.covers],
         "stops": [list(stop) for stop in plan.stops],
         "trajectory": plan.trajectory.to_json(),
         "certificate": plan.certificate.to_json(),
@@ -137,6 +141,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         trajectory=Trajectory.from_json(document["trajectory"]),
         certificate=Certificate.from_json(document["certificate"]),
         dropped=dropped,
+        covers=tuple(CoveredVisit.from_json(visit) for visit in document["covers"]),
         homeward=None
         if homeward is None
         else Homeward(_run(homeward["run"]), Certificate.from_json(homeward["certificate"])),
@@ -190,6 +195,7 @@ def _segment(data: dict[str, Any]) -> Segment:
         entry_m=(float(data["entry_m"][0]), float(data["entry_m"][1])),
         start_s=float(data["start_s"]),
         duration_s=float(data["duration_s"]),
+        lanes=RoundedPolyline.from_json(data["lanes"]) if "lanes" in data else None,
     )
 
 

@@ -11,6 +11,7 @@ from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import Formula
 from mission.plan.best_runs import BestRuns, best_runs, objective_of
 from mission.plan.costs import run_costs, transition_weights
+from mission.plan.covering import Covering
 from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of
@@ -77,7 +78,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
-    planner = PathPlanner(spec, partition, labelling)
+    covering = Covering(spec, partition, labelling, restricted)
+    planner = PathPlanner(spec, partition, labelling, covering)
     refutation = compile_to_alphabet(specification.refutation, labelling.letters)
     prover = prover_of(spec, partition, labelling, refutation, restricted)
 
@@ -128,6 +130,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         dropped=dropped,
         homeward=homeward,
         passed_over=flown.passed_over,
+        covers=covering.visits(path),
         avoidance=Avoidance(flown.avoided, run_costs(weights, runs[0], spec.search.cost)) if flown.avoided else None,
     )
 

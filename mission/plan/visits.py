@@ -11,7 +11,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import Rabin
 from mission.planning.run import Run
-from mission.spec.model import MissionSpec, RegionKind, Semantics
+from mission.spec.model import MissionSpec, Region, RegionKind, Semantics
 
 
 def visits(inside: list[bool]) -> list[tuple[int, int]]:
@@ -41,6 +41,38 @@ def earnest_visits(
                 continue
             chosen.add(max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]])))
     return frozenset(chosen)
+
+
+def covered_visits(
+    spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: Rabin, run: Run
+) -> dict[int, list[Region]]:
+    """Which regions are covered, by indices into ``run.states``: each visit that moves the automaton on covers.
+
+    That is in the roomiest triangle of the visit. A lap that begins and ends in one visit covers once.
+    """
+    moved = _moves_on(labelling, automaton, run, spec.semantics)
+    loop, end = len(run.prefix), len(run.states)
+    chosen: dict[int, list[Region]] = {}
+    for region in spec.regions:
+        if region.cover is None:
+            continue
+        inside = [region.name in labelling.label(triangle) for triangle in run.states]
+        parts = ((0, loop), (loop, end)) if run.recurrent else ((0, end),)
+        found = [[(a + p, b + p) for a, b in visits(inside[p:q])] for p, q in parts]
+        if run.recurrent and inside[loop]:
+            head = found[1].pop(0)
+            tails = [
+                [found[part].pop()] if found[part] and found[part][-1][1] == stop - 1 else []
+                for part, stop in ((0, loop), (1, end))
+            ]
+            # What leads to the first lap, or back to where it began, is a part of its first visit.
+            moved[head[0]] = any(any(moved[a : b + 1]) for a, b in (head, *tails[0], *tails[1]))
+            found[1].insert(0, head)
+        for first, last in (visit for part in found for visit in part):
+            if any(moved[first : last + 1]):
+                roomiest = max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]]))
+                chosen.setdefault(roomiest, []).append(region)
+    return chosen
 
 
 def _turns_back(run: Run) -> set[int]:

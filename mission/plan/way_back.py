@@ -57,7 +57,8 @@ def way_back(
     except AutomatonSizeError:
         return None
     # The label of the triangle in which the laps end was read when they did.
-    onward = replace(planner, spec=replace(planner.spec, semantics=Semantics.PAPER))
+    # What is on the way is not covered again.
+    onward = replace(planner, spec=replace(planner.spec, semantics=Semantics.PAPER), covering=None)
     end = proved.curve.position([proved.curve.duration_s])[0]
     longest_s = max(leg.duration_s for leg in proved.curve.legs)
     for run in found:

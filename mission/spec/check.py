@@ -35,6 +35,7 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
         for i, task in enumerate(data["tasks"] if kinds else ()):
             if is_clean(("tasks", i), structural):
                 findings.extend(task_findings(i, task, kinds or {}))
+    findings.extend(_cover_findings(regions))
     if all(is_clean(("domain", key), structural) for key in ("nodes", "boundary", "points", "mesh")):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
@@ -51,6 +52,16 @@ def _kind(region: Any) -> Any:  # noqa: ANN401 - any JSON value
     return region.get("kind") if isinstance(region, dict) else None
 
 
+def _cover_findings(regions: Any) -> list[Finding]:  # noqa: ANN401 - any JSON value
+    """Regions that are to be covered and are not there to be surveyed."""
+    hint = "make it `kind: survey`, or take `cover` away"
+    return [
+        Finding(("regions", name, "cover"), f"a region of kind {_kind(value)} is not covered", hint, at_key=True)
+        for name, value in (regions.items() if isinstance(regions, dict) else ())
+        if isinstance(value, dict) and "cover" in value and _kind(value) in set(RegionKind) - {RegionKind.SURVEY}
+    ]
+
+
 def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # noqa: ANN401 - any JSON value
     """The regions whose shape is sound; one of unknown kind or loiter counts as a plain region to survey."""
     known = []
@@ -58,7 +69,8 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
         path: Path = ("regions", name)
         if all(is_clean((*path, key), structural) for key in ("triangle", "at", "polygon")):
             kind = value["kind"] if is_clean((*path, "kind"), structural) else RegionKind.SURVEY
-            known.append(region_of(name, {**value, "kind": kind, "loiter_s": 0.0}))
+            shape = {key: part for key, part in value.items() if key not in ("loiter_s", "cover")}
+            known.append(region_of(name, {**shape, "kind": kind}))
     return known
 
 

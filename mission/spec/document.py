@@ -4,6 +4,7 @@ import math
 from dataclasses import asdict
 from typing import Any
 
+from mission.spec.covers import cover_data
 from mission.spec.model import SUFFIX_DECIDES, BoundaryDomain, MissionSpec, PointShape, Region, TriangleShape
 from mission.spec.tasks import task_data
 
@@ -64,7 +65,8 @@ def _region(region: Region) -> dict[str, Any]:
         shape = {"at": list(region.shape.point_m)}
     else:
         shape = {"polygon": _pairs(region.shape.corners_m)}
-    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape}
+    cover = {} if region.cover is None else {"cover": cover_data(region.cover)}
+    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **cover}
 
 
 def _pairs(points: tuple[tuple[float, float], ...]) -> list[list[float]]:

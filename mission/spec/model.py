@@ -108,16 +108,53 @@ class PolygonShape:
 
 
 @dataclass(frozen=True)
+class Camera:
+    """A camera that looks straight down, the width of its image across the lanes.
+
+    Attributes:
+        field_of_view_deg: Angles of view across and along the lanes; None where the sensor is given.
+        sensor_mm: Size of the sensor across and along the lanes.
+        focal_length_mm: Of its lens.
+        overlap: Share of an image that the next one in its lane shows too, from 0 to less than 1.
+        sidelap: Share of an image that the one beside it in the next lane shows too.
+    """
+
+    field_of_view_deg: Point | None
+    sensor_mm: Point | None
+    focal_length_mm: float | None
+    overlap: float
+    sidelap: float
+
+
+@dataclass(frozen=True)
+class Cover:
+    """How a region is covered by lanes whenever it is visited; exactly one of ``spacing_m`` and ``camera`` is given.
+
+    Attributes:
+        spacing_m: Distance between lanes.
+        camera: From which it follows.
+        heading_deg: Of the lanes, clockwise from north; None for the one that takes least time.
+        share: How much of the region the flight must really cover.
+    """
+
+    spacing_m: float | None
+    camera: Camera | None
+    heading_deg: float | None
+    share: float
+
+
+@dataclass(frozen=True)
 class Region:
     """A named region; ``loiter_s`` is how long the vehicle stands still inside each time that it enters.
 
-    To start inside is not to enter.
+    To start inside is not to enter. With ``cover``, a visit of a region to survey is complete when its lanes are flown.
     """
 
     name: str
     kind: RegionKind
     shape: TriangleShape | PointShape | PolygonShape
     loiter_s: float = 0.0
+    cover: Cover | None = None
 
 
 @dataclass(frozen=True)
@@ -153,6 +190,11 @@ class Flight:
     laps: int | Literal["until_stopped"]
     time_constant_s: float
     disturbance_m_s2: float
+
+    @property
+    def tube_m(self) -> float:
+        """Half width of the tube on each axis, w tau^2: bounds the tracking error of Eq. 12 under a disturbance w."""
+        return self.disturbance_m_s2 * self.time_constant_s**2
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from copy import deepcopy
 from typing import Any, Final
 
 from mission.logic.formula.parser import MAX_LENGTH
+from mission.spec.cover_schema import COVER
 from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
@@ -128,6 +129,7 @@ _REGION: Final = _object(
             86_400.0,
             default=0.0,
         ),
+        "cover": COVER,
     },
     oneOf=_one_of("triangle", "at", "polygon"),
     examples=[{"kind": "survey", "at": [12.5, 40.0]}],

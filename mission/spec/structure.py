@@ -208,8 +208,8 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
 
 
 def _name_or_number(name: str, schema: Schema) -> str:
-    whole = next(option for option in schema["anyOf"] if "type" in option)
-    return f"{name} or a whole number from {whole['minimum']} to {whole['maximum']}"
+    number = next(option for option in schema["anyOf"] if "type" in option)
+    return f"{name} or {_KINDS[number['type']]} from {decimal(number['minimum'])} to {decimal(number['maximum'])}"
 
 
 def _found(instance: Any, node: Node) -> str:  # noqa: ANN401 - any JSON value

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from mission.geometry.refinement import SMALLEST_ANGLE_DEG
+from mission.spec.covers import cover_of
 from mission.spec.model import (
     SUFFIX_DECIDES,
     UNTIL_STOPPED,
@@ -92,7 +93,8 @@ def _refinement(data: Data | None) -> Refinement | None:
 def region_of(name: str, data: Data) -> Region:
     """One region; without a kind (of a file that has other faults, too) one to survey."""
     loiter_s = float(data.get("loiter_s", 0.0))
-    return Region(name, RegionKind(data.get("kind", RegionKind.SURVEY)), _shape(data), loiter_s)
+    cover = cover_of(data["cover"]) if "cover" in data else None
+    return Region(name, RegionKind(data.get("kind", RegionKind.SURVEY)), _shape(data), loiter_s, cover)
 
 
 def point_of(pair: list[float]) -> Point:

@@ -24,6 +24,9 @@ _PANEL = 1.0  # largest change of a field over half a panel, |F| times time
 _SAME_PLACE_M = 1e-3  # a flight that starts so near to its lap starts in it
 
 
+LanesIn = Mapping[int, Sequence[Callable[[Point], RoundedPolyline]]]
+
+
 @dataclass(frozen=True, eq=False)
 class Segment:
     """One triangle of the path.
@@ -161,7 +164,7 @@ def build_path(
     speed_m_s: float,
     final_stay_s: float,
     settle_in: frozenset[int] = frozenset(),
-    lanes_in: Mapping[int, Callable[[Point], RoundedPolyline]] = MappingProxyType({}),
+    lanes_in: LanesIn = MappingProxyType({}),
 ) -> SteeringPath:
     """Steer through the triangles of a run.
 
@@ -179,8 +182,8 @@ def build_path(
         settle_in: Indices into ``run.states`` at which u_0 is applied first, until the path has come close to its
             equilibrium, and the run's control then: a visit that does more than cut a corner. The triangles that the
             path runs through are the same.
-        lanes_in: Indices into ``run.states`` at which the path comes to rest first, in the equilibrium of u_0, to fly a
-            curve that begins and ends there, which is made for that place.
+        lanes_in: Indices into ``run.states`` at which the path comes to rest first, in the equilibrium of u_0, to fly
+            curves that begin and end there, which are made for that place.
 
     Raises:
         ValueError: If an argument is out of range.
@@ -213,7 +216,7 @@ class _Visits(NamedTuple):
     """What the path does at some states of a run beside going through, as in ``build_path``."""
 
     settle_in: frozenset[int]
-    lanes_in: Mapping[int, Callable[[Point], RoundedPolyline]]
+    lanes_in: LanesIn
 
 
 class _Steps:
@@ -246,15 +249,15 @@ class _Steps:
 
     def cover(self, segments: list[Segment], index: int, entry: FloatArray) -> FloatArray:
         """Come to rest in the ``index``-th state of the run and fly its lanes, if it has some; return where that is."""
-        if index not in self._visits.lanes_in:
-            return entry
-        rest = self.come_to_rest(segments, self._run.states[index], entry)
-        place = (float(rest[0]), float(rest[1]))
-        lanes = self._visits.lanes_in[index](place)
-        still = frozen_floats(np.zeros((2, 2))), frozen_floats(np.zeros(2))
-        begins_s = segments[-1].start_s + segments[-1].duration_s if segments else 0.0
-        segments.append(Segment(self._run.states[index], 0, *still, place, begins_s, lanes.duration_s, lanes))
-        return rest
+        triangle = self._run.states[index]
+        for lanes_of in self._visits.lanes_in.get(index, ()):
+            entry = self.come_to_rest(segments, triangle, entry)
+            place = (float(entry[0]), float(entry[1]))
+            lanes = lanes_of(place)
+            still = frozen_floats(np.zeros((2, 2))), frozen_floats(np.zeros(2))
+            begins_s = segments[-1].start_s + segments[-1].duration_s if segments else 0.0
+            segments.append(Segment(triangle, 0, *still, place, begins_s, lanes.duration_s, lanes))
+        return entry
 
     def stay(self, segments: list[Segment], triangle: int, entry: FloatArray) -> FloatArray:
         """Apply u_0 for the time of a stay; return where the path is then."""

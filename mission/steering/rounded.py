@@ -107,9 +107,12 @@ class RoundedPolyline:
 
     @property
     def corners_s(self) -> FloatArray:
-        """Where the curve passes its corners, at the ends or nearest to them, shape (n,)."""
-        blends = self.knots_s[1:-1].reshape(-1, 2)
-        return np.concatenate(([0.0], blends.mean(axis=1), [self.duration_s]))
+        """Where the curve passes its corners, at the ends or nearest to them, shape (n,).
+
+        Blends last as long as the way round their corners at the speed c: the parameter is the length of the polyline
+        over c.
+        """
+        return np.concatenate(([0.0], np.cumsum(self.lengths_m))) / self.speed_m_s
 
     @property
     def off_corners_m(self) -> FloatArray:

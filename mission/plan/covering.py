@@ -1,0 +1,236 @@
+"""Covers the regions that ask for it: by lanes where the tube stays inside, flown from and to one place of rest."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+import shapely
+
+from mission.coverage.camera import Lens, lane_spacing_m, trigger_distance_m
+from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.covering import cover
+from mission.errors import GeometryError, NoPlanError
+from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.spec.model import Camera, Cover, MissionSpec, Point, Region
+from mission.steering.path import SteeringPath
+from mission.steering.rounded import RoundedPolyline
+from mission.steering.rounding import rounded_within
+from mission.steering.timing import GRAVITY_M_S2
+
+_ROUNDING: Final = 1.01  # arcs are drawn with chords, which are a little nearer
+_ROOM: Final = 1.0 / 20.0
+"""How far lanes stay from where the tube would end, of the spacing, so that corners can be rounded there."""
+_MOST_ROOM_M: Final = 0.25  # likewise for ways, at most, since passages may be narrow
+_STEPS: Final = 1.0 / 30.0  # of the spacing: smaller steps to the side are left out
+_LANE_END: Final = 1.0 / 3.0  # widest reach at the end of a lane, of the spacing
+_WAY: Final = 1.0  # widest reach elsewhere, likewise
+_QUARTER: Final = 16  # chords of a quarter circle
+
+
+@dataclass(frozen=True, eq=False)
+class CoveredVisit:
+    """The lanes of one visit, on the planned path.
+
+    Attributes:
+        region: Name of the region.
+        start_s: Steering time at which the vehicle sets out for the first lane.
+        spacing_m: Distance between lanes.
+        heading_deg: Of the lanes, clockwise from north.
+        lanes_m: Shape (n, 2, 2): lane, begin and end, east and north.
+        lanes_s: Shape (n, 2): steering time at which each begins and ends.
+        ways_m: Length of the ways between lanes.
+        exact: Whether no other order of the lanes' cells takes less time.
+        trigger_m: Distance between images in a lane; None where none are taken.
+        share: Of what the lanes cover, how much must really be covered.
+    """
+
+    region: str
+    start_s: float
+    spacing_m: float
+    heading_deg: float
+    lanes_m: FloatArray
+    lanes_s: FloatArray
+    ways_m: float
+    exact: bool
+    trigger_m: float | None
+    share: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lanes_m", frozen_floats(self.lanes_m))
+        object.__setattr__(self, "lanes_s", frozen_floats(self.lanes_s))
+
+    @property
+    def lanes_length_m(self) -> float:
+        """Length of all lanes."""
+        return float(np.linalg.norm(self.lanes_m[:, 1] - self.lanes_m[:, 0], axis=1).sum())
+
+    def to_json(self) -> dict[str, Any]:
+        """The visit as JSON values; ``from_json`` gives it back bit by bit."""
+        return {
+            "region": self.region,
+            "start_s": self.start_s,
+            "spacing_m": self.spacing_m,
+            "heading_deg": self.heading_deg,
+            "lanes_m": self.lanes_m.tolist(),
+            "lanes_s": self.lanes_s.tolist(),
+            "ways_m": self.ways_m,
+            "exact": self.exact,
+            "trigger_m": self.trigger_m,
+            "share": self.share,
+        }
+
+    @staticmethod
+    def from_json(data: Mapping[str, Any]) -> "CoveredVisit":
+        """The visit that ``to_json`` wrote; raises KeyError, TypeError or ValueError where it is none."""
+        trigger = data["trigger_m"]
+        return CoveredVisit(
+            region=str(data["region"]),
+            start_s=float(data["start_s"]),
+            spacing_m=float(data["spacing_m"]),
+            heading_deg=float(data["heading_deg"]),
+            lanes_m=np.array(data["lanes_m"], dtype=np.float64).reshape(-1, 2, 2),
+            lanes_s=np.array(data["lanes_s"], dtype=np.float64).reshape(-1, 2),
+            ways_m=float(data["ways_m"]),
+            exact=bool(data["exact"]),
+            trigger_m=None if trigger is None else float(trigger),
+            share=float(data["share"]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Lanes:
+    """Lanes as they are flown from one place, and when each begins and ends, as in ``CoveredVisit``."""
+
+    region: str
+    cover: Cover
+    coverage: Coverage
+    curve: RoundedPolyline
+    lanes_s: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Covering:
+    """Covers the regions of one mission; what was found for a place is kept.
+
+    Attributes:
+        spec: The mission.
+        partition: Its triangles.
+        labelling: Their labels.
+        restricted: Shape (M,), the triangles that must not be entered.
+    """
+
+    spec: MissionSpec
+    partition: Partition
+    labelling: Labelling
+    restricted: BoolArray
+    _found: dict[tuple[str, Point], _Lanes] = field(default_factory=dict, init=False)
+
+    def lanes(self, region: Region, place_m: Point) -> RoundedPolyline:
+        """The curve that covers a region, from a place inside to that place.
+
+        Raises:
+            NoPlanError: No lanes fit, or they are too many.
+        """
+        key = region.name, place_m
+        if key not in self._found:
+            self._found[key] = self._lanes(region, place_m)
+        return self._found[key].curve
+
+    def visits(self, path: SteeringPath) -> tuple[CoveredVisit, ...]:
+        """The lanes on a path that was built with ``lanes``, in the order of time."""
+        of_curve = {id(lanes.curve): lanes for lanes in self._found.values()}
+        return tuple(
+            self._visit(of_curve[id(segment.lanes)], segment.start_s)
+            for segment in path.segments
+            if segment.lanes is not None
+        )
+
+    def _lanes(self, region: Region, place_m: Point) -> _Lanes:
+        if region.cover is None:
+            raise ValueError(f"{region.name} is not to be covered")
+        flight, limits = self.spec.flight, self.spec.limits
+        spacing_m = _spacing_m(region.cover, flight.altitude_m)
+        inside = np.zeros(len(self.restricted), dtype=np.bool_)
+        inside[self.labelling.triangles_of(region.name)] = True
+        inside &= ~self.restricted
+        area = self._union(inside)
+        # Ways between lanes lead over what has no other label than the region itself has.
+        own = set().union(*(self.labelling.letters[i] for i in np.unique(self.labelling.letter_of[inside]).tolist()))
+        plain = np.array([letter <= own for letter in self.labelling.letters])[self.labelling.letter_of]
+        tube_m = _ROUNDING * math.sqrt(2.0) * flight.tube_m
+        room_m = _ROOM * spacing_m
+        narrow_m = min(room_m, _MOST_ROOM_M)
+        free = _shrunk(self._union(plain & ~self.restricted), tube_m)
+        ground = _shrunk(area, tube_m + room_m)
+        place = shapely.Point(place_m)
+        ways = shapely.union_all([_shrunk(free, narrow_m), ground, place.buffer(narrow_m).intersection(free)])
+        acceleration = min(limits.acceleration_m_s2, GRAVITY_M_S2 * math.tan(limits.tilt_rad))
+        try:
+            coverage = cover(
+                area,
+                ground,
+                ways,
+                spacing_m=spacing_m,
+                entry_m=place_m,
+                exit_m=place_m,
+                pace=Pace(min(flight.speed_m_s, limits.speed_m_s), acceleration),
+                heading_deg=region.cover.heading_deg,
+            )
+        except GeometryError as error:
+            widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
+            raise NoPlanError(f"{region.name} cannot be covered by {widths}: {error}") from error
+        line = np.concatenate((coverage.approach_m[:-1], coverage.line_m, coverage.leaving_m[1:]))
+        # Of each lane the first point of the line; the second is the next one.
+        begins = len(coverage.approach_m) - 1 + np.flatnonzero(coverage.on_lane)
+        ends = np.stack((begins, begins + 1), axis=1)
+        widest = np.full(len(line), _WAY * spacing_m)
+        widest[ends] = _LANE_END * spacing_m
+        curve, passed_s = rounded_within(
+            line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
+        )
+        return _Lanes(region.name, region.cover, coverage, curve, passed_s[ends])
+
+    def _visit(self, lanes: _Lanes, start_s: float) -> CoveredVisit:
+        coverage = lanes.coverage
+        return CoveredVisit(
+            region=lanes.region,
+            start_s=start_s,
+            spacing_m=coverage.spacing_m,
+            heading_deg=coverage.heading_deg,
+            lanes_m=coverage.lanes_m,
+            lanes_s=start_s + lanes.lanes_s,
+            ways_m=coverage.ways_length_m,
+            exact=coverage.exact,
+            trigger_m=_trigger_m(lanes.cover, self.spec.flight.altitude_m),
+            share=lanes.cover.share,
+        )
+
+    def _union(self, triangles: BoolArray) -> shapely.Geometry:
+        return shapely.union_all(shapely.polygons(self.partition.corners_m[triangles]))
+
+
+def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:
+    return shapely.buffer(shape, -margin_m, quad_segs=_QUARTER) if margin_m > 0.0 else shape
+
+
+def _spacing_m(cover: Cover, altitude_m: float) -> float:
+    """Distance between lanes at a height above the ground."""
+    if cover.camera is not None:
+        return lane_spacing_m(_lens(cover.camera), altitude_m, cover.camera.sidelap)
+    return cover.spacing_m or 0.0
+
+
+def _trigger_m(cover: Cover, altitude_m: float) -> float | None:
+    """Distance between images in a lane at a height above the ground; None without a camera."""
+    camera = cover.camera
+    return None if camera is None else trigger_distance_m(_lens(camera), altitude_m, camera.overlap)
+
+
+def _lens(camera: Camera) -> Lens:
+    if camera.field_of_view_deg is not None:
+        return Lens.of_view(*camera.field_of_view_deg)
+    return Lens.of_sensor(*(camera.sensor_mm or (0.0, 0.0)), camera.focal_length_mm or 0.0)

@@ -1,0 +1,150 @@
+"""Regions that are covered: lanes are part of the path, of its proof, of its time law and of the plan's file."""
+
+import numpy as np
+import pytest
+import shapely
+
+from mission.errors import NoPlanError
+from mission.plan import FlightPlan, certify_again, plan_from_json, plan_to_json
+from tests.support.small_missions import plan_of
+
+FARM = """
+domain:
+  boundary: [[0, 0], [150, 0], [150, 100], [0, 100]]
+  mesh: {}
+regions:
+  home: {kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}
+  field:
+    kind: survey
+    polygon: [[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]
+    cover: {spacing_m: 8, heading_deg: 0}
+  barn: {kind: restricted, polygon: [[70, 30], [80, 30], [80, 40], [70, 40]]}
+mission: {formula: "F (field & F home) & G !barn"}
+start: {position_m: [12, 12]}
+flight: {disturbance_m_s2: 0.3, speed_m_s: 4}
+"""
+
+ROUNDS = """
+domain:
+  boundary: [[0, 0], [80, 0], [80, 40], [0, 40]]
+  mesh: {}
+regions:
+  home: {kind: home, polygon: [[34, 4], [46, 4], [46, 14], [34, 14]]}
+  west: {kind: survey, polygon: [[3, 3], [23, 3], [23, 37], [3, 37]], cover: {spacing_m: 8}}
+  east: {kind: survey, polygon: [[57, 3], [77, 3], [77, 37], [57, 37]], cover: {spacing_m: 8}}
+mission: {formula: "G F west & G F east", laps: 2}
+start: {position_m: [START]}
+flight: {disturbance_m_s2: 0.1, speed_m_s: 4}
+"""
+
+
+@pytest.fixture(scope="module")
+def farm() -> FlightPlan:
+    return plan_of(FARM)
+
+
+def area_of(plan: FlightPlan, name: str) -> shapely.Geometry:
+    return shapely.union_all(shapely.polygons(plan.partition.corners_m[plan.labelling.triangles_of(name)]))
+
+
+def flown(plan: FlightPlan) -> shapely.LineString:
+    return shapely.LineString(plan.trajectory.position(np.arange(0.0, plan.trajectory.duration_s, 0.1)))
+
+
+def test_the_path_covers_the_region_and_the_word_is_that_of_the_formula(farm: FlightPlan) -> None:
+    field, barn = area_of(farm, "field"), area_of(farm, "barn")
+    field = field.difference(barn)
+    assert farm.certificate.holds
+    letters = [frozenset(letter) for letter in ({"home"}, set(), {"field"}, set(), {"home"})]
+    assert farm.certificate.word == tuple(letters)
+    line = flown(farm)
+    missed = field.difference(line.buffer(4.0))
+    assert missed.area < 0.01 * field.area
+    assert line.distance(barn) > 0.3 * np.sqrt(2.0)
+    [visit] = farm.covers
+    assert visit.region == "field"
+    assert visit.heading_deg == 0.0
+    tube = field.buffer(-0.3)
+    assert all(tube.covers(lane) for lane in shapely.linestrings(visit.lanes_m))
+
+
+def test_lanes_are_passed_at_their_times(farm: FlightPlan) -> None:
+    [visit] = farm.covers
+    for lane, (begin_s, end_s) in zip(visit.lanes_m, visit.lanes_s.tolist(), strict=True):
+        middle = farm.curve.position([0.5 * (begin_s + end_s)])[0]
+        if np.hypot(*(lane[1] - lane[0])) > visit.spacing_m:
+            assert np.hypot(*(middle - lane.mean(axis=0))) < 0.5
+        ends = farm.curve.position([begin_s, end_s])
+        # Corners are rounded: within a third of the spacing, which puts the path off by 0.27 of that at right angles.
+        assert np.hypot(*(ends - lane).T).max() < 8.0 / 3.0
+    assert (np.diff(visit.lanes_s.ravel()) >= -1e-9).all()
+    assert visit.start_s < visit.lanes_s[0, 0]
+
+
+def test_the_flight_keeps_the_limits_and_is_continuous(farm: FlightPlan) -> None:
+    t = np.linspace(0.0, farm.trajectory.duration_s, 40_001)
+    position, velocity, acceleration = farm.trajectory.state(t)
+    step = t[1]
+    assert np.hypot(*velocity.T).max() <= 4.0 * (1.0 + 1e-9)
+    assert np.hypot(*acceleration.T).max() <= farm.spec.limits.acceleration_m_s2 * (1.0 + 1e-6)
+    assert np.hypot(*np.diff(position, axis=0).T).max() <= 4.0 * step * 1.001
+    assert np.hypot(*np.diff(velocity, axis=0).T).max() <= farm.spec.limits.acceleration_m_s2 * step * 1.01
+    planned = farm.path.position([0.0, farm.path.duration_s])
+    assert planned[0] == pytest.approx([12.0, 12.0])
+    assert farm.path.duration_s == pytest.approx(farm.curve.duration_s)
+
+
+def test_a_plan_with_lanes_is_read_as_it_was_written_and_proved_again(farm: FlightPlan) -> None:
+    text = plan_to_json(farm)
+    again = plan_from_json(text)
+    assert plan_to_json(again) == text
+    assert certify_again(again).holds
+
+
+@pytest.mark.parametrize("start", ["40, 9", "13, 20"])
+def test_each_lap_covers_each_region_once_wherever_it_begins(start: str) -> None:
+    """Also where the lap begins within a visit, and where the flight begins in a region."""
+    plan = plan_of(ROUNDS.replace("START", start))
+    assert plan.path.lap is not None
+    lap = plan.path.segments[slice(*plan.path.lap)]
+    assert sum(segment.lanes is not None for segment in lap) == 2
+    assert sorted(visit.region for visit in plan.covers) == ["east", "west"]
+    assert plan.trajectory.lap is not None
+    assert len(plan.trajectory.legs) == 3
+    west = area_of(plan, "west")
+    assert west.difference(flown(plan).buffer(4.0)).area < 0.01 * west.area
+
+
+def test_a_visit_that_the_mission_does_not_ask_for_covers_nothing() -> None:
+    plan = plan_of(
+        FARM.replace("F (field & F home)", "F (barn2 & F home)").replace(
+            "  barn:", "  barn2: {kind: survey, polygon: [[142, 2], [148, 2], [148, 8], [142, 8]]}\n  barn:"
+        )
+    )
+    assert plan.covers == ()
+
+
+def test_a_region_that_starts_the_flight_is_covered_where_the_mission_asks_for_it() -> None:
+    plan = plan_of(FARM.replace("position_m: [12, 12]", "position_m: [50, 30]"))
+    assert [visit.region for visit in plan.covers] == ["field"]
+
+
+@pytest.mark.parametrize(
+    "lens",
+    ["field_of_view_deg: [60, 45]", "sensor_mm: [11.547005383792515, 8.284271247461902], focal_length_mm: 10"],
+)
+def test_a_camera_gives_the_spacing_and_the_distance_between_images(lens: str) -> None:
+    camera = f"camera: {{{lens}, overlap: 0.8, sidelap: 0.5}}"
+    plan = plan_of(FARM.replace("spacing_m: 8", camera).replace("speed_m_s: 4", "speed_m_s: 4, altitude_m: 20"))
+    [visit] = plan.covers
+    assert visit.spacing_m == pytest.approx(2.0 * 20.0 * np.tan(np.radians(30.0)) * 0.5)
+    assert visit.trigger_m == pytest.approx(2.0 * 20.0 * np.tan(np.radians(22.5)) * 0.2)
+    assert plan_to_json(plan_from_json(plan_to_json(plan))) == plan_to_json(plan)
+
+
+def test_a_region_too_narrow_for_its_tube_is_refused_with_the_widths() -> None:
+    outline = "[[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]"
+    strip = FARM.replace(outline, "[[40, 20], [130, 20], [130, 26], [40, 26]]")
+    narrow = strip.replace("disturbance_m_s2: 0.3", "disturbance_m_s2: 5")
+    with pytest.raises(NoPlanError, match="field cannot be covered by lanes 8 m apart in a tube of 5 m on each side"):
+        plan_of(narrow)
