@@ -54,11 +54,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str]) -> int:
     from importlib import import_module  # noqa: PLC0415 - see above
 
-    from mission.cli.arguments import build_parser, with_negative_wind  # noqa: PLC0415
+    from mission.cli.arguments import build_parser, with_negative_pairs  # noqa: PLC0415
     from mission.errors import MissionError, NoPlanError  # noqa: PLC0415
 
     parser = build_parser()
-    options = parser.parse_args(with_negative_wind(arguments))
+    options = parser.parse_args(with_negative_pairs(arguments))
     if options.command is None:
         parser.print_help(sys.stderr)
         return BAD_INPUT

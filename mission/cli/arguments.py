@@ -9,6 +9,8 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import NoReturn
 
+from mission.errors import GeometryError
+from mission.geometry.geodesy import LatLon
 from mission.printable import printable
 from mission.spec.model import MOST_LAPS, UNTIL_STOPPED
 
@@ -44,6 +46,11 @@ Fly a mission. Without --connect, the bundled vehicle is started on loopback and
 The flight gets a folder of its own with the record, the plan, the report and the pictures. Ctrl-C ends a flight
 safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once. A flight
 of laps takes one Ctrl-C more: at the first it completes the lap that it is in, and returns.
+"""
+_EXPORT = """\
+Write a plan for autopilots to fly by themselves (.plan of QGroundControl with geofence and rally points, .waypoints of
+all ground stations), or for looking at (.geojson, .kml, .kmz, .gpx): the path on straight legs, which satisfy the
+mission like the path itself.
 """
 _ADDRESSES = """\
 addresses:
@@ -128,6 +135,8 @@ def build_parser() -> argparse.ArgumentParser:
     verify = commands.add_parser("verify", help="prove a written plan again, and compare it with its mission")
     verify.add_argument("plan", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
 
+    _add_export(commands.add_parser("export", help="write a plan into a file of other programs", description=_EXPORT))
+
     fly = commands.add_parser(
         "fly",
         help="fly a mission over MAVLink and report",
@@ -142,11 +151,11 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def with_negative_wind(arguments: Sequence[str]) -> list[str]:
-    """Join ``--wind`` and a value like ``-3,1`` after it, which argparse takes for an option otherwise."""
+def with_negative_pairs(arguments: Sequence[str]) -> list[str]:
+    """Join ``--wind`` or ``--at`` and a value like ``-3,1`` after it, which argparse takes for an option otherwise."""
     joined: list[str] = []
     for argument in arguments:
-        if joined and joined[-1] == "--wind" and re.match(r"-[\d.]", argument):
+        if joined and joined[-1] in {"--wind", "--at"} and re.match(r"-[\d.]", argument):
             joined[-1] += f"={argument}"
         else:
             joined.append(argument)
@@ -157,6 +166,35 @@ def _add_run(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--run", type=_whole, metavar="I", help="take the I-th shortest run, counted from 0 (default: as in the file)"
     )
+
+
+def _add_export(export: argparse.ArgumentParser) -> None:
+    export.add_argument("plan", metavar="PLAN", help="a plan that 'mission plan --out' wrote, or a mission file")
+    export.add_argument(
+        "--to",
+        required=True,
+        metavar="FILE",
+        help="what to write, its kind by its ending: .plan, .waypoints, .geojson, .kml, .kmz, .gpx",
+    )
+    export.add_argument(
+        "--at",
+        type=_place,
+        metavar="LAT,LON",
+        help="where the (0, 0) of a mission without `origin` lies, degrees",
+    )
+    export.add_argument(
+        "--tolerance",
+        type=_positive,
+        metavar="M",
+        help="how far the legs may be from the smooth path, metres (default: 0.2, or half the proved tube if less)",
+    )
+    export.add_argument(
+        "--flavour",
+        choices=("ardupilot", "px4"),
+        default="ardupilot",
+        help="what a .plan is for (default: %(default)s)",
+    )
+    export.add_argument("--force", action="store_true", help="write over a file that is there")
 
 
 def _add_flight(fly: argparse.ArgumentParser) -> None:
@@ -246,6 +284,16 @@ def _positive(text: str) -> float:
     if value <= 0.0:
         raise argparse.ArgumentTypeError(f"{text} is not positive")
     return value
+
+
+def _place(text: str) -> LatLon:
+    latitude, separator, longitude = text.partition(",")
+    if not separator:
+        raise argparse.ArgumentTypeError(f"write LATITUDE,LONGITUDE in degrees, not {text!r}")
+    try:
+        return LatLon(_number(latitude), _number(longitude))
+    except GeometryError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def _wind(text: str) -> str:

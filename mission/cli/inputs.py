@@ -1,6 +1,7 @@
 """What commands read and write: mission files, plans, and files that a user names; each failure says which."""
 
 import os
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -11,6 +12,7 @@ from mission.spec.loader import load_mission
 from mission.whole_file import write_whole
 
 _MOST_OF_A_PLAN = 1 << 28
+_BEGINS_PLAN = re.compile(rb'\s*\{\s*"format"\s*:\s*"ltl-mission plan')
 
 
 def planned(file: str, run: int | None = None, laps: int | Literal["until_stopped"] | None = None) -> FlightPlan:
@@ -32,6 +34,15 @@ def planned(file: str, run: int | None = None, laps: int | Literal["until_stoppe
                 replace(fault, path="--run" if fault.path == "mission.run" else fault.path) for fault in faults
             )
         raise SpecError(faults, file) from error
+
+
+def is_plan(file: Path) -> bool:
+    """Whether a file begins as ``mission plan --out`` writes a plan; False where it cannot be read."""
+    try:
+        with file.open("rb") as stream:
+            return bool(_BEGINS_PLAN.match(stream.read(128)))
+    except OSError:
+        return False
 
 
 def read_plan(file: Path) -> tuple[FlightPlan, str]:

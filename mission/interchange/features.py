@@ -8,6 +8,9 @@ from mission.errors import Fault, SpecError
 Point = tuple[float, float]
 """Longitude and latitude in degrees (WGS 84), or east and north in metres, as the drawing says."""
 
+OF_A_FLIGHT = frozenset({"path", "triangle", "stop", "take-off", "landing"})
+"""Values of the property ``kind`` with which an exported plan shows more than its areas: nothing to plan with."""
+
 
 class Role(StrEnum):
     """What a feature is for in a mission."""
@@ -105,6 +108,11 @@ def points_of(shape: Shape) -> tuple[Point, ...]:
     if isinstance(shape, Polygon):
         return shape.outline + tuple(point for hole in shape.holes for point in hole)
     return shape.points if isinstance(shape, Line) else (shape.centre,)
+
+
+def flight_left_out(number: int) -> list[str]:
+    """The remark that so many features of a flight were left out; none where there are none."""
+    return [f"{number} features of a flight are left out: its path, its stops, its triangles"] * bool(number)
 
 
 def broken(message: str, hint: str = "", *, path: str = "", line: int = 0, column: int = 0) -> SpecError:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any, Final
 
-from mission.interchange.features import Drawing, Feature, Point, Shape, Spot, broken
+from mission.interchange.features import OF_A_FLIGHT, Drawing, Feature, Point, Shape, Spot, broken, flight_left_out
 from mission.interchange.json_text import Json, member, point, points
 from mission.interchange.rings import line_or_ring, number, polygon
 from mission.interchange.roles import role_of
@@ -29,7 +29,7 @@ def drawing_of_geojson(data: Json, *, in_metres: bool | None = None) -> Drawing:
         _check_system(data.get("crs"))
     kind, layer = data.get("type"), data.get("name")
     remarks: list[str] = []
-    features = []
+    features, left_out = [], 0
     if kind == "FeatureCollection":
         entries = [(each, f"features[{i}]") for i, each in enumerate(member(data, "features", list, ""))]
     else:
@@ -37,13 +37,22 @@ def drawing_of_geojson(data: Json, *, in_metres: bool | None = None) -> Drawing:
     for value, path in entries:
         if not isinstance(value, dict):
             raise broken("expected a feature", path=path)
+        if _is_of_a_flight(value):
+            left_out += 1
+            continue
         feature = _feature(value, path, layer if isinstance(layer, str) else "")
         if feature:
             features.append(feature)
         else:
             remarks.append(f"{path or 'the feature'} has no geometry")
+    remarks += flight_left_out(left_out)
     drawing = Drawing("GeoJSON", tuple(features), remarks=tuple(remarks))
     return replace(drawing, in_degrees=not (_in_metres(drawing.points()) if in_metres is None else in_metres))
+
+
+def _is_of_a_flight(value: dict[str, Json]) -> bool:
+    properties = value.get("properties")
+    return isinstance(properties, dict) and str(properties.get("kind")) in OF_A_FLIGHT
 
 
 def _feature(value: dict[str, Json], path: str, layer: str) -> Feature | None:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from io import BytesIO
 from typing import Final
 
-from mission.interchange.features import Drawing, Feature, Point, Shape, Spot, broken
+from mission.interchange.features import OF_A_FLIGHT, Drawing, Feature, Point, Shape, Spot, broken, flight_left_out
 from mission.interchange.rings import line_or_ring, number, polygon
 from mission.interchange.roles import role_of
 from mission.interchange.xml_tree import Element, xml_tree
@@ -34,13 +34,18 @@ def drawing_of_kml(content: bytes, kind: str = "KML") -> Drawing:
     styles = {f"#{each.attributes['id']}": each for each in _styles(root)}
     features: list[Feature] = []
     remarks: list[str] = []
+    left_out = 0
     for element, folders in _placed(root, ()):
+        if element.name == "Placemark" and _properties(element).get("kind") in OF_A_FLIGHT:
+            left_out += 1
+            continue
         if element.name == "Placemark":
             feature = _feature(element, folders, styles)
             features.extend([feature] if feature else [])
         if element.name != "Placemark" or not feature:
             what = element.value("name") or f"line {element.line}"
             remarks.append(f"the {element.name} {what[:60]!r} has no shape here; links are not followed")
+    remarks += flight_left_out(left_out)
     return Drawing(kind, tuple(features), remarks=tuple(remarks))
 
 

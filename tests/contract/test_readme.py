@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 import yaml
 
-from mission.cli.arguments import build_parser, with_negative_wind
+from mission.cli.arguments import build_parser, with_negative_pairs
 from mission.spec.loader import parse_mission
 from tests.support.commands import ROOT
 from vehicle_sim.cli import main as vehicle_sim
@@ -55,7 +55,7 @@ def test_the_two_commands_stand_in_the_readme() -> None:
 
 @pytest.mark.parametrize("words", of("mission"), ids=" ".join)
 def test_a_command_of_mission_is_understood(words: list[str]) -> None:
-    arguments = build_parser().parse_args(with_negative_wind(words))
+    arguments = build_parser().parse_args(with_negative_pairs(words))
     assert arguments.command is not None
     for word in words:
         if word.startswith("missions/"):

@@ -14,7 +14,7 @@ from mission.report.figures.arrows import draw_arrows
 from mission.report.figures.automaton_layout import DISC_PT, Arrangement, Part, arranged
 from mission.report.figures.canvas import NOTE_PT, POINTS_PER_INCH, TITLE_PT, drawing, new_figure, text_size_em, titled
 from mission.report.figures.guard_text import in_lines, keyed, shortened, written
-from mission.report.figures.palette import BLACK, BLUE, QUIET, WHITE
+from mission.report.palette import BLACK, BLUE, QUIET, WHITE
 from mission.spec.model import RegionKind, Semantics
 
 MOST_STATES = 30

@@ -13,7 +13,7 @@ from matplotlib.ft2font import FT2Font
 from matplotlib.textpath import text_to_path
 
 from mission.printable import shows
-from mission.report.figures.palette import BLACK, QUIET, STYLE
+from mission.report.palette import BLACK, QUIET, STYLE
 
 DPI = 150
 POINTS_PER_INCH = 72.0

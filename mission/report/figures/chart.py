@@ -20,7 +20,7 @@ from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
 from mission.report.figures.canvas import new_figure, plain, text_size_em, titled
 from mission.report.figures.fitting import Placed
-from mission.report.figures.palette import BLACK, FILL_ALPHA, HATCH, KIND_COLOUR, MESH, QUIET, WHITE
+from mission.report.palette import BLACK, FILL_ALPHA, HATCH, KIND_COLOUR, MESH, QUIET, WHITE
 from mission.spec.model import RegionKind
 
 WIDTH_PT = 620.0

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mission.plan import FlightPlan
 from mission.report.figures.canvas import drawing, new_figure, titled
-from mission.report.figures.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
+from mission.report.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
 from mission.report.reading import Record
 from mission.report.tracking import horizontal_acceleration, tilt, tracking_of
 

@@ -14,7 +14,7 @@ from mission.plan import FlightPlan
 from mission.report.figures.canvas import LINE_HEIGHT_EM, drawing, plain, text_size_em
 from mission.report.figures.chart import Chart, chart_of, draw_names, name_sizes
 from mission.report.figures.fitting import boxes_at, largest_boxes, place_names, towards_incentres
-from mission.report.figures.palette import BLACK, QUIET, WHITE
+from mission.report.palette import BLACK, QUIET, WHITE
 
 MOST_ANNOTATED = 150
 SIZES_PT = (10.5, 9.5, 8.5, 7.5, 6.5, 5.5)

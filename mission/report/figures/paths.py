@@ -19,7 +19,7 @@ from mission.plan import FlightPlan
 from mission.report.figures.canvas import drawing, text_size_em
 from mission.report.figures.chart import Chart, chart_of, draw_names, name_sizes, outline_of
 from mission.report.figures.fitting import place_names
-from mission.report.figures.palette import BLACK, FLOWN, LOOP, PLANNED, QUIET, SMOOTHED, TUBE, WHITE
+from mission.report.palette import BLACK, FLOWN, LOOP, PLANNED, QUIET, SMOOTHED, TUBE, WHITE
 from mission.report.reading import Record
 from mission.steering.certificate import Certificate
 

@@ -14,7 +14,7 @@ from mission.report.figures.arrows import between_discs, bowed, draw_arrows
 from mission.report.figures.canvas import drawing, text_size_em
 from mission.report.figures.chart import Chart, chart_of, draw_names, name_sizes
 from mission.report.figures.fitting import boxes_at, place_names
-from mission.report.figures.palette import BLACK, BLUE, VERMILLION, WHITE
+from mission.report.palette import BLACK, BLUE, VERMILLION, WHITE
 
 LARGEST_DISC_PT, DOT_PT = 12.0, 2.0
 SMALLEST_NUMBERED_PT = 5.0

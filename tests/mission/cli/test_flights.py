@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from mission.cli import main
-from mission.cli.arguments import build_parser, with_negative_wind
+from mission.cli.arguments import build_parser, with_negative_pairs
 from mission.link.contact import LinkOptions
 from tests.support.commands import MISSIONS, ran
 
@@ -19,7 +19,7 @@ PAPER = str(MISSIONS / "paper.yaml")
 
 @pytest.mark.parametrize("wind", ["-3,1", "-3.5,-1", "-.5,1", "3,1", "4@270"])
 def test_wind_of_either_sign_is_understood(wind: str) -> None:
-    arguments = build_parser().parse_args(with_negative_wind(["fly", PAPER, "--wind", wind, "--seed", "1"]))
+    arguments = build_parser().parse_args(with_negative_pairs(["fly", PAPER, "--wind", wind, "--seed", "1"]))
     assert (arguments.wind, arguments.seed) == (wind, 1)
 
 

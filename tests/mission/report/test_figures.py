@@ -27,10 +27,10 @@ from mission.report.figures.automaton import automaton, automaton_of_formula, st
 from mission.report.figures.automaton_layout import DISC_PT
 from mission.report.figures.canvas import plain, text_size_em, to_png
 from mission.report.figures.histories import control_signals, time_histories, tracked_states
-from mission.report.figures.palette import KIND_COLOUR, OKABE_ITO
 from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path, tube_pieces
 from mission.report.figures.quotient import quotient
+from mission.report.palette import KIND_COLOUR, OKABE_ITO
 from mission.report.reading import parse_record
 from mission.spec.model import RegionKind
 from tests.support.drawn_plans import PAPER_TOUR, PATROL_TOUR, SURVEY_TOUR, Tour, flight_of, plan_of, record_of

@@ -1,0 +1,106 @@
+"""``mission export``: a plan in the files of other programs."""
+
+from argparse import Namespace
+from pathlib import Path
+
+from mission.cli.inputs import bad_file, is_plan, planned, read_plan, write_named
+from mission.cli.screen import count, out, print_warnings
+from mission.decimals import decimal, measure
+from mission.errors import Fault, SpecError
+from mission.export.files import FENCED, UPLOADED, WRITERS
+from mission.export.placed_plan import PlacedPlan, placed_plan
+from mission.export.route import LEAST_TOLERANCE_M, usual_tolerance
+from mission.export.uploads import autopilot_plan, lap_begins
+from mission.geometry.geodesy import LatLon
+from mission.interchange.autopilot_plan import AutopilotPlan, Command
+from mission.plan import FlightPlan
+from mission.printable import printable
+
+_MANY_ITEMS = 700
+"""What an autopilot with little memory keeps; ArduPilot's boards without a card have room for about so many."""
+
+
+def run(arguments: Namespace) -> int:
+    """Plan where that is not done yet, write the file whole, and say what is in it."""
+    file = Path(arguments.to)
+    writer = WRITERS.get(file.suffix.lower())
+    if writer is None:
+        raise _fault("--to", f"{file.name!r} ends in none of {', '.join(WRITERS)}", "the ending says what to write")
+    if file.exists() and not arguments.force:
+        raise _fault("--to", f"{file} exists", "name another file, or give `--force` to write over it")
+    given = Path(arguments.plan)
+    plan = read_plan(given)[0] if is_plan(given) else planned(arguments.plan)
+    tolerance_m = usual_tolerance(plan) if arguments.tolerance is None else arguments.tolerance
+    if tolerance_m < LEAST_TOLERANCE_M:
+        raise _fault(
+            "--tolerance", f"{decimal(tolerance_m)} m is finer than autopilots keep places", "0.01 is the least"
+        )
+    placed = placed_plan(plan, _origin(plan, arguments), tolerance_m)
+    write_named("--to", file, writer(placed, plan.spec.name, arguments.flavour))
+    _say(placed, file)
+    return 0
+
+
+def _origin(plan: FlightPlan, arguments: Namespace) -> LatLon:
+    """Where the domain lies."""
+    origin = plan.spec.origin
+    if origin is not None and arguments.at is not None:
+        place = f"{decimal(origin.latitude_deg)}, {decimal(origin.longitude_deg)}"
+        raise _fault("--at", f"the mission has its place, its (0, 0) is at {place}", "leave `--at` out")
+    if origin is None and arguments.at is None:
+        hint = "give latitude and longitude of its (0, 0) with `--at LAT,LON`, or write them as `origin` into the file"
+        raise bad_file(Path(arguments.plan), "the mission has no place on Earth", hint)
+    return origin or arguments.at
+
+
+def _fault(option: str, message: str, hint: str) -> SpecError:
+    return SpecError((Fault(0, 0, option, message, hint),))
+
+
+def _say(placed: PlacedPlan, file: Path) -> None:
+    """What was written, in figures."""
+    route, tube_m = placed.route, placed.plan.certificate.tube_m
+    _print(f"Exported       {printable(str(file))}")
+    _print(
+        f"Path           {count(len(route.once) - 1, 'straight leg')}, "
+        f"at most {measure(route.deviation_m)} m from the smooth path"
+    )
+    if route.deviation_m < tube_m:
+        _print(f"               {measure(tube_m - route.deviation_m)} m per axis of the proved tube are left")
+    _print(f"               they spell {placed.word_text}")
+    warnings = []
+    if route.deviation_m > tube_m:
+        warnings.append(
+            f"the legs may leave the proved tube, {tube_m:g} m per axis: that they violate nothing was seen for a "
+            f"vehicle exactly on them"
+        )
+    if file.suffix.lower() in UPLOADED:
+        upload = autopilot_plan(placed)
+        _say_uploaded(placed, upload, fenced=file.suffix.lower() == FENCED)
+        if len(upload.items) > _MANY_ITEMS:
+            warnings.append(
+                f"not every autopilot keeps more than {_MANY_ITEMS} items; a larger `--tolerance` makes fewer"
+            )
+    print_warnings(tuple(warnings))
+
+
+def _say_uploaded(placed: PlacedPlan, upload: AutopilotPlan, *, fenced: bool) -> None:
+    home, stops = upload.home, [waypoint.hold_s for waypoint in placed.route.once if waypoint.hold_s > 0.0]
+    held = f", {count(len(stops), 'stop')} of {sum(stops):g} s in all" if stops else ""
+    _print(f"Mission        {count(len(upload.items), 'item')}, {upload.speed_m_s:g} m/s over ground{held}")
+    begins = lap_begins(placed)
+    if begins is not None:
+        back = next(number for number, item in enumerate(upload.items) if item.command is Command.JUMP) + 2
+        laps = "until item {back} is chosen" if placed.route.laps is None else count(placed.route.laps, "time")
+        _print(f"               from item {begins + 1} the lap, {laps.format(back=back)}")
+    if fenced:
+        areas = count(len(upload.fence) - 1, "area")
+        _print(f"Fence          {areas} to stay out of; the legs keep {measure(placed.clearance_m)} m from it")
+        _print(f"Rally points   {len(upload.rally):,}")
+    else:
+        _print("Fence          none, a table has only the items; a .plan has it")
+    _print(f"Take-off       {home.latitude_deg:.7f}, {home.longitude_deg:.7f}: there the vehicle is to stand")
+
+
+def _print(line: str) -> None:
+    out.print(line, markup=False, highlight=False)

@@ -1,0 +1,120 @@
+"""The path of a plan as straight legs between waypoints, for autopilots that fly such missions by themselves."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from mission.geometry.arrays import FloatArray
+from mission.geometry.straightening import straightened
+from mission.plan.flight_plan import FlightPlan
+from mission.spec.model import Point
+from mission.steering.joined import Curve
+
+LEAST_TOLERANCE_M = 0.01
+"""Autopilots keep places to 1e-7 degrees, a centimetre."""
+
+_USUAL_TOLERANCE_M = 0.2
+_SHARE_OF_TUBE = 0.5
+_SHARE_OF_SAMPLING = 1.0 / 16.0
+_FEWEST_CELLS = 64
+
+
+@dataclass(frozen=True)
+class Waypoint:
+    """A place to fly to on a straight line, ENU in the domain, and how long to stand still there."""
+
+    place_m: Point
+    hold_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Route:
+    """Straight legs from the start of a flight to its end.
+
+    Attributes:
+        parts: What is flown from rest to rest, as in the plan's trajectory: the first part begins at the start, each
+            other one where the one before it ends.
+        lap: Which part is flown several times; None where none is.
+        laps: How often; None until somebody says that it is enough.
+        deviation_m: Proved bound of the distance between somebody on the route and somebody on the smooth path, both
+            going on in their own time and neither ever back.
+    """
+
+    parts: tuple[tuple[Waypoint, ...], ...]
+    lap: int | None
+    laps: int | None
+    deviation_m: float
+
+    @property
+    def once(self) -> tuple[Waypoint, ...]:
+        """All waypoints in order, the lap flown once."""
+        return (*self.parts[0][:1], *(waypoint for part in self.parts for waypoint in part[1:]))
+
+
+def usual_tolerance(plan: FlightPlan) -> float:
+    """A tolerance that leaves at least half of the proved tube to the vehicle, where it has one."""
+    tube_m = plan.certificate.tube_m
+    if tube_m == 0.0:
+        return _USUAL_TOLERANCE_M
+    return max(LEAST_TOLERANCE_M, min(_USUAL_TOLERANCE_M, _SHARE_OF_TUBE * tube_m))
+
+
+def route_of(plan: FlightPlan, tolerance_m: float) -> Route:
+    """The smooth path of a plan as straight legs, its stops among the waypoints.
+
+    Args:
+        plan: The plan.
+        tolerance_m: How far the legs may be from the smooth path, ``LEAST_TOLERANCE_M`` or more.
+    """
+    parts, deviation_m = [], 0.0
+    for number, curve in enumerate(plan.curve.legs):
+        part, apart_m = _part(curve, _holds(plan, number), tolerance_m)
+        parts.append(part)
+        deviation_m = max(deviation_m, apart_m)
+    trajectory = plan.trajectory
+    return Route(tuple(parts), trajectory.lap, trajectory.laps, deviation_m)
+
+
+def _holds(plan: FlightPlan, number: int) -> dict[float, float]:
+    """Where on a leg of the curve, by its own parameter, the vehicle stands still, and for how many seconds."""
+    begin_s, end_s = plan.curve.starts_s[number : number + 2].tolist()
+    holds: dict[float, float] = {}
+    for s, seconds in plan.stops:
+        # Where two legs meet, the earlier one stands still, as in the trajectory.
+        if begin_s < s <= end_s or (number == 0 and s <= begin_s):
+            own_s = min(s - begin_s, plan.curve.legs[number].duration_s)
+            holds[own_s] = max(seconds, holds.get(own_s, 0.0))
+    return holds
+
+
+def _part(curve: Curve, holds: dict[float, float], tolerance_m: float) -> tuple[tuple[Waypoint, ...], float]:
+    """One curve as waypoints, and the bound of their deviation."""
+    s, sampling_m = _samples(curve, tolerance_m * _SHARE_OF_SAMPLING)
+    s = np.union1d(s, list(holds))
+    points = curve.position(s)
+    fixed = sorted({0, len(s) - 1, *np.searchsorted(s, list(holds)).tolist()})
+    kept, worst_m = [0], 0.0
+    for first, last in pairwise(fixed):
+        corners, apart_m = straightened(points[first : last + 1], tolerance_m - sampling_m)
+        kept += (first + corners[1:]).tolist()
+        worst_m = max(worst_m, apart_m)
+    waypoints = (
+        Waypoint((float(x), float(y)), holds.get(where, 0.0))
+        for where, (x, y) in zip(s[kept].tolist(), points[kept].tolist(), strict=True)
+    )
+    return tuple(waypoints), worst_m + sampling_m
+
+
+def _samples(curve: Curve, tolerance_m: float) -> tuple[FloatArray, float]:
+    """Parameters (P,) whose chords stay within a tolerance of the curve, and a proved bound of how far off they are.
+
+    A chord over h of the parameter is nowhere farther than sup |r''| h^2 / 8 from the curve's point at the same h.
+    """
+    knots, _, _, bends = curve.sampled(_FEWEST_CELLS)
+    off_m = curve.norm_bounds(knots, 2, bends) * np.diff(knots) ** 2 / 8.0
+    pieces = np.maximum(1, np.ceil(np.sqrt(off_m / tolerance_m))).astype(np.int64)
+    cell = np.repeat(np.arange(len(pieces)), pieces)
+    place = np.arange(len(cell)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    s = knots[cell] + np.diff(knots)[cell] * place / pieces[cell]
+    return np.append(s, curve.duration_s), float((off_m / pieces**2).max(initial=0.0))

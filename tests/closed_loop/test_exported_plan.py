@@ -1,0 +1,89 @@
+"""A plan that is exported, uploaded and flown by the autopilot itself, without a planner beside it."""
+
+from collections.abc import Callable
+
+import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
+from mission.export.files import WRITERS
+from mission.export.placed_plan import PlacedPlan, placed_plan
+from mission.export.route import usual_tolerance
+from mission.geometry.geodesy import LatLon, enu_offset_m
+from mission.monitor.flight import FlightMonitor
+from mission.monitor.monitor import Monitor
+from tests.support.ground_station_file import upload_plan
+from tests.support.small_missions import ROUNDS, SMALL, plan_of
+from tests.support.station import Station
+from vehicle_sim.autopilot import Mode, Progress
+from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.endpoint import Endpoint
+from vehicle_sim.vehicle import Vehicle, VehicleConfig
+
+BOTH = pytest.mark.parametrize("flavour", Flavour)
+PLACE = LatLon(-35.3632, 149.1652)
+FENCED = {
+    Flavour.ARDUPILOT: {"FENCE_ENABLE": 1, "FENCE_TYPE": 4},
+    Flavour.PX4: {"GF_ACTION": 2},
+}
+
+
+def exported(text: str) -> PlacedPlan:
+    plan = plan_of(text)
+    return placed_plan(plan, PLACE, usual_tolerance(plan))
+
+
+def flown(placed: PlacedPlan, flavour: Flavour, within_s: float) -> Monitor:
+    """Upload the ``.plan`` to a vehicle that stands at its start, fly it with the fence on, and watch where it goes."""
+    home = placed.places(placed.plan.curve.position([0.0]))[0]
+    config = VehicleConfig(flavour=flavour, home_lat_deg=home.latitude_deg, home_lon_deg=home.longitude_deg)
+    station = Station(Endpoint(Vehicle(config), flavour, 1))
+    vehicle = station.endpoint.vehicle
+    for name, value in FENCED[flavour].items():
+        vehicle.parameters.set(name, value)
+    station.wait_for_position()
+    upload_plan(station, WRITERS[".plan"](placed, "", flavour.value))
+    if flavour is Flavour.ARDUPILOT:
+        assert station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1) == mavlink.MAV_RESULT_ACCEPTED
+    assert station.command(mavlink.MAV_CMD_MISSION_START) == mavlink.MAV_RESULT_ACCEPTED
+    position = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
+    station.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, position, 100_000)
+    station.wait_until(lambda: bool(station.of("MISSION_ITEM_REACHED")), within_s=60.0)
+    station.forget()
+    station.wait_until(_landed(station), within_s=within_s)
+    monitor = FlightMonitor(placed.plan).monitor
+    for message in station.of("GLOBAL_POSITION_INT"):
+        here = LatLon(message.lat / 1e7, message.lon / 1e7)
+        monitor.observe(message.time_boot_ms / 1000.0, enu_offset_m(PLACE, here))
+    assert not [text for text in station.texts() if "ence" in text]
+    return monitor
+
+
+def _landed(station: Station) -> Callable[[], bool]:
+    autopilot = station.endpoint.vehicle.autopilot
+
+    def landed() -> bool:
+        assert autopilot.mode is Mode.AUTO or not autopilot.armed
+        return autopilot.mission.progress is Progress.COMPLETE and not autopilot.armed
+
+    return landed
+
+
+def spelled(monitor: Monitor) -> tuple[frozenset[str], ...]:
+    word = monitor.word
+    return tuple(letter for i, letter in enumerate(word) if i == 0 or letter != word[i - 1])
+
+
+@BOTH
+def test_the_autopilot_spells_the_word_of_the_plan(flavour: Flavour) -> None:
+    placed = exported(SMALL)
+    monitor = flown(placed, flavour, within_s=120.0)
+    assert spelled(monitor) == placed.word == placed.plan.certificate.word
+    outcome = monitor.verdict_at_end(stays=True)
+    assert outcome.achieved, outcome.reason
+
+
+def test_laps_are_flown_as_often_as_the_plan_says() -> None:
+    placed = exported(ROUNDS)
+    monitor = flown(placed, Flavour.ARDUPILOT, within_s=240.0)
+    assert monitor.laps == 2
+    assert not monitor.violations
