@@ -9,11 +9,8 @@ offset of length d is short by d^3 / 6R^2: 0.4 mm at 5 km, 4 m at 100 km.
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from mission.decimals import decimal
 from mission.errors import GeometryError
-from mission.geometry.arrays import FloatArray
 
 SEMI_MAJOR_AXIS_M = 6_378_137.0
 FLATTENING = 1.0 / 298.257_223_563
@@ -51,12 +48,12 @@ def enu_offset_m(from_place: LatLon, to_place: LatLon) -> tuple[float, float]:
     Raises:
         GeometryError: If they are more than ``REACH_M`` apart.
     """
-    start, end = _earth_centred(from_place), _earth_centred(to_place)
+    start, end = earth_centred(from_place), earth_centred(to_place)
     apart = (end[0] - start[0], end[1] - start[1], end[2] - start[2])
     distance = math.hypot(*apart)
     if distance > REACH_M:
         raise GeometryError(f"the places are {distance / 1000.0:.0f} km apart; {REACH_M / 1000.0:.0f} km is the most")
-    east, north, _ = _axes(from_place)
+    east, north, _ = axes(from_place)
     return _dot(east, apart), _dot(north, apart)
 
 
@@ -70,8 +67,8 @@ def place_at_offset(from_place: LatLon, east_m: float, north_m: float) -> LatLon
         raise GeometryError(
             f"the offset ({decimal(east_m)}, {decimal(north_m)}) m is longer than {REACH_M / 1000.0:.0f} km"
         )
-    east, north, up = _axes(from_place)
-    start = _earth_centred(from_place)
+    east, north, up = axes(from_place)
+    start = earth_centred(from_place)
     flat = [start[k] + east_m * east[k] + north_m * north[k] for k in range(3)]
     # On the ellipsoid x^2 + y^2 + stretch z^2 is the square of the semi-major axis. Down from the plane to it is a
     # quadratic in the depth; its constant is the excess of the two steps, whose first order vanishes on a tangent.
@@ -84,24 +81,7 @@ def place_at_offset(from_place: LatLon, east_m: float, north_m: float) -> LatLon
     return LatLon(math.degrees(math.atan2(stretch * z, math.hypot(x, y))), math.degrees(math.atan2(y, x)))
 
 
-def enu_offsets_m(from_place: LatLon, places_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """East and north of many places, seen from one, shape (N, 2), and how far away each is, shape (N,).
-
-    Args:
-        from_place: Where they are seen from.
-        places_deg: Latitudes and longitudes, shape (N, 2).
-    """
-    latitude, longitude = np.radians(places_deg).T
-    across = SEMI_MAJOR_AXIS_M / np.sqrt(1.0 - ECCENTRICITY_SQUARED * np.sin(latitude) ** 2)
-    around = across * np.cos(latitude)
-    height = across * (1.0 - ECCENTRICITY_SQUARED) * np.sin(latitude)
-    centred = np.stack((around * np.cos(longitude), around * np.sin(longitude), height), axis=1)
-    apart = centred - np.array(_earth_centred(from_place))
-    offsets: FloatArray = apart @ np.array(_axes(from_place)[:2]).T
-    return offsets, np.sqrt((apart * apart).sum(axis=1))
-
-
-def _earth_centred(place: LatLon) -> Vector:
+def earth_centred(place: LatLon) -> Vector:
     """Earth-centred, Earth-fixed coordinates in metres of a place at height 0."""
     latitude, longitude = math.radians(place.latitude_deg), math.radians(place.longitude_deg)
     across = SEMI_MAJOR_AXIS_M / math.sqrt(1.0 - ECCENTRICITY_SQUARED * math.sin(latitude) ** 2)
@@ -113,7 +93,7 @@ def _earth_centred(place: LatLon) -> Vector:
     )
 
 
-def _axes(place: LatLon) -> tuple[Vector, Vector, Vector]:
+def axes(place: LatLon) -> tuple[Vector, Vector, Vector]:
     """Unit vectors east, north and up at a place, Earth-centred."""
     latitude, longitude = math.radians(place.latitude_deg), math.radians(place.longitude_deg)
     sin_lat, cos_lat, sin_lon, cos_lon = (

@@ -12,7 +12,8 @@ import numpy as np
 from mission.decimals import decimal
 from mission.errors import GeometryError
 from mission.geometry.arrays import FloatArray
-from mission.geometry.geodesy import PLANE_M, LatLon, enu_offsets_m
+from mission.geometry.geodesy import PLANE_M, LatLon
+from mission.geometry.places import enu_offsets_m
 from mission.spec.finding import Finding, Path
 from mission.spec.scale import pair
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from mission.errors import Fault, SpecError
-from mission.geometry.geodesy import LatLon, enu_offset_m, enu_offsets_m, place_at_offset
+from mission.geometry.geodesy import LatLon, enu_offset_m, place_at_offset
+from mission.geometry.places import enu_offsets_m
 from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.loader import parse_mission
 from mission.spec.model import BoundaryDomain
