@@ -24,6 +24,8 @@ from mission.link.lockstep import LockstepLink
 from mission.link.transport import Transport, open_transport
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
+from mission.report.pictures import IMAGES_FILE, write_pictures
+from mission.report.reading import read_record
 from mission.report.record import FlightRecord
 from mission.whole_file import write_whole
 
@@ -115,6 +117,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
             err.print(f"the record is kept in {folder}", markup=False)
             return _Flown(folder, display.heard, failure.exit_code)
         except KeyboardInterrupt:
+            _keep_pictures(folder)
             err.print(f"interrupted; the record is kept in {folder}", markup=False)
             raise
         elapsed_s = wall.now_s() - began_s
@@ -220,6 +223,12 @@ def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:
     )
 
 
+def _keep_pictures(folder: Path) -> None:
+    """Write down where pictures were taken, of a flight that is left without a report."""
+    with suppress(MissionError, OSError):
+        write_pictures(read_record(folder).pictures, folder)
+
+
 def _keep_plan(folder: Path, plan: FlightPlan) -> None:
     """What was flown, planned anew where the mission has a place; without it the flight was still made."""
     try:
@@ -251,6 +260,9 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     out.print(f"tracking  {tracked(result)}", markup=False)
     if result.behind_s:
         out.print(f"pace      this computer did not keep up: {result.behind_s:.1f} s behind at most", markup=False)
+    if result.pictures or result.plan.planned_pictures:
+        taken = f"{len(result.pictures)} of {result.plan.planned_pictures} planned"
+        out.print(f"photos    {taken}, their places in {folder / IMAGES_FILE}", markup=False)
     if result.plan.run.recurrent:
         asked = result.plan.trajectory.laps
         out.print(f"laps      {result.laps}{'' if asked is None else f' of {asked}'}", markup=False)

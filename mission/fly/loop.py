@@ -13,7 +13,7 @@ from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.placing import anchored_at_start, check_stand, placed
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.result import FlightResult, Progress
-from mission.fly.retreat import retreat, speak
+from mission.fly.retreat import retreat, speak, switch_off_camera
 from mission.fly.watch import FlightWatch
 from mission.link.contact import LinkOptions
 from mission.link.course import Course
@@ -22,6 +22,7 @@ from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.gaps import gaps_text
+from mission.monitor.pictures import pictures_text
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan, plan_mission
 
@@ -126,7 +127,7 @@ def _loop(
     while True:
         try:
             flight.turn(transport, stop_request)
-            if flight.session.ending is not None:
+            if flight.session.ending is not None and not flight.session.contact.photography.unfinished:
                 return flight.result()
             if failure := vehicle_failure():
                 raise LinkError(failure)
@@ -156,7 +157,7 @@ class _Flight:
         self._run = run
         self._trusted_s = self._near_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, clock)
-        self._told_behind = self._warned_behind = False
+        self._told_behind = self._warned_behind = self._warned_trouble = False
 
     @property
     def newest_s(self) -> float | None:
@@ -176,6 +177,7 @@ class _Flight:
             session.advance(self.clock.now_s())
             self.take_events()
             self.tell_pace()
+            self.tell_trouble()
             if session.stage is Stage.STANDBY:
                 self.depart()
             self.look_after()
@@ -204,6 +206,13 @@ class _Flight:
                 f"this computer does not keep up: it is {listening.behind_s:.1f} s behind what the vehicle says"
             )
 
+    def tell_trouble(self) -> None:
+        """Say at once when something goes wrong with the camera."""
+        trouble = self.session.contact.photography.trouble
+        if trouble and not self._warned_trouble:
+            self._warned_trouble = True
+            self.record.warn(f"{trouble}; the flight goes on")
+
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
         for event in self.session.events():
@@ -230,7 +239,7 @@ class _Flight:
             tube_m=self.plan.certificate.tube_m,
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
-        self.session.depart(Course(self.plan.trajectory, heading), anchoring)
+        self.session.depart(Course(self.plan.trajectory, heading), anchoring, self.plan.photographs)
         self.listening.excuse()
 
     def look_after(self) -> None:
@@ -296,7 +305,7 @@ class _Flight:
         if ending is Ending.LANDED:
             outcome = watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent)
             achieved, reason = outcome.achieved, outcome.reason
-        reason = _joined(reason, gaps_text(watch.gaps), self.record.lost_text)
+        reason = _joined(reason, *self.shortcomings())
         result = FlightResult(
             plan=self.plan,
             achieved=achieved,
@@ -314,6 +323,7 @@ class _Flight:
             laps=watch.monitor.laps,
             gaps=tuple(watch.gaps),
             violations=watch.monitor.violations,
+            pictures=tuple(watch.pictures),
         )
         self.record.write(
             "verdict",
@@ -326,11 +336,19 @@ class _Flight:
             largest_distance_m=result.largest_distance_m,
             beyond_tube_s=result.beyond_tube_s,
             behind_s=result.behind_s,
+            pictures=len(result.pictures),
+            pictures_planned=self.plan.planned_pictures,
             word=[sorted(letter) for letter in result.word],
             laps=result.laps,
             **watch.judged.known(),
         )
         return result
+
+    def shortcomings(self) -> tuple[str, ...]:
+        """What is wrong with the flight, or known of it alone, whatever its end; empty words where nothing is."""
+        trouble = self.session.contact.photography.trouble
+        pictures = pictures_text(self.watch.pictures, self.plan.planned_pictures, trouble)
+        return gaps_text(self.watch.gaps), pictures, self.record.lost_text
 
     def say_stop(self, transport: Transport) -> None:
         """Tell the vehicle to stop, without waiting for it."""
@@ -351,8 +369,9 @@ class _Flight:
         if not gone():
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
+            switch_off_camera(self.session, transport, self.clock, gone)
         self._take_what_can_be_taken()
-        reason = _joined(str(why), left, gaps_text(self.watch.gaps), self.record.lost_text)
+        reason = _joined(str(why), left, *self.shortcomings())
         with contextlib.suppress(Exception):
             self.record.write(
                 "verdict", self.newest_s, achieved=False, reason=reason, ending="failed", behind_s=self.behind_s

@@ -73,6 +73,7 @@ class FlightResult:
         word: The letters that were flown.
         laps: How often the loop of a recurrent run was flown.
         gaps: Where nothing was known of the position, or the trajectory paused; the reason names them.
+        pictures: The numbers of the pictures that the vehicle told of, in the order in which it did.
         violations: Departures from the domain and entries into restricted regions.
         behind_s: How far this computer was behind what the vehicle said, at most, by its time; 0 where it kept up.
     """
@@ -93,6 +94,7 @@ class FlightResult:
     gaps: tuple[Gap, ...]
     violations: tuple[Violation, ...]
     behind_s: float = 0.0
+    pictures: tuple[int, ...] = ()
 
     @property
     def exit_code(self) -> int:

@@ -54,6 +54,17 @@ def retreat(
                     transport.send(frame)
 
 
+def switch_off_camera(session: Session, transport: Transport, clock: Clock, gone: Callable[[], str]) -> None:
+    """Go on asking that the camera's trigger be off, until it is confirmed or in vain."""
+    with contextlib.suppress(Exception):
+        while session.contact.photography.unfinished and not gone():
+            session.switch_camera(clock.now_s())
+            for frame in session.outgoing():
+                transport.send(frame)
+            for data in transport.receive(session.wait_s(clock.now_s())):
+                session.receive(data, clock.now_s())
+
+
 def speak(session: Session, transport: Transport, clock: Clock) -> None:
     """Let the session say what is due, without listening."""
     session.advance(clock.now_s())

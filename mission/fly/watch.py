@@ -15,6 +15,7 @@ from mission.link.events import (
     Event,
     Identified,
     Moved,
+    Photographed,
     Said,
     SetpointSent,
     StageEntered,
@@ -40,6 +41,7 @@ class FlightWatch:
         began_s: Vehicle time at which the trajectory began; None before.
         vehicle: Name of the autopilot; empty before it is known.
         gaps: Where nothing was known of the position, or the trajectory paused, from its start on.
+        pictures: The numbers of the pictures that were told of.
         returning: Whether the vehicle was asked to return after the lap that it was in.
     """
 
@@ -55,6 +57,7 @@ class FlightWatch:
         self.vehicle = ""
         self.returning = False
         self.gaps: list[Gap] = []
+        self.pictures: list[int] = []
         self._told_s = math.inf
         self._record = record
         self._stage = Stage.CONNECT
@@ -79,6 +82,8 @@ class FlightWatch:
                 yaw_rad=event.yaw_rad,
                 trajectory_s=event.trajectory_s,
             )
+        elif isinstance(event, Photographed):
+            self._photographed(event)
         elif isinstance(event, StageEntered):
             self._stage = event.stage
             if event.stage is Stage.FLY:
@@ -142,6 +147,25 @@ class FlightWatch:
             self._told_s = event.t_s
         self.judged.report(self._stage, event.t_s, place)
         self._write_visits(event.t_s)
+
+    def _photographed(self, event: Photographed) -> None:
+        self.pictures.append(event.number)
+        latitude_deg, longitude_deg, altitude_amsl_m = event.place or (None, None, None)
+        level_m, height_m = event.accuracy_m or (None, None)
+        self._record.write(
+            "image",
+            event.t_s,
+            number=event.number,
+            utc_us=event.utc_us,
+            latitude_deg=latitude_deg,
+            longitude_deg=longitude_deg,
+            altitude_amsl_m=altitude_amsl_m,
+            position_m=event.position_m,
+            attitude_rad=event.attitude_rad,
+            accuracy_m=level_m,
+            height_accuracy_m=height_m,
+            trajectory_s=event.trajectory_s,
+        )
 
     def _note_gap(self, gap: Gap) -> None:
         self.gaps.append(gap)

@@ -16,12 +16,25 @@ from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.inbox import Inbox
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, Stream, request_message, vehicle_type_name
+from mission.link.photography import Photography
+from mission.link.pictures import PictureBook
 from mission.link.requests import Answer, RequestChannel
 from mission.link.signing import Signatures
 from mission.link.texts import Text
-from mission.link.values import Acknowledgement, Body, Heartbeat, LocalPosition, LocalSetpoint, Ping, Received, Version
+from mission.link.values import (
+    Acknowledgement,
+    Body,
+    Heartbeat,
+    Image,
+    LocalPosition,
+    LocalSetpoint,
+    Ping,
+    Received,
+    Version,
+)
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
 from mission.link.watchdog import Watchdog
+from mission.plan.photographs import Photographs
 
 if TYPE_CHECKING:
     from mission.link.autopilot import Autopilot
@@ -68,6 +81,8 @@ class Contact:
         waiting_for: What is waited for before the vehicle can be flown, in plain words; empty where nothing is.
         events: What has happened, oldest first; whoever reads it empties it.
         inbox: What has arrived and was not handled yet.
+        photography: Switches the camera.
+        pictures: What was told of its pictures; None where they do not count.
         late_s: How long what was handled last had waited, on the clock here.
         out: Frames to send, likewise; answers to PINGs come after them.
     """
@@ -86,6 +101,8 @@ class Contact:
         self._needs_origin = needs_origin
         self._codec = Codec(options.system_id, options.component_id, options.signatures)
         self.channel = RequestChannel(options.system_id, options.component_id)
+        self.photography = self._photography(())
+        self.pictures: PictureBook | None = None
         self._streams: StreamRequests | None = None
         self._system_id = 0
         self._others: set[int] = set()
@@ -139,7 +156,13 @@ class Contact:
             answer = self.channel.take(body, now_s)
             if answer is not None:
                 self._note_answer(answer, now_s)
+            else:
+                self._take_from_camera(self.photography.channel.take(body, now_s), now_s)
             return answer
+        if isinstance(body, Image):
+            if self.pictures is not None:
+                self.pictures.take(body, self._vehicle_s(now_s))
+            return None
         self._note_texts(self.vehicle.take(body, now_s), now_s)
         if not isinstance(body, LocalPosition) or body is self.vehicle.position:  # what comes late renews nothing
             self._watchdog.take(body, now_s, self.vehicle.clock.seen_s)
@@ -236,9 +259,40 @@ class Contact:
         self._ready_from_s = min(self._ready_from_s, vehicle_s)
         return vehicle_s - self._ready_from_s >= _READY_FOR_S
 
+    def photograph(self, stretches: tuple[Photographs, ...]) -> None:
+        """Photograph these stretches of the trajectory; pictures count from now on."""
+        self.photography = self._photography(stretches)
+        self.pictures = PictureBook(self.vehicle, self.events)
+
+    def switch_camera(self, trajectory_s: float | None, now_s: float) -> None:
+        """Switch the camera's trigger as it should be at a time on the trajectory, None where none is flown."""
+        self._take_from_camera(self.photography.channel.unanswered(now_s), now_s)
+        self.photography.advance(trajectory_s, now_s)
+        self._send_due(self.photography.channel, now_s)
+        if self.pictures is not None:
+            self.pictures.advance(self._vehicle_s(now_s))
+
     def send_command(self, now_s: float) -> None:
         """Send the command under way, if it is due for the first time or again."""
-        due = self.channel.due(now_s)
+        self._send_due(self.channel, now_s)
+
+    def wait_s(self, now_s: float) -> float:
+        """How long until a command is to be sent or given up, on the clock here; infinite where none is under way."""
+        return min(self.channel.wait_s(now_s), self.photography.channel.wait_s(now_s))
+
+    def _vehicle_s(self, now_s: float) -> float:
+        return self.vehicle.clock.now_s(now_s) or 0.0
+
+    def _photography(self, stretches: tuple[Photographs, ...]) -> Photography:
+        return Photography(RequestChannel(self.options.system_id, self.options.component_id), stretches)
+
+    def _take_from_camera(self, answer: Answer | None, now_s: float) -> None:
+        if answer is not None:
+            self._note_answer(answer, now_s)
+            self.photography.take(answer, now_s)
+
+    def _send_due(self, channel: RequestChannel, now_s: float) -> None:
+        due = channel.due(now_s)
         if due is not None:
             command, attempt = due
             self.out.append(self._codec.command(self._system_id, command, attempt))

@@ -94,4 +94,24 @@ class SetpointSent:
     gap: Gap | None
 
 
-Event = Identified | VersionTold | StageEntered | Said | Asked | Answered | Anchored | Moved | SetpointSent
+@dataclass(frozen=True, slots=True)
+class Photographed:
+    """The vehicle told of a picture; what is not known is None.
+
+    ``place`` is latitude and longitude in degrees and the height above mean sea level, ``attitude_rad`` roll, pitch and
+    yaw against NED, ``accuracy_m`` how far off the place may be, level and in height, ``trajectory_s`` as in ``Moved``.
+    """
+
+    t_s: float
+    number: int
+    utc_us: int | None
+    place: Vector | None
+    position_m: Vector | None
+    attitude_rad: Vector | None
+    accuracy_m: tuple[float, float] | None
+    trajectory_s: float | None
+
+
+Event = (
+    Identified | VersionTold | StageEntered | Said | Asked | Answered | Anchored | Moved | SetpointSent | Photographed
+)

@@ -6,7 +6,7 @@ is its own inverse. It is done component by component, never by a matrix, so tha
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 Vector = tuple[float, float, float]
@@ -27,6 +27,14 @@ def enu_from_ned(vector: Vector) -> Vector:
 def heading_of(velocity_enu_m_s: Vector) -> float:
     """The heading of a motion: radians clockwise from north, in (-pi, pi]."""
     return math.atan2(velocity_enu_m_s[0], velocity_enu_m_s[1])
+
+
+def angles_of(quaternion: Sequence[float]) -> Vector:
+    """Roll, pitch and yaw of the rotation from body to NED that a quaternion w, x, y, z of length 1 stands for."""
+    w, x, y, z = quaternion
+    roll = math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0))
+    return roll, pitch, math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 
 def wrapped(angle_rad: float) -> float:

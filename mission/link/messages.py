@@ -4,12 +4,14 @@ Message definitions: https://mavlink.io/en/messages/common.html and ardupilotmeg
 so one dialect serves every vehicle. Frames go out as MAVLink 2, and are understood in either version.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from enum import IntEnum
 from typing import Any, Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from mission.link.frames import angles_of
 from mission.link.framing import Frame, split
 from mission.link.signing import Signatures
 from mission.link.values import (
@@ -20,9 +22,11 @@ from mission.link.values import (
     Command,
     Estimates,
     EstimatorReport,
+    Fix,
     GlobalPosition,
     Health,
     Heartbeat,
+    Image,
     LandedState,
     Landing,
     LocalPosition,
@@ -54,6 +58,7 @@ class Stream(IntEnum):
     ESTIMATOR_STATUS = mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS
     EXTENDED_SYS_STATE = mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE
     AUTOPILOT_VERSION = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
+    GPS_RAW_INT = mavlink.MAVLINK_MSG_ID_GPS_RAW_INT
 
 
 _WHOLE_BUT_YAW_RATE: Final = mavlink.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
@@ -64,6 +69,32 @@ _CRITICAL_CHARGES: Final = (
     mavlink.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
     mavlink.MAV_BATTERY_CHARGE_STATE_FAILED,
 )
+
+
+def _feedback(m: Any) -> Image:  # noqa: ANN401 - pymavlink ships no types
+    """CAMERA_FEEDBACK: its time is that of the satellites; without a place it has zeros."""
+    angles_rad = (math.radians(m.roll), math.radians(m.pitch), math.radians(m.yaw))
+    place = (m.lat * _E7, m.lng * _E7, m.alt_msl) if (m.lat, m.lng) != (0, 0) else None
+    return Image(m.img_idx, m.time_usec // 1000, None, m.time_usec, place, angles_rad)
+
+
+def _captured(m: Any) -> Image:  # noqa: ANN401 - pymavlink ships no types
+    """CAMERA_IMAGE_CAPTURED: the attitude is NaN where it is not known."""
+    angles_rad = angles_of(m.q) if all(map(math.isfinite, m.q)) else None
+    place = (m.lat * _E7, m.lon * _E7, m.alt * _MM) if (m.lat, m.lon) != (0, 0) else None
+    boot_s = m.time_boot_ms * _MM
+    return Image(m.image_index, m.time_boot_ms, boot_s, m.time_utc, place, angles_rad, captured=m.capture_result != 0)
+
+
+def _released(m: Any) -> Image:  # noqa: ANN401 - pymavlink ships no types
+    """CAMERA_TRIGGER: its time is that since boot."""
+    return Image(m.seq, m.time_usec // 1000, m.time_usec * 1e-6, 0, None, None, released=True)
+
+
+def _fix(m: Any) -> Fix:  # noqa: ANN401 - pymavlink ships no types
+    """GPS_RAW_INT: accuracies are fields of MAVLink 2, 0 where they are not filled in."""
+    return Fix((m.h_acc * _MM, m.v_acc * _MM) if m.h_acc and m.v_acc else None)
+
 
 _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "HEARTBEAT": lambda m: Heartbeat(m.type, m.autopilot, m.base_mode, m.custom_mode, m.system_status),
@@ -84,6 +115,10 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "EKF_STATUS_REPORT": lambda m: EstimatorReport(Estimates(m.flags)),
     "ESTIMATOR_STATUS": lambda m: EstimatorReport(Estimates(m.flags)),
     "EXTENDED_SYS_STATE": lambda m: Landing(LandedState(m.landed_state)),
+    "GPS_RAW_INT": _fix,
+    "CAMERA_FEEDBACK": _feedback,
+    "CAMERA_IMAGE_CAPTURED": _captured,
+    "CAMERA_TRIGGER": _released,
     "PING": lambda m: Ping(m.time_usec, m.seq, m.target_system),
     "AUTOPILOT_VERSION": lambda m: Version(
         (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
@@ -102,6 +137,7 @@ STATES: Final = frozenset(
         Stream.EXTENDED_SYS_STATE,
         Stream.EKF_STATUS_REPORT,
         Stream.ESTIMATOR_STATUS,
+        Stream.GPS_RAW_INT,
     )
 )
 """Messages that are out of date once there is a newer one of the same sender."""
@@ -242,6 +278,22 @@ def change_mode(name: str, main_mode: int, sub_mode: int = 0) -> Command:
     """Change the flight mode, by the autopilot's own numbers."""
     flag = float(mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
     return Command(f"change to {name}", mavlink.MAV_CMD_DO_SET_MODE, (flag, float(main_mode), float(sub_mode)))
+
+
+def photograph_every(distance_m: float) -> Command:
+    """Let the camera take a picture now and after each stretch of that length, in the order of both autopilots."""
+    name = f"photograph every {distance_m:g} m"
+    return Command(name, mavlink.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (distance_m, 0.0, 1.0))
+
+
+def stop_photographing() -> Command:
+    """Take no more pictures by distance."""
+    return Command("stop photographing", mavlink.MAV_CMD_DO_SET_CAM_TRIGG_DIST)
+
+
+def photograph() -> Command:
+    """Take one picture; of the commands for it this is the one that both autopilots take."""
+    return Command("take a photograph", mavlink.MAV_CMD_DO_DIGICAM_CONTROL, (0.0, 0.0, 0.0, 0.0, 1.0))
 
 
 AUTOPILOT_ARDUPILOT: Final = int(mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA)

@@ -18,18 +18,18 @@ from mission.link.ending import Ending
 from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEntered
 from mission.link.frames import Anchoring, enu_from_ned
 from mission.link.guidance import Guidance
+from mission.link.origin_watch import OriginWatch
 from mission.link.procedure import Procedure
 from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps, unarm_step
+from mission.link.takeover import taken_over
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
-from mission.link.vehicle_state import HEARTBEATS, VehicleState
+from mission.link.vehicle_state import VehicleState
 from mission.monitor.stage import Stage
+from mission.plan.photographs import Photographs
 
 _LOOK_S: Final = 0.05
 _WORDS_S: Final = 10.0
 """Vehicle time: what came before has had its effect."""
-
-_ORIGIN_AGAIN_S: Final = 0.2
-"""On the clock here: what comes sooner is the same report, twice on its way. Until then it is asked for."""
 
 _DESCENDING: Final = (Stage.TOUCH_DOWN, Stage.DISARM)
 _LANDING: Final = (Stage.LAND, *_DESCENDING)
@@ -62,10 +62,10 @@ class Session:
         self.ending_reason = ""
         self.guidance: Guidance | None = None
         self._departure: tuple[Course, Anchoring] | None = None
-        self._origin: Origin | None = None
+        self._origin = OriginWatch(None)
         self._ground_down_m: float | None = None
         self._procedure = self._procedure_of()
-        self._disarmed_from_s = self._origin_moved_s = math.inf
+        self._disarmed_from_s = math.inf
         self._land_when_stopped = land_when_stopped
         self._outcome: tuple[Ending, str] = (Ending.LANDED, "the vehicle has landed")
         self._failure: MissionError | None = None
@@ -96,13 +96,12 @@ class Session:
             VehicleError: It is no vehicle that can be flown from here, or moved its origin in flight.
         """
         for body in self.contact.receive(data, now_s):
-            if self.stage is not Stage.DONE:
-                self._take(body, now_s)
+            self._take(body, now_s)
 
     def hear(self, now_s: float) -> None:
         """Handle the message that has waited longest, as ``receive`` does all."""
         body = self.contact.next(now_s)
-        if body is not None and self.stage is not Stage.DONE:
+        if body is not None:
             self._take(body, now_s)
 
     def advance(self, now_s: float) -> None:
@@ -114,6 +113,7 @@ class Session:
 
         A vehicle in the air is told to hold, or to land, before anything is raised.
         """
+        self.switch_camera(now_s)
         if self.stage is Stage.DONE:
             return
         vehicle_s = self.vehicle.clock.now_s(now_s)
@@ -132,8 +132,16 @@ class Session:
             self._proceed(vehicle_s, now_s)
         self.contact.send_command(now_s)
 
-    def depart(self, course: Course, anchoring: Anchoring) -> None:
-        """Fly: from STANDBY to the ground again.
+    def switch_camera(self, now_s: float) -> None:
+        """Switch the camera on and off as the trajectory asks: off where it is not flown, also once all is over."""
+        vehicle_s, guidance = self.vehicle.clock.now_s(now_s), self.guidance
+        trajectory_s = None
+        if self.stage is Stage.FLY and guidance is not None and vehicle_s is not None:
+            trajectory_s = guidance.trajectory_s(vehicle_s)
+        self.contact.switch_camera(trajectory_s, now_s)
+
+    def depart(self, course: Course, anchoring: Anchoring, photographs: tuple[Photographs, ...] = ()) -> None:
+        """Fly: from STANDBY to the ground again, with pictures in these stretches of the trajectory.
 
         Raises:
             RuntimeError: The session is not standing by.
@@ -142,7 +150,8 @@ class Session:
         if self.stage is not Stage.STANDBY or kind is None:
             raise RuntimeError(f"cannot depart while {self.stage}")
         self._departure = (course, anchoring)
-        self._origin = self.vehicle.origin
+        self._origin = OriginWatch(self.vehicle.origin)
+        self.contact.photograph(photographs)
         offboard = frozenset({kind.offboard_mode})
         self._procedure = self._procedure_of(
             *kind.departure(course.altitude_m),
@@ -223,7 +232,7 @@ class Session:
 
     def wait_s(self, now_s: float) -> float:
         """How long to wait for messages before ``advance`` is due again, on the clock here."""
-        waits = [_LOOK_S, self.contact.channel.wait_s(now_s)]
+        waits = [_LOOK_S, self.contact.wait_s(now_s)]
         step = self._procedure.step
         if self.guidance is not None and step is not None and step.streaming:
             waits.append(self.vehicle.clock.local_until(self.guidance.next_s, now_s))
@@ -235,6 +244,8 @@ class Session:
         position_before_s = self.vehicle.position_at_s
         answer = self.contact.take(body, now_s)
         vehicle_s = self.vehicle.clock.now_s(now_s)
+        if self.stage is Stage.DONE:
+            return
         if answer is not None and vehicle_s is not None:
             self._procedure.take(answer, vehicle_s, now_s)
         if isinstance(body, LocalPosition):
@@ -256,22 +267,14 @@ class Session:
         self._note(Moved(at_s, position, velocity, attitude, planned, self.guidance.trajectory_s(at_s)))
 
     def _look_who_flies(self, heartbeat: Heartbeat, vehicle_s: float | None, now_s: float) -> None:
-        """Look in a heartbeat for someone else who flies; one alone may have been late."""
         if heartbeat.armed:
             self._disarmed_from_s = math.inf
         elif vehicle_s is not None:
             self._disarmed_from_s = min(self._disarmed_from_s, vehicle_s)
-        step, kind = self._procedure.step, self.contact.autopilot
-        if step is None or step.modes is None or kind is None or not heartbeat.armed:
-            return
-        if heartbeat.custom_mode in step.modes or self.vehicle.heartbeats_in_mode < HEARTBEATS:
-            return
-        mode, since_s = kind.mode_name(heartbeat.custom_mode), self._lately_s(now_s)
-        if heartbeat.in_failsafe or self.vehicle.told_failsafe_since(since_s):
-            ending, reason = Ending.FAILSAFE, f"a failsafe put the vehicle into {mode}"
-        else:
-            ending, reason = Ending.HANDED_OVER, f"someone else put the vehicle into {mode}"
-        self._end(ending, self.contact.explained(reason, since_s))
+        since_s = self._lately_s(now_s)
+        end = taken_over(heartbeat, self._procedure.step, self.contact.autopilot, self.vehicle, since_s)
+        if end is not None:
+            self._end(end[0], self.contact.explained(end[1], since_s))
 
     def _lately_s(self, now_s: float) -> float:
         """Vehicle time since when what the vehicle has said is part of the reason."""
@@ -279,15 +282,9 @@ class Session:
         return -math.inf if vehicle_s is None else vehicle_s - _WORDS_S
 
     def _check_origin(self, origin: Origin, now_s: float) -> None:
-        """A local frame that moves under a flight makes every setpoint mean another place; one report may be astray."""
-        before = self._origin
-        if before is None or self._ground_down_m is None or self.stage in _LANDING or self._failure is not None:
+        if self._ground_down_m is None or self.stage in _LANDING or self._failure is not None:
             return
-        if not origin.is_elsewhere(before):
-            self._origin_moved_s = math.inf
-            return
-        self._origin_moved_s = min(self._origin_moved_s, now_s)
-        if now_s - self._origin_moved_s >= _ORIGIN_AGAIN_S:
+        if self._origin.moved(origin, now_s):
             self.give_up(VehicleError("the vehicle moved the origin of its local frame in flight"), now_s)
 
     # The way.
@@ -324,7 +321,7 @@ class Session:
         if step.streaming and self.guidance is not None:
             self._send_setpoint(self.guidance, vehicle_s)
         if self._failure is None:
-            self.contact.ask_for_overdue(now_s, origin=math.isfinite(self._origin_moved_s))
+            self.contact.ask_for_overdue(now_s, origin=self._origin.doubts)
 
     def _take_ground(self) -> None:
         """Where the vehicle is armed, there is the ground, and the domain is tied to it."""
@@ -335,6 +332,8 @@ class Session:
         self._ground_down_m = position.position_ned_m[2]
         period_s = self.contact.options.setpoint_s
         self.guidance = Guidance(course, anchoring(position.position_ned_m), period_s)
+        if self.contact.pictures is not None:
+            self.contact.pictures.guidance = self.guidance
         self._note(Anchored(self.vehicle.position_at_s, self.guidance.anchor.origin_ned_m))
 
     def _scene(self, vehicle_s: float, in_step_s: float) -> Scene:

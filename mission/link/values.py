@@ -207,6 +207,38 @@ class Ping:
     target_system: int
 
 
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """GPS_RAW_INT: how far off its place may be, level and in height; None where the receiver does not say."""
+
+    accuracy_m: tuple[float, float] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """CAMERA_FEEDBACK, CAMERA_IMAGE_CAPTURED or CAMERA_TRIGGER: a picture.
+
+    Attributes:
+        number: As the autopilot counts them.
+        stamp: Its time in milliseconds, of whichever clock: with the number it tells pictures apart.
+        boot_s: Its time since boot; None where that is not told.
+        utc_us: Microseconds since 1970, 0 where that is not known.
+        place: Latitude and longitude in degrees and height above mean sea level; None where they are not told.
+        angles_rad: Roll, pitch and yaw against NED; None likewise.
+        captured: Whether it was taken.
+        released: Whether no more is told than that the shutter was released.
+    """
+
+    number: int
+    stamp: int
+    boot_s: float | None
+    utc_us: int
+    place: Vector | None
+    angles_rad: Vector | None
+    captured: bool = True
+    released: bool = False
+
+
 Body = (
     Heartbeat
     | Words
@@ -221,6 +253,8 @@ Body = (
     | Landing
     | Version
     | Ping
+    | Fix
+    | Image
 )
 
 

@@ -11,6 +11,7 @@ from mission.link.values import (
     Body,
     Estimates,
     EstimatorReport,
+    Fix,
     GlobalPosition,
     Health,
     Heartbeat,
@@ -57,6 +58,7 @@ class VehicleState:
         heartbeats_armed: How many in a row have shown armed motors.
         armed: Whether the motors are armed: one heartbeat is enough to say so, two in a row to say otherwise.
         position_at_s: Vehicle time of ``position``.
+        accuracy_m: How far off the receiver's place may be, level and in height.
     """
 
     def __init__(self) -> None:
@@ -76,6 +78,7 @@ class VehicleState:
         self.estimator: EstimatorReport | None = None
         self.landed = LandedState.UNDEFINED
         self.version: Version | None = None
+        self.accuracy_m: tuple[float, float] | None = None
         self.heard_kinds: set[type[Body]] = set()
         self._no_numbers: set[type[Body]] = set()
         self._told_at_s: dict[type[Body], float] = {}
@@ -219,6 +222,8 @@ class VehicleState:
             self.estimator = body
         elif isinstance(body, Version):
             self.version = body
+        elif isinstance(body, Fix):
+            self.accuracy_m = body.accuracy_m
 
     def _note(self, texts: list[Text], local_s: float) -> list[Text]:
         at_s = self.clock.now_s(local_s)

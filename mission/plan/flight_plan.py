@@ -17,6 +17,7 @@ from mission.plan.costs import UNIT, run_costs, transition_weights
 from mission.plan.covering import CoveredVisit
 from mission.plan.detour import Avoidance
 from mission.plan.homeward import Homeward, ends_of_flight
+from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
 from mission.plan.specification import Specification, deterministic_of
 from mission.plan.tasks import DroppedTask
@@ -65,6 +66,7 @@ class FlightPlan:
         avoidance: What the run that is flown, and the shortest ones that are counted, keep out of, as no run through it
             is proved; None where it is one of the best.
         covers: Where regions are covered by lanes, in the order of the path.
+        photographs: The stretches of the trajectory in which pictures are taken, in order.
     """
 
     spec: MissionSpec
@@ -87,6 +89,12 @@ class FlightPlan:
     passed_over: tuple[PassedOver, ...] = ()
     avoidance: Avoidance | None = None
     covers: tuple[CoveredVisit, ...] = ()
+    photographs: tuple[Photographs, ...] = ()
+
+    @cached_property
+    def planned_pictures(self) -> int:
+        """How many pictures a flight takes that keeps to the trajectory."""
+        return planned_pictures(self.trajectory, self.photographs)
 
     @property
     def specification(self) -> str:

@@ -20,6 +20,7 @@ from mission.plan.covering import CoveredVisit
 from mission.plan.detour import Avoidance, Avoided
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.homeward import Homeward
+from mission.plan.photographs import photographs_from_json, photographs_to_json
 from mission.plan.proved_run import PassedOver
 from mission.plan.specification import of_mission
 from mission.plan.tasks import DroppedTask
@@ -85,6 +86,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "stops": [list(stop) for stop in plan.stops],
         "trajectory": plan.trajectory.to_json(),
         "certificate": plan.certificate.to_json(),
+        "photographs": photographs_to_json(plan.photographs),
         "dropped": [asdict(task) for task in plan.dropped],
         "homeward": None
         if plan.homeward is None
@@ -140,6 +142,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
         trajectory=Trajectory.from_json(document["trajectory"]),
         certificate=Certificate.from_json(document["certificate"]),
+        photographs=photographs_from_json(document.get("photographs", [])),
         dropped=dropped,
         covers=tuple(CoveredVisit.from_json(visit) for visit in document["covers"]),
         homeward=None

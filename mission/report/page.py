@@ -215,6 +215,7 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
         ("Length flown", _number(flown["length_m"], "m", 2)),
         ("Time on the trajectory", _number(flown["duration_s"], "s", 1)),
         *_gaps(flown["gaps"]),
+        *_photographs(flown["photographs"]),
         ("Largest speed", _number(flown["largest_speed_m_s"], "m/s", 2)),
         ("Largest tilt", _number(flown["largest_tilt_deg"], "°", 1)),
         ("Positions reported", f"{flown['reports']:,}, {flown['reports_on_trajectory']:,} of them on the trajectory"),
@@ -329,6 +330,14 @@ def _text(value: object) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_text(part)}" for name, part in value.items())
     return "not known" if value is None else str(value)
+
+
+def _photographs(counts: Mapping[str, int]) -> list[tuple[str, str]]:
+    """A row where photographs were planned or taken."""
+    if not (counts["told"] or counts["planned"]):
+        return []
+    lost = f"; nothing was heard of {counts['missing']} more" if counts["missing"] else ""
+    return [("Photographs", f"{counts['told']} of {counts['planned']} planned{lost}")]
 
 
 def _gaps(gaps: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:

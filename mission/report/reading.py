@@ -53,6 +53,22 @@ class Visit:
 
 
 @dataclass(frozen=True)
+class Picture:
+    """A picture that the vehicle told of; what it did not say is NaN. Degrees, metres, domain ENU, radians.
+
+    ``place`` is latitude, longitude and height above mean sea level, ``attitude_rad`` roll, pitch and yaw against NED,
+    ``accuracy_m`` how far off the place may be, level and in height.
+    """
+
+    t_s: float
+    number: int
+    place: tuple[float, float, float]
+    position_m: tuple[float, float, float]
+    attitude_rad: tuple[float, float, float]
+    accuracy_m: tuple[float, float]
+
+
+@dataclass(frozen=True)
 class Entry:
     """A line with a time and a text: an event's name or the vehicle's own words, with the other values."""
 
@@ -78,6 +94,7 @@ class Record:
     setpoints: Setpoints
     visits: tuple[Visit, ...]
     events: tuple[Entry, ...]
+    pictures: tuple[Picture, ...]
     texts: tuple[Entry, ...]
     verdict: Line | None
     cut: bool
@@ -156,9 +173,24 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
             for line in of("visit")
         ),
         events=_entries(of("event"), "name"),
+        pictures=tuple(_picture(line) for line in of("image")),
         texts=_entries(of("text"), "text"),
         verdict=_values(of("verdict")[-1]) if of("verdict") else None,
         cut=cut,
+    )
+
+
+def _picture(line: Line) -> Picture:
+    latitude, longitude, altitude = (_number(line[n]) for n in ("latitude_deg", "longitude_deg", "altitude_amsl_m"))
+    x, y, z = _vector(line["position_m"])
+    roll, pitch, yaw = _vector(line["attitude_rad"])
+    return Picture(
+        t_s=_number(line["t_s"]),
+        number=int(line["number"]),
+        place=(latitude, longitude, altitude),
+        position_m=(x, y, z),
+        attitude_rad=(roll, pitch, yaw),
+        accuracy_m=(_number(line["accuracy_m"]), _number(line["height_accuracy_m"])),
     )
 
 
@@ -198,7 +230,10 @@ def _numbers(lines: Sequence[Line], name: str) -> FloatArray:
     return frozen_floats([_number(line.get(name)) for line in lines])
 
 
+def _vector(value: Any) -> list[float]:  # noqa: ANN401 - whatever JSON holds
+    return [_number(part) for part in (value or (None, None, None))]
+
+
 def _vectors(lines: Sequence[Line], name: str) -> FloatArray:
-    missing = (None, None, None)
-    rows = [[_number(part) for part in (line.get(name) or missing)] for line in lines]
+    rows = [_vector(line.get(name)) for line in lines]
     return frozen_floats(np.array(rows, dtype=np.float64).reshape(len(rows), 3))

@@ -15,6 +15,10 @@ setpoint                position_m, velocity_m_s, acceleration_m_s2, yaw_rad, tr
 visit                   triangle (-1 outside), labels: a new letter or triangle of the word that the vehicle spells
 event                   name, and any values; of a gap (no position was told, or no setpoint sent and the trajectory
                         paused): missing, from_s, for_s
+image                   of a picture that the vehicle told of: number (as the autopilot counts), utc_us (microseconds
+                        since 1970), latitude_deg, longitude_deg, altitude_amsl_m, position_m, attitude_rad,
+                        accuracy_m and height_accuracy_m (of the place, as the receiver told it), trajectory_s; what is
+                        not known is null
 text                    severity (MAVLink), text: a STATUSTEXT
 verdict                 achieved, reason, and any values; of a flight that came to its end also what was known of the
                         word: so_far (true, false, open), done and total (progress of the automaton), awaited (regions)

@@ -7,6 +7,7 @@ from typing import Any
 from mission.plan import FlightPlan
 from mission.report.figures import save_all
 from mission.report.page import page
+from mission.report.pictures import write_pictures
 from mission.report.reading import Record
 from mission.report.summary import summary
 from mission.whole_file import write_whole
@@ -18,7 +19,7 @@ SUMMARY_FILE = "summary.json"
 def write_report(
     plan: FlightPlan, record: Record | None, folder: Path, *, pictures: bool = True, mission_text: str = ""
 ) -> dict[str, Any]:
-    """Write ``report.html``, ``summary.json`` and the pictures into a folder; return the summary.
+    """Write ``report.html``, ``summary.json``, the pictures, and of photographs their places; return the summary.
 
     Args:
         plan: The plan.
@@ -32,6 +33,8 @@ def write_report(
     """
     folder.mkdir(parents=True, exist_ok=True)
     numbers = summary(plan, record)
+    if record is not None:
+        write_pictures(record.pictures, folder)
     # The numbers first: they are there even if the drawing is interrupted.
     write_whole(folder / SUMMARY_FILE, json.dumps(numbers, indent=2, allow_nan=False) + "\n")
     drawn = save_all(plan, record, folder) if pictures else ()

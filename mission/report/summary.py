@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from mission.monitor.pictures import missing
 from mission.plan import FlightPlan
 from mission.report.reading import Record, Visit
 from mission.report.replay import judged_again
@@ -93,6 +94,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
     return {
         "record_is_cut": record.cut,
         "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == "gap"],
+        "photographs": _photographs(plan, record),
         "reports": len(record.track.t_s),
         "reports_on_trajectory": len(distance),
         "duration_s": float(tracking.t_s[-1] - tracking.t_s[0]) if tracked else None,
@@ -113,6 +115,12 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
             for visit, triangles in condensed(record.visits)
         ],
     }
+
+
+def _photographs(plan: FlightPlan, record: Record) -> dict[str, Any]:
+    """How many pictures were told of, how many more were taken, and how many should have been."""
+    numbers = [each.number for each in record.pictures]
+    return {"told": len(numbers), "missing": missing(numbers), "planned": plan.planned_pictures}
 
 
 def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:

@@ -1,0 +1,81 @@
+"""When a flight is to be photographed: stretches of its trajectory, with the distance between two pictures."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Final
+
+import numpy as np
+
+from mission.steering.trajectory import Trajectory
+
+_STEP_S: Final = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Photographs:
+    """One stretch.
+
+    Attributes:
+        begin_s: Time on the trajectory at which the first picture is taken.
+        end_s: Time on the trajectory after which none is.
+        distance_m: Level distance from one picture to the next; None for a single one.
+
+    Raises:
+        ValueError: It ends before it begins, or a number is out of range.
+    """
+
+    begin_s: float
+    end_s: float
+    distance_m: float | None
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.begin_s < self.end_s < math.inf:
+            raise ValueError(f"photographs are taken from {self.begin_s} s to {self.end_s} s, which is no stretch")
+        if self.distance_m is not None and not 0.0 < self.distance_m < math.inf:
+            raise ValueError(f"photographs are {self.distance_m} m apart, which is no distance")
+
+
+def in_order(stretches: Iterable[Photographs]) -> tuple[Photographs, ...]:
+    """The same stretches.
+
+    Raises:
+        ValueError: They overlap, or are not in the order of the trajectory.
+    """
+    found = tuple(stretches)
+    for before, after in pairwise(found):
+        if after.begin_s < before.end_s:
+            raise ValueError(f"photographs from {after.begin_s} s on begin before {before.end_s} s")
+    return found
+
+
+def planned_pictures(trajectory: Trajectory, stretches: Iterable[Photographs]) -> int:
+    """How many pictures a flight takes that keeps to the trajectory: the first of each stretch, and those after it."""
+    count = 0
+    for stretch in stretches:
+        count += 1
+        if stretch.distance_m is None:
+            continue
+        times = np.linspace(stretch.begin_s, stretch.end_s, 2 + int((stretch.end_s - stretch.begin_s) / _STEP_S))
+        steps = np.diff(trajectory.state(times)[0], axis=0)
+        count += int(float(np.hypot(steps[:, 0], steps[:, 1]).sum()) / stretch.distance_m)
+    return count
+
+
+def photographs_to_json(stretches: Iterable[Photographs]) -> list[list[float | None]]:
+    """Begin, end and distance of each stretch."""
+    return [[each.begin_s, each.end_s, each.distance_m] for each in stretches]
+
+
+def photographs_from_json(data: Any) -> tuple[Photographs, ...]:  # noqa: ANN401 - any JSON value
+    """Read what ``photographs_to_json`` gave.
+
+    Raises:
+        TypeError: It is no list of lists of numbers.
+        ValueError: The stretches are none, or not in order.
+    """
+    return in_order(
+        Photographs(float(begin), float(end), None if distance is None else float(distance))
+        for begin, end, distance in data
+    )
