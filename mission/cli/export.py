@@ -10,9 +10,9 @@ from mission.errors import Fault, SpecError
 from mission.export.files import FENCED, UPLOADED, WRITERS
 from mission.export.placed_plan import PlacedPlan, placed_plan
 from mission.export.route import LEAST_TOLERANCE_M, usual_tolerance
-from mission.export.uploads import autopilot_plan, lap_begins
+from mission.export.uploads import autopilot_plan
 from mission.geometry.geodesy import LatLon
-from mission.interchange.autopilot_plan import AutopilotPlan, Command
+from mission.interchange.autopilot_plan import EVER_AGAIN, AutopilotPlan, Command
 from mission.plan import FlightPlan
 from mission.printable import printable
 
@@ -88,11 +88,14 @@ def _say_uploaded(placed: PlacedPlan, upload: AutopilotPlan, *, fenced: bool) ->
     home, stops = upload.home, [waypoint.hold_s for waypoint in placed.route.once if waypoint.hold_s > 0.0]
     held = f", {count(len(stops), 'stop')} of {sum(stops):g} s in all" if stops else ""
     _print(f"Mission        {count(len(upload.items), 'item')}, {upload.speed_m_s:g} m/s over ground{held}")
-    begins = lap_begins(placed)
-    if begins is not None:
-        back = next(number for number, item in enumerate(upload.items) if item.command is Command.JUMP) + 2
-        laps = "until item {back} is chosen" if placed.route.laps is None else count(placed.route.laps, "time")
-        _print(f"               from item {begins + 1} the lap, {laps.format(back=back)}")
+    for number, item in enumerate(upload.items, start=1):
+        if item.command is Command.JUMP:
+            again = int(item.params[1])
+            laps = f"until item {number + 1} is chosen" if again == EVER_AGAIN else count(again + 1, "time")
+            _print(f"               from item {item.params[0] + 1:.0f} the lap, {laps}")
+    lanes = sum(item.command is Command.TRIGGER_CAMERA and item.params[0] > 0.0 for item in upload.items)
+    if lanes:
+        _print(f"               images by distance in {count(lanes, 'lane')}")
     if fenced:
         areas = count(len(upload.fence) - 1, "area")
         _print(f"Fence          {areas} to stay out of; the legs keep {measure(placed.clearance_m)} m from it")

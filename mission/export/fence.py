@@ -4,11 +4,13 @@ A vehicle is to stay inside the polygons of inclusion and outside of those of ex
 mean to one autopilot to stay in each, to another one to stay in some: there is one here.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import shapely
 from shapely.geometry.polygon import orient
+from shapely.ops import polylabel
 
 from mission.geometry.arrays import FloatArray
 from mission.plan.flight_plan import FlightPlan
@@ -16,6 +18,8 @@ from mission.spec.model import Point, RegionKind
 
 _STRAIGHT_M = 1e-3
 """Vertices of the mesh on a straight outline are no corners of it, for all that rounding did to them."""
+
+_NEAR_THE_MIDDLE = 0.01  # of an area's size
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +79,20 @@ def rally_points(plan: FlightPlan) -> tuple[Point, ...]:
         if region.kind is RegionKind.HOME:
             shape = region_shape(plan, region.name)
             if not shape.is_empty:
-                place = end if shape.contains(end) else shapely.Point(shapely.maximum_inscribed_circle(shape).coords[0])
+                place = end if shape.contains(end) else _middle(shape)
                 places.append((float(place.x), float(place.y)))
     return tuple(places)
 
 
 def _outlined(corners_m: FloatArray) -> shapely.Geometry:
     """The union of triangles of the mesh, shape (M, 3, 2), without vertices on straight edges."""
-    return shapely.union_all(shapely.polygons(corners_m)).simplify(_STRAIGHT_M)
+    return shapely.coverage_union_all(shapely.polygons(corners_m)).simplify(_STRAIGHT_M)
+
+
+def _middle(area: shapely.Geometry) -> shapely.Point:
+    """The place that is farthest inside the largest part of an area."""
+    largest = max(shapely.get_parts(area), key=lambda part: float(part.area))
+    return polylabel(largest, _NEAR_THE_MIDDLE * math.sqrt(largest.area))
 
 
 def _part_around(place: shapely.Point, area: shapely.Geometry) -> shapely.Polygon:

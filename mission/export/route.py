@@ -22,10 +22,17 @@ _FEWEST_CELLS = 64
 
 @dataclass(frozen=True)
 class Waypoint:
-    """A place to fly to on a straight line, ENU in the domain, and how long to stand still there."""
+    """A place to fly to on a straight line, and what happens there.
+
+    Attributes:
+        place_m: ENU in the domain.
+        hold_s: How long to stand still.
+        trigger_m: The distance between images from there on, 0 for no more; None where nothing is changed.
+    """
 
     place_m: Point
     hold_s: float = 0.0
+    trigger_m: float | None = None
 
 
 @dataclass(frozen=True)
@@ -69,38 +76,54 @@ def route_of(plan: FlightPlan, tolerance_m: float) -> Route:
     """
     parts, deviation_m = [], 0.0
     for number, curve in enumerate(plan.curve.legs):
-        part, apart_m = _part(curve, _holds(plan, number), tolerance_m)
+        part, apart_m = _part(curve, _events(plan, number), tolerance_m)
         parts.append(part)
         deviation_m = max(deviation_m, apart_m)
     trajectory = plan.trajectory
     return Route(tuple(parts), trajectory.lap, trajectory.laps, deviation_m)
 
 
-def _holds(plan: FlightPlan, number: int) -> dict[float, float]:
-    """Where on a leg of the curve, by its own parameter, the vehicle stands still, and for how many seconds."""
+@dataclass(frozen=True)
+class _Events:
+    """What happens on a leg of the curve, by its own parameter: seconds to stand still, distances between images."""
+
+    holds_s: dict[float, float]
+    triggers_m: dict[float, float]
+
+
+def _events(plan: FlightPlan, number: int) -> _Events:
     begin_s, end_s = plan.curve.starts_s[number : number + 2].tolist()
-    holds: dict[float, float] = {}
-    for s, seconds in plan.stops:
-        # Where two legs meet, the earlier one stands still, as in the trajectory.
-        if begin_s < s <= end_s or (number == 0 and s <= begin_s):
-            own_s = min(s - begin_s, plan.curve.legs[number].duration_s)
-            holds[own_s] = max(seconds, holds.get(own_s, 0.0))
-    return holds
+    events = _Events({}, {})
+    triggers = [
+        (s, trigger_m)
+        for visit in plan.covers
+        if visit.trigger_m is not None
+        for lane in visit.lanes_s.tolist()
+        for s, trigger_m in zip(lane, (visit.trigger_m, 0.0), strict=True)
+    ]
+    for kind, told in ((events.holds_s, plan.stops), (events.triggers_m, triggers)):
+        for s, value in told:
+            # Where two legs meet, it is the earlier one on which things happen, as in the trajectory.
+            if begin_s < s <= end_s or (number == 0 and s <= begin_s):
+                own_s = min(s - begin_s, plan.curve.legs[number].duration_s)
+                kind[own_s] = max(value, kind.get(own_s, 0.0))
+    return events
 
 
-def _part(curve: Curve, holds: dict[float, float], tolerance_m: float) -> tuple[tuple[Waypoint, ...], float]:
+def _part(curve: Curve, events: _Events, tolerance_m: float) -> tuple[tuple[Waypoint, ...], float]:
     """One curve as waypoints, and the bound of their deviation."""
     s, sampling_m = _samples(curve, tolerance_m * _SHARE_OF_SAMPLING)
-    s = np.union1d(s, list(holds))
+    eventful = [*events.holds_s, *events.triggers_m]
+    s = np.union1d(s, eventful)
     points = curve.position(s)
-    fixed = sorted({0, len(s) - 1, *np.searchsorted(s, list(holds)).tolist()})
+    fixed = sorted({0, len(s) - 1, *np.searchsorted(s, eventful).tolist()})
     kept, worst_m = [0], 0.0
     for first, last in pairwise(fixed):
         corners, apart_m = straightened(points[first : last + 1], tolerance_m - sampling_m)
         kept += (first + corners[1:]).tolist()
         worst_m = max(worst_m, apart_m)
     waypoints = (
-        Waypoint((float(x), float(y)), holds.get(where, 0.0))
+        Waypoint((float(x), float(y)), events.holds_s.get(where, 0.0), events.triggers_m.get(where))
         for where, (x, y) in zip(s[kept].tolist(), points[kept].tolist(), strict=True)
     )
     return tuple(waypoints), worst_m + sampling_m

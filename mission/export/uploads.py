@@ -40,28 +40,32 @@ def speed_m_s(placed: PlacedPlan) -> float:
     return min(placed.plan.spec.flight.speed_m_s, placed.plan.spec.limits.speed_m_s)
 
 
-def lap_begins(placed: PlacedPlan) -> int | None:
-    """The index of the item with which a lap begins; None where there are none."""
-    lap = placed.route.lap
-    return None if lap is None else 2 + sum(len(part) - 1 for part in placed.route.parts[:lap])
-
-
 def _items(placed: PlacedPlan) -> tuple[Item, ...]:
     route, height_m = placed.route, placed.plan.trajectory.altitude_m
-    speed = Item(Command.CHANGE_SPEED, (_OVER_GROUND, speed_m_s(placed), _SAME_THROTTLE, 0.0))
     start, end = placed.places(np.array([route.once[0].place_m, route.once[-1].place_m]))
-    items = [Item(Command.TAKEOFF, (0.0, 0.0, 0.0, AS_IT_IS), start, height_m), speed]
+    items = [
+        Item(Command.TAKEOFF, (0.0, 0.0, 0.0, AS_IT_IS), start, height_m),
+        Item(Command.CHANGE_SPEED, (_OVER_GROUND, speed_m_s(placed), _SAME_THROTTLE, 0.0)),
+    ]
     for number, part in enumerate(route.parts):
+        begins = len(items)
         # Each part begins where the vehicle is: at the take-off, or at the end of the part before.
         places = placed.places(np.array([waypoint.place_m for waypoint in part[1:]]))
-        items += [
-            Item(Command.WAYPOINT, (_whole(waypoint), _accept_m(placed), 0.0, AS_IT_IS), place, height_m)
-            for waypoint, place in zip(part[1:], places, strict=True)
-        ]
+        for waypoint, place in zip(part[1:], places, strict=True):
+            params = (_whole(waypoint), _accept_m(placed), 0.0, AS_IT_IS)
+            items += [Item(Command.WAYPOINT, params, place, height_m), *_images(waypoint)]
         if number == route.lap and route.laps != 1:
             again = EVER_AGAIN if route.laps is None else route.laps - 1
-            items.append(Item(Command.JUMP, (float(lap_begins(placed) or 0), float(again), 0.0, 0.0)))
+            items.append(Item(Command.JUMP, (float(begins), float(again), 0.0, 0.0)))
     return (*items, Item(Command.LAND, (0.0, 0.0, 0.0, AS_IT_IS), end, 0.0))
+
+
+def _images(waypoint: Waypoint) -> tuple[Item, ...]:
+    """Images by distance from a waypoint on, the first one there; or no more."""
+    distance_m = waypoint.trigger_m
+    if distance_m is None:
+        return ()
+    return (Item(Command.TRIGGER_CAMERA, (distance_m, 0.0, float(distance_m > 0.0), 0.0)),)
 
 
 def _whole(waypoint: Waypoint) -> float:

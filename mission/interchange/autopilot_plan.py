@@ -26,6 +26,7 @@ class Command(IntEnum):
     TAKEOFF = commands.TAKEOFF
     JUMP = 177
     CHANGE_SPEED = commands.SPEED
+    TRIGGER_CAMERA = 206
 
 
 class Frame(IntEnum):

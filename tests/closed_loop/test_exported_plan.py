@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 
+import numpy as np
 import pytest
+import shapely
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.export.files import WRITERS
@@ -21,6 +23,20 @@ from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
 BOTH = pytest.mark.parametrize("flavour", Flavour)
 PLACE = LatLon(-35.3632, 149.1652)
+PHOTOGRAPHED = """
+domain:
+  boundary: [[0, 0], [40, 0], [40, 28], [0, 28]]
+  mesh: {}
+regions:
+  home: {kind: home, polygon: [[1, 1], [9, 1], [9, 9], [1, 9]]}
+  field:
+    kind: survey
+    polygon: [[14, 4], [38, 4], [38, 26], [14, 26]]
+    cover: {camera: {field_of_view_deg: [60, 45], overlap: 0.6, sidelap: 0.4}, heading_deg: 90}
+mission: {formula: F (field & F G home)}
+start: {position_m: [5, 5]}
+flight: {altitude_m: 10, speed_m_s: 4, final_stay_s: 2, time_constant_s: 1, disturbance_m_s2: 0.4}
+"""
 FENCED = {
     Flavour.ARDUPILOT: {"FENCE_ENABLE": 1, "FENCE_TYPE": 4},
     Flavour.PX4: {"GF_ACTION": 2},
@@ -32,8 +48,13 @@ def exported(text: str) -> PlacedPlan:
     return placed_plan(plan, PLACE, usual_tolerance(plan))
 
 
-def flown(placed: PlacedPlan, flavour: Flavour, within_s: float) -> Monitor:
-    """Upload the ``.plan`` to a vehicle that stands at its start, fly it with the fence on, and watch where it goes."""
+def flown(
+    placed: PlacedPlan, flavour: Flavour, within_s: float, images: list[tuple[float, float]] | None = None
+) -> Monitor:
+    """Upload the ``.plan`` to a vehicle that stands at its start, fly it with the fence on, and watch where it goes.
+
+    Where its camera took an image is added to ``images``, ENU.
+    """
     home = placed.places(placed.plan.curve.position([0.0]))[0]
     config = VehicleConfig(flavour=flavour, home_lat_deg=home.latitude_deg, home_lon_deg=home.longitude_deg)
     station = Station(Endpoint(Vehicle(config), flavour, 1))
@@ -47,6 +68,7 @@ def flown(placed: PlacedPlan, flavour: Flavour, within_s: float) -> Monitor:
     assert station.command(mavlink.MAV_CMD_MISSION_START) == mavlink.MAV_RESULT_ACCEPTED
     position = mavlink.MAVLINK_MSG_ID_GLOBAL_POSITION_INT
     station.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, position, 100_000)
+    station.command(mavlink.MAV_CMD_SET_MESSAGE_INTERVAL, mavlink.MAVLINK_MSG_ID_CAMERA_IMAGE_CAPTURED, 1_000_000)
     station.wait_until(lambda: bool(station.of("MISSION_ITEM_REACHED")), within_s=60.0)
     station.forget()
     station.wait_until(_landed(station), within_s=within_s)
@@ -54,6 +76,10 @@ def flown(placed: PlacedPlan, flavour: Flavour, within_s: float) -> Monitor:
     for message in station.of("GLOBAL_POSITION_INT"):
         here = LatLon(message.lat / 1e7, message.lon / 1e7)
         monitor.observe(message.time_boot_ms / 1000.0, enu_offset_m(PLACE, here))
+    if images is not None:
+        told = station.of("CAMERA_FEEDBACK" if flavour is Flavour.ARDUPILOT else "CAMERA_IMAGE_CAPTURED")
+        places = [(told_of.lat, told_of.lng if flavour is Flavour.ARDUPILOT else told_of.lon) for told_of in told]
+        images += [enu_offset_m(PLACE, LatLon(latitude / 1e7, longitude / 1e7)) for latitude, longitude in places]
     assert not [text for text in station.texts() if "ence" in text]
     return monitor
 
@@ -87,3 +113,17 @@ def test_laps_are_flown_as_often_as_the_plan_says() -> None:
     monitor = flown(placed, Flavour.ARDUPILOT, within_s=240.0)
     assert monitor.laps == 2
     assert not monitor.violations
+
+
+@BOTH
+def test_images_are_taken_in_the_lanes_of_a_region_that_is_covered(flavour: Flavour) -> None:
+    placed = exported(PHOTOGRAPHED)
+    (visit,) = placed.plan.covers
+    assert visit.trigger_m is not None
+    images: list[tuple[float, float]] = []
+    monitor = flown(placed, flavour, within_s=150.0, images=images)
+    assert not monitor.violations
+    lanes = shapely.MultiLineString(list(visit.lanes_m))
+    assert shapely.distance(shapely.points(images), lanes).max() < 0.5 * visit.spacing_m
+    due = sum(1.0 + length // visit.trigger_m for length in np.hypot(*(visit.lanes_m[:, 1] - visit.lanes_m[:, 0]).T))
+    assert len(images) == pytest.approx(due, abs=len(visit.lanes_m))
