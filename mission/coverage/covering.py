@@ -9,21 +9,28 @@ import shapely
 from numpy.typing import ArrayLike
 
 from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.flight_line import flight_line
 from mission.coverage.headings import candidates
 from mission.coverage.rims import needless, rim_lanes
 from mission.coverage.sequence import Lanes, sequence
-from mission.coverage.sweeps import axes, sweep
+from mission.coverage.sweeps import Sweep, axes, sweep
 from mission.coverage.ways import Network
 from mission.errors import GeometryError
-from mission.geometry.arrays import FloatArray, frozen_floats, frozen_ints
+from mission.geometry.arrays import frozen_floats, frozen_ints
 
 INSET: Final = 1.0 / 400.0
 """Of the spacing: how far within the ground lanes and ways are, between half of it and five halves."""
 _EXCESS: Final = INSET / 100.0
 TOLERANCE: Final = 0.05
-"""Of the spacing: how much farther than half a spacing a reachable place may be from a lane."""
+"""Of the spacing: how much farther than half a spacing a place on the ground may be from a lane."""
+SPARED: Final = 0.005
+"""Of what is to be covered: the share that may be left out beside the ground, between the round ends of lanes."""
 MOST_LINES: Final = 2_000
-_TRIED: Final = 4
+_MOST_TRIED: Final = 4
+_NEAR: Final = 1.15
+"""Headings are tried in full whose guessed time is at most so many times the least."""
+_CLOSE: Final = 1.05
+"""The orders of these are improved before the best is taken."""
 
 
 def cover(
@@ -36,12 +43,12 @@ def cover(
     pace: Pace,
     heading_deg: float | None = None,
     exit_m: ArrayLike | None = None,
-    tolerance: float = TOLERANCE,
 ) -> Coverage:
     """Cover a region by lanes.
 
-    Every place of the region that is within half a spacing of the ground comes within half a spacing of a lane, and the
-    tolerance. Ways stay on the ground between lanes on one part of it, and in free space otherwise.
+    Every place of the region that lies on the ground comes within half a spacing of a lane, and the tolerance; of what
+    lies beside it, but within half a spacing, all but a small share. Ways between lanes on one part of the ground stay
+    on it, and in free space otherwise.
 
     Args:
         region: Polygon or MultiPolygon to be covered, metres.
@@ -53,7 +60,6 @@ def cover(
         heading_deg: Of the lanes, clockwise from north; None for the one that takes least time of those tried: along
             edges of the ground and of its hull, and of a grid.
         exit_m: Where the vehicle goes to, shape (2,); None where it may end anywhere.
-        tolerance: Share of the spacing.
 
     Raises:
         GeometryError: There is no ground, it is not in free space, there are too many lanes, or no way leads to some.
@@ -65,14 +71,36 @@ def cover(
     leave = None if exit_m is None else np.asarray(exit_m, dtype=np.float64) - origin
     if heading_deg is None:
         swept = {heading: _swept(area, heading) for heading in candidates(area.parts)}
-        tried = sorted(swept, key=lambda heading: _guessed_s(swept[heading], pace, spacing_m))[:_TRIED]
+        guesses = {
+            heading: sum(part.guessed_s(pace, spacing_m) for part in sweeps) for heading, sweeps in swept.items()
+        }
+        least = min(guesses.values())
+        promising = [
+            heading for heading in sorted(guesses, key=guesses.__getitem__) if guesses[heading] <= _NEAR * least
+        ]
+        swept = {heading: swept[heading] for heading in promising[:_MOST_TRIED]}
     else:
-        swept, tried = {}, [heading_deg % 180.0]
+        swept = {heading_deg % 180.0: _swept(area, heading_deg)}
     found = []
-    for heading in tried:
-        lanes = _complete(area, swept.get(heading) or _swept(area, heading), heading, tolerance * spacing_m)
-        found.append(_coverage(area, lanes, heading_deg=heading, entry=entry, leave=leave, pace=pace, origin=origin))
-    return min(found, key=lambda coverage: coverage.duration_s)
+    for heading, sweeps in swept.items():
+        lanes = _complete(area, _joined(sweeps), heading)
+        order = sequence(lanes, area.grounds, area.everywhere, entry_m=entry, exit_m=leave, pace=pace)
+        found.append((heading, lanes, order))
+    least = min(order.duration_s for _, _, order in found)
+    close = [(heading, lanes, order.settled()) for heading, lanes, order in found if order.duration_s <= _CLOSE * least]
+    heading, lanes, order = min(close, key=lambda one: one[2].duration_s)
+    line = flight_line(order, lanes.lanes_m, lanes.cell_of < 0)
+    return Coverage(
+        heading_deg=heading,
+        spacing_m=spacing_m,
+        lanes_m=frozen_floats(line.lanes_m + origin),
+        cell_of=frozen_ints(lanes.cell_of[order.flights // 2]),
+        ways_m=tuple(frozen_floats(way + origin) for way in line.ways_m[1 : len(line.lanes_m)]),
+        approach_m=frozen_floats(line.ways_m[0] + origin),
+        leaving_m=frozen_floats(np.empty((0, 2)) if leave is None else line.ways_m[-1] + origin),
+        exact=order.exact,
+        duration_s=pace.duration_s(line.whole_m),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,12 +166,14 @@ def _inset(shape: shapely.Geometry, spacing_m: float) -> shapely.Geometry:
     return shapely.MultiPolygon(parts)
 
 
-def _swept(area: _Area, heading_deg: float) -> Lanes:
-    """The lanes of a heading on all parts."""
-    sweeps = [
-        sweep(part, reachable, heading_deg, area.spacing_m)
-        for part, reachable in zip(area.parts, area.reachable_of, strict=True)
-    ]
+def _swept(area: _Area, heading_deg: float) -> tuple[Sweep, ...]:
+    """The lanes of a heading on each part."""
+    pairs = zip(area.parts, area.reachable_of, strict=True)
+    return tuple(sweep(part, reachable, heading_deg, area.spacing_m) for part, reachable in pairs)
+
+
+def _joined(sweeps: tuple[Sweep, ...]) -> Lanes:
+    """The lanes of all parts."""
     count = [len(found.lanes_m) for found in sweeps]
     first = np.cumsum([0] + [found.cell_of.max(initial=-1) + 1 for found in sweeps])[:-1]
     return Lanes(
@@ -154,15 +184,7 @@ def _swept(area: _Area, heading_deg: float) -> Lanes:
     )
 
 
-def _guessed_s(lanes: Lanes, pace: Pace, spacing_m: float) -> float:
-    """About what lanes take: each with a turn and a step to the side, each cell with a way of some lanes' length."""
-    lengths = np.linalg.norm(lanes.lanes_m[:, 1] - lanes.lanes_m[:, 0], axis=1)
-    turns = len(lengths) * (spacing_m / pace.speed_m_s + pace.speed_m_s / pace.acceleration_m_s2)
-    between = (lanes.cell_of.max(initial=-1) + 1) * lengths.mean() / pace.speed_m_s if len(lengths) else 0.0
-    return float(lengths.sum() / pace.speed_m_s + turns + between)
-
-
-def _complete(area: _Area, swept: Lanes, heading_deg: float, tolerance_m: float) -> Lanes:
+def _complete(area: _Area, swept: Lanes, heading_deg: float) -> Lanes:
     """The lanes without those that nobody needs, and with those of their own along rims."""
     kept = ~needless(area.reachable, swept.lanes_m, area.spacing_m)
     more = rim_lanes(
@@ -171,7 +193,8 @@ def _complete(area: _Area, swept: Lanes, heading_deg: float, tolerance_m: float)
         swept.lanes_m[kept],
         along=axes(heading_deg)[0],
         spacing_m=area.spacing_m,
-        tolerance_m=tolerance_m,
+        tolerance_m=TOLERANCE * area.spacing_m,
+        spared=SPARED,
     )
     middles = shapely.points(more.mean(axis=1))[:, None]
     part_of = shapely.distance(middles, np.array(area.parts)).argmin(axis=1)
@@ -182,37 +205,4 @@ def _complete(area: _Area, swept: Lanes, heading_deg: float, tolerance_m: float)
         np.concatenate((cell_of[order], np.full(len(more), -1))),
         np.concatenate((swept.part_of[kept][order], part_of)),
         np.concatenate((swept.chained[kept][order], np.zeros(len(more), dtype=np.bool_))),
-    )
-
-
-def _coverage(
-    area: _Area,
-    lanes: Lanes,
-    *,
-    heading_deg: float,
-    entry: FloatArray,
-    leave: FloatArray | None,
-    pace: Pace,
-    origin: FloatArray,
-) -> Coverage:
-    order = sequence(lanes, area.grounds, area.everywhere, entry_m=entry, exit_m=leave, pace=pace)
-    flights, travel = order.flights, order.travel
-    places = 2 * len(lanes.lanes_m)
-    begins = [places, *(flights ^ 1)]
-    ends = [*flights, *([] if leave is None else [places + 1])]
-    lines = [travel.line_m(begin, end) for begin, end in zip(begins, ends, strict=False)]
-    flown = np.stack([lanes.lanes_m.reshape(-1, 2)[flights], lanes.lanes_m.reshape(-1, 2)[flights ^ 1]], axis=1)
-    whole = [piece for way, lane in zip(lines, flown, strict=False) for piece in (way, lane)]
-    if leave is not None:
-        whole.append(lines[-1])
-    return Coverage(
-        heading_deg=heading_deg,
-        spacing_m=area.spacing_m,
-        lanes_m=frozen_floats(flown + origin),
-        cell_of=frozen_ints(lanes.cell_of[flights // 2]),
-        ways_m=tuple(frozen_floats(line + origin) for line in lines[1 : len(flown)]),
-        approach_m=frozen_floats(lines[0] + origin),
-        leaving_m=frozen_floats(np.empty((0, 2)) if leave is None else lines[-1] + origin),
-        exact=order.exact,
-        duration_s=pace.duration_s(np.concatenate(whole)),
     )

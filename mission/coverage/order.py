@@ -20,7 +20,7 @@ MOST_EXACT: Final = 12
 """Cells that are ordered exactly."""
 _LONGEST_MOVED: Final = 3
 _MOST_ROUNDS: Final = 500
-_STARTS: Final = 16
+_STARTS: Final = 8
 _LEAST_GAIN: Final = 1e-9
 
 
@@ -90,13 +90,14 @@ def _exact(links: FloatArray) -> IntArray:
 
 def _improved(links: FloatArray) -> IntArray:
     size = len(links) - 2
-    firsts = np.unique(np.argsort(links[size, :size], kind="stable") // TOURS)[:_STARTS]
-    found = [_settled(links, _nearest_first(links, int(first))) for first in firsts]
+    nearest = np.argsort(links[size, :size], kind="stable") // TOURS
+    firsts = list(dict.fromkeys(nearest.tolist()))[:_STARTS]
+    found = [_with_tours(links, _nearest_first(links, first)) for first in firsts]
     return min(found, key=lambda chain: chain[1])[0]
 
 
-def _settled(links: FloatArray, cells: IntArray) -> tuple[IntArray, float]:
-    """Move until no move helps: the tours in order, and what they cost."""
+def _with_tours(links: FloatArray, cells: IntArray) -> tuple[IntArray, float]:
+    """Move until no move helps, with the best tours after each: the tours in order, and what they cost."""
     chain, cost = _best_tours(links, cells)
     for _ in range(_MOST_ROUNDS):
         moved, cheaper = _best_tours(links, best_move(links, chain) // TOURS)
@@ -132,6 +133,16 @@ def _best_tours(links: FloatArray, cells: IntArray) -> tuple[IntArray, float]:
     for choice in reversed(choices):
         tours.append(int(choice[tours[-1]]))
     return layers[np.arange(len(layers)), tours[::-1]], float(costs.min())
+
+
+def settled(links: FloatArray, chain: IntArray) -> IntArray:
+    """The chain after the best moves, until none helps; see ``best_move``."""
+    for _ in range(_MOST_ROUNDS):
+        moved = best_move(links, chain)
+        if np.array_equal(moved, chain):
+            break
+        chain = moved
+    return chain
 
 
 def best_move(links: FloatArray, chain: IntArray) -> IntArray:

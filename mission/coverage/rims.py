@@ -1,31 +1,40 @@
 """Lanes of their own along rims: what the lines of a sweep leave out, covered piece by piece.
 
 Lines end where the ground does. Between the ends of two lines a slanted rim has a corner that is farther than half a
-spacing from both, and so has a hole's side that runs along the lines, a bay, a tip. Each such piece gets the shortest
-of some straight lanes that cover most of it, until nothing is left.
+spacing from both, and so has a hole's side that runs along the lines, a bay, a tip. Each such piece gets the best of
+some straight lanes, the shortest that cover all that they can: along the rim nearby, across its middle along the
+heading, and a short one where the ground comes nearest to it; and again what is left of it, until nothing is.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from mission.geometry.arrays import BoolArray, FloatArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
+Shapes = NDArray[np.object_]
 _SHORTEST: Final = 0.05
 """Of the spacing: a lane is no shorter, where the ground admits it."""
 _STEP: Final = 0.1
 """Of the spacing: distance of the points that stand for a piece's outline."""
 _SHORT: Final = 2.0
+"""Spacings: lanes that are shorter may be needless."""
+_ON_THE_WAY: Final = 2.0
+"""What a lane along the rim is worth more: turns run there, so that it is on the way, and all but free."""
+_BRIDGED: Final = 0.5
+"""Of the spacing: a gap between two lanes along an edge that is flown as part of one."""
 _SCRAP: Final = 1e-3
 """Of the spacing's square: an area that is not worth a lane."""
-MOST_LANES: Final = 5_000
+_MOST_ROUNDS: Final = 20
+_ARC: Final = 16
+_RIM, _ACROSS, _NEAREST = range(3)
 
 
 def swath(lanes_m: FloatArray, radius_m: float) -> shapely.Geometry:
     """All that is within a distance of lanes, shape (n, 2, 2), or little less: arcs are polygons."""
-    return shapely.union_all(shapely.buffer(shapely.linestrings(lanes_m), radius_m, quad_segs=16))
+    return shapely.union_all(shapely.buffer(shapely.linestrings(lanes_m), radius_m, quad_segs=_ARC))
 
 
 def rim_lanes(
@@ -36,6 +45,7 @@ def rim_lanes(
     along: FloatArray,
     spacing_m: float,
     tolerance_m: float,
+    spared: float,
 ) -> FloatArray:
     """Lanes for what others leave out.
 
@@ -45,36 +55,54 @@ def rim_lanes(
         lanes_m: Shape (n, 2, 2), those there are.
         along: Unit vector of their heading, shape (2,).
         spacing_m: Their spacing.
-        tolerance_m: A piece that has no point farther than this beyond half a spacing from a lane is left alone.
+        tolerance_m: On the ground no place is left farther than this beyond half a spacing from a lane.
+        spared: Of all that is to be covered, the share that may be left, where it is not on the ground.
 
     Returns:
         Lanes, shape (m, 2, 2).
     """
     reach = spacing_m / 2.0
-    rest = shapely.get_parts(shapely.difference(reachable, swath(lanes_m, reach)))
-    far = shapely.difference(reachable, swath(lanes_m, reach + tolerance_m))
-    pieces = list(rest[shapely.intersects(rest, far)])
-    rim = shapely.boundary(ground)
-    edges = np.concatenate([_edges(ring) for ring in shapely.get_parts(rim)])
-    tree = shapely.STRtree(shapely.linestrings(edges))
-    found: list[FloatArray] = []
-    while pieces and len(found) < MOST_LANES:
-        piece = pieces.pop()
-        near = edges[np.sort(tree.query(piece, predicate="dwithin", distance=reach))]
-        lane = _best(piece, ground, near, along, spacing_m)
-        found.append(lane)
-        line = shapely.linestrings(lane)
-        for left in shapely.get_parts(shapely.difference(piece, shapely.buffer(line, reach, quad_segs=16))):
-            beyond = shapely.difference(left, shapely.buffer(line, reach + max(tolerance_m, 0.01 * reach)))
-            if not beyond.is_empty and not shapely.intersection(left, far).is_empty:
-                pieces.append(left)
-    return np.array(found).reshape(-1, 2, 2)
+    pieces = shapely.get_parts(shapely.difference(reachable, swath(lanes_m, reach)))
+    far = shapely.difference(shapely.intersection(reachable, ground), swath(lanes_m, reach + tolerance_m))
+    areas = shapely.area(pieces)
+    must = shapely.intersects(pieces, far) & (areas > 0.0)
+    order = np.lexsort((areas, must))  # those that must be covered last, the others by their size
+    spare = np.cumsum(areas[order]) <= spared * reachable.area
+    pieces = pieces[order[must[order] | ~spare]]
+    edges = np.concatenate([_edges(ring) for part in shapely.get_parts(ground) for ring in shapely.get_rings(part)])
+    found, on_edge = [np.empty((0, 2, 2))], [np.empty(0, dtype=np.int64)]
+    for _ in range(_MOST_ROUNDS):
+        if not len(pieces):
+            break
+        lanes, beside = _best(pieces, ground, edges, along, spacing_m)
+        found.append(lanes)
+        on_edge.append(beside)
+        lines = shapely.linestrings(lanes)
+        left = shapely.difference(pieces, shapely.buffer(lines, reach, quad_segs=_ARC))
+        pieces = shapely.get_parts(left)
+        pieces = pieces[shapely.area(pieces) > _SCRAP * spacing_m**2]
+    return _merged(np.concatenate(found), np.concatenate(on_edge), edges, _BRIDGED * spacing_m)
+
+
+def _merged(lanes: FloatArray, on_edge: IntArray, edges: FloatArray, gap_m: float) -> FloatArray:
+    """Lanes along one edge that overlap, or nearly meet, made one; on_edge is -1 for those along none."""
+    merged = [lanes[on_edge < 0]]
+    for edge in np.unique(on_edge[on_edge >= 0]):
+        origin, step = edges[edge, 0], edges[edge, 1] - edges[edge, 0]
+        unit = step / np.linalg.norm(step)
+        places = np.sort((lanes[on_edge == edge] - origin) @ unit, axis=1)
+        begins, ends = places[np.argsort(places[:, 0], kind="stable")].T
+        reached = np.maximum.accumulate(ends)
+        first = np.concatenate(([True], begins[1:] > reached[:-1] + gap_m))
+        last = np.concatenate((first[1:], [True]))
+        merged.append(origin + np.stack((begins[first], reached[last]), axis=1)[..., None] * unit)
+    return np.concatenate(merged)
 
 
 def needless(reachable: shapely.Geometry, lanes_m: FloatArray, spacing_m: float) -> BoolArray:
     """Short lanes whose swath the others cover, so far as it can be reached, shape (n,); the shortest go first."""
     lengths = np.linalg.norm(lanes_m[:, 1] - lanes_m[:, 0], axis=1)
-    swaths = shapely.buffer(shapely.linestrings(lanes_m), spacing_m / 2.0, quad_segs=16)
+    swaths = shapely.buffer(shapely.linestrings(lanes_m), spacing_m / 2.0, quad_segs=_ARC)
     tree = shapely.STRtree(swaths)
     gone = np.zeros(len(lanes_m), dtype=np.bool_)
     for lane in np.argsort(lengths, kind="stable")[: int((lengths < _SHORT * spacing_m).sum())]:
@@ -92,63 +120,83 @@ def _edges(ring: shapely.Geometry) -> FloatArray:
 
 
 def _best(
-    piece: shapely.Polygon, ground: shapely.Geometry, near: FloatArray, along: FloatArray, spacing_m: float
-) -> FloatArray:
-    """The lane that covers most of a piece for its length, shape (2, 2): along a rim nearby, or along the heading."""
-    outline = shapely.get_coordinates(shapely.segmentize(piece, _STEP * spacing_m))
-    middle = shapely.get_coordinates(shapely.centroid(piece))[0]
-    steps = near[:, 1] - near[:, 0]
+    pieces: Shapes,
+    ground: shapely.Geometry,
+    edges: FloatArray,
+    along: FloatArray,
+    spacing_m: float,
+) -> tuple[FloatArray, IntArray]:
+    """Of each piece, N of them, the lane that covers most of it for its length, (N, 2, 2); its edge, or -1, (N,)."""
+    tree = shapely.STRtree(shapely.linestrings(edges))
+    piece, edge = tree.query(pieces, predicate="dwithin", distance=spacing_m / 2.0)
+    steps = edges[edge, 1] - edges[edge, 0]
     lengths = np.linalg.norm(steps, axis=1)
-    rims = zip(near[:, 0], steps / lengths[:, None], lengths, strict=True)
-    lines = [_Line(begin, unit, 0.0, length) for begin, unit, length in rims]
-    lines.append(_Line(middle, along, -np.inf, np.inf))
-    candidates = [lane for line in lines for lane in _needed(outline, ground, line, spacing_m)]
-    shapes = shapely.linestrings(np.array([*candidates, _nearest(piece, ground, along, spacing_m)]))
-    covered = shapely.area(shapely.intersection(piece, shapely.buffer(shapes, spacing_m / 2.0, quad_segs=16)))
+    middles = shapely.get_coordinates(shapely.centroid(pieces))
+    whole = np.arange(len(pieces))
+    owner = np.concatenate((piece, whole))
+    origin = np.concatenate((edges[edge, 0], middles))
+    unit = np.concatenate((steps / lengths[:, None], np.broadcast_to(along, middles.shape)))
+    begin, end = _needed(pieces, owner, origin, unit, spacing_m)
+    rims = len(piece)
+    begin[:rims], end[:rims] = np.clip(begin[:rims], 0.0, lengths), np.clip(end[:rims], 0.0, lengths)
+    kept = begin < end
+    lanes = origin[:, None] + np.stack((begin, end), axis=1)[..., None] * unit[:, None]
+    rim, across = kept & (np.arange(len(kept)) < rims), kept & (np.arange(len(kept)) >= rims)
+    on_ground, owner_across = _cut(lanes[across], owner[across], ground)
+    lanes = np.concatenate((lanes[rim], on_ground, _nearest(pieces, ground, spacing_m)))
+    owner = np.concatenate((owner[rim], owner_across, whole))
+    kind = np.repeat([_RIM, _ACROSS, _NEAREST], [rim.sum(), len(on_ground), len(whole)])
+    on_edge = np.concatenate((edge[rim[:rims]], np.full(len(lanes) - rim.sum(), -1)))
+    shapes = shapely.linestrings(lanes)
+    swaths = shapely.buffer(shapes, spacing_m / 2.0, quad_segs=_ARC)
+    covered = shapely.area(shapely.intersection(pieces[owner], swaths))
     worth = covered / (shapely.length(shapes) + spacing_m / 2.0)
-    best: FloatArray = shapely.get_coordinates(shapes[int(np.argmax(worth))])
-    return best
+    worth *= np.array([_ON_THE_WAY, 1.0, 1.0 / _ON_THE_WAY])[kind]
+    order = np.lexsort((-worth, owner))
+    best = order[np.searchsorted(owner[order], whole)]
+    return lanes[best], on_edge[best]
 
 
-@dataclass(frozen=True, eq=False)
-class _Line:
-    """A line that a lane may lie on: a place, a unit vector, and how far before and after it; infinite where cut."""
+def _needed(
+    pieces: Shapes,
+    owner: IntArray,
+    origin: FloatArray,
+    unit: FloatArray,
+    spacing_m: float,
+) -> tuple[FloatArray, FloatArray]:
+    """Where along lines the shortest lanes begin and end that cover all that they can of their pieces, shapes (L,).
 
-    origin: FloatArray
-    unit: FloatArray
-    first: float
-    last: float
-
-
-def _needed(outline: FloatArray, ground: shapely.Geometry, line: _Line, spacing_m: float) -> list[FloatArray]:
-    """The shortest pieces of a line, on the ground, that cover what it can cover."""
-    reach = spacing_m / 2.0
-    place = (outline - line.origin) @ line.unit
-    aside = (outline - line.origin) @ np.array([-line.unit[1], line.unit[0]])
-    place, aside = place[np.abs(aside) < reach], aside[np.abs(aside) < reach]
-    if not len(place):
-        return []
-    room = np.sqrt(reach**2 - aside**2)
-    begin, end = (place + room).min(), (place - room).max()
-    grown = max(0.0, (_SHORTEST * spacing_m - (end - begin)) / 2.0) if end > begin else _SHORTEST * spacing_m / 2.0
-    if begin > end:
-        begin = end = (begin + end) / 2.0
-    begin, end = np.clip([begin - grown, end + grown], line.first, line.last)
-    lane: FloatArray = line.origin + np.array([[begin], [end]]) * line.unit
-    if np.isfinite(line.last):  # an edge of the ground: no cutting, which would be lost in rounding
-        return [lane] if end > begin else []
-    parts = shapely.get_parts(shapely.intersection(shapely.linestrings(lane), ground))
-    return [shapely.get_coordinates(part)[[0, -1]] for part in parts if shapely.length(part) > 0.0]
+    A lane that covers nothing ends before it begins.
+    """
+    outline, of_piece = shapely.get_coordinates(shapely.segmentize(pieces, _STEP * spacing_m), return_index=True)
+    first = np.searchsorted(of_piece, np.arange(len(pieces) + 1))
+    count = np.diff(first)[owner]
+    line = np.arange(len(owner)).repeat(count)
+    start = np.cumsum(count) - count
+    offsets = outline[first[owner].repeat(count) + np.arange(len(line)) - start.repeat(count)] - origin[line]
+    place = (offsets * unit[line]).sum(axis=1)
+    squares = (spacing_m / 2.0) ** 2 - (offsets**2).sum(axis=1) + place**2
+    room = np.sqrt(np.maximum(squares, 0.0))
+    begin = np.minimum.reduceat(np.where(squares >= 0.0, place + room, np.inf), start)
+    end = np.maximum.reduceat(np.where(squares >= 0.0, place - room, -np.inf), start)
+    useless = ~np.isfinite(begin)
+    begin, end = np.where(useless, 0.0, begin), np.where(useless, 0.0, end)
+    half = np.maximum((end - begin) / 2.0, _SHORTEST * spacing_m / 2.0)
+    middle = (begin + end) / 2.0
+    return np.where(useless, 1.0, middle - half), np.where(useless, 0.0, middle + half)
 
 
-def _nearest(piece: shapely.Polygon, ground: shapely.Geometry, along: FloatArray, spacing_m: float) -> FloatArray:
-    """A short lane through the place on the ground that is nearest to a piece, shape (2, 2)."""
-    place = shapely.get_coordinates(shapely.shortest_line(ground, piece))[0]
-    half = _SHORTEST * spacing_m / 2.0
-    short = shapely.intersection(shapely.linestrings([place - half * along, place + half * along]), ground)
-    parts = [part for part in shapely.get_parts(short) if shapely.length(part) > 0.0]
-    if parts:
-        lane: FloatArray = shapely.get_coordinates(parts[0])[[0, -1]]
-        return lane
-    beside = shapely.intersection(ground, shapely.buffer(shapely.points(place), half))
-    return np.array([place, shapely.get_coordinates(shapely.point_on_surface(beside))[0]])
+def _cut(lanes: FloatArray, owner: IntArray, ground: shapely.Geometry) -> tuple[FloatArray, IntArray]:
+    """The parts of lanes that lie on the ground, and whose they are."""
+    parts, lane = shapely.get_parts(shapely.intersection(shapely.linestrings(lanes), ground), return_index=True)
+    long = shapely.length(parts) > 0.0
+    ends = [shapely.get_coordinates(part)[[0, -1]] for part in parts[long]]
+    return np.array(ends).reshape(-1, 2, 2), owner[lane[long]]
+
+
+def _nearest(pieces: Shapes, ground: shapely.Geometry, spacing_m: float) -> FloatArray:
+    """Short lanes from the places on the ground that are nearest to pieces, shape (N, 2, 2)."""
+    places = shapely.get_coordinates(shapely.shortest_line(ground, pieces))[::2]
+    beside = shapely.intersection(ground, shapely.buffer(shapely.points(places), _SHORTEST * spacing_m / 2.0))
+    inner = shapely.get_coordinates(shapely.point_on_surface(beside))
+    return np.stack((places, inner), axis=1)

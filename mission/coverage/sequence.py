@@ -1,12 +1,12 @@
 """All lanes in the order that they are flown in: cells by their tours, then lanes of their own fitted in."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from mission.coverage.coverage import Pace
-from mission.coverage.order import Tours, best_order
+from mission.coverage.order import Tours, best_order, settled
 from mission.coverage.travel import Travel
 from mission.coverage.ways import Network
 from mission.errors import GeometryError
@@ -41,11 +41,25 @@ class Sequence:
         flights: Shape (n,).
         exact: Whether the order of the cells is proved to be the best.
         travel: The ways: the entry comes after the ends of the lanes, then the exit.
+        links_s: Shape (2 n + 2, 2 n + 2), from the end of a flight to the begin of another; last the entry and exit.
+        lanes_s: What the lanes take.
     """
 
     flights: IntArray
     exact: bool
     travel: Travel
+    links_s: FloatArray
+    lanes_s: float
+
+    @property
+    def duration_s(self) -> float:
+        """What lanes and ways take, with the turns."""
+        entry, leave = len(self.links_s) - 2, len(self.links_s) - 1
+        return self.lanes_s + float(self.links_s[[entry, *self.flights], [*self.flights, leave]].sum())
+
+    def settled(self) -> "Sequence":
+        """The sequence after all moves of a few lanes, or turns of a stretch, that make it shorter."""
+        return replace(self, flights=settled(self.links_s, self.flights))
 
 
 def sequence(
@@ -92,7 +106,10 @@ def sequence(
         chain = np.concatenate([cells[i][j] for i, j in zip(order, tour, strict=True)])
     for lane in np.flatnonzero(lanes.cell_of < 0):
         chain = _fitted_in(chain, int(lane), times, entry, leave)
-    return Sequence(chain, exact, travel)
+    links = np.full((entry + 2, entry + 2), np.inf)
+    links[: entry + 1, :entry] = times[: entry + 1, :entry]
+    links[:entry, entry + 1] = 0.0 if leave is None else times[:entry, leave]
+    return Sequence(chain, exact, travel, links, float(lengths.sum()) / pace.speed_m_s)
 
 
 def _tours(lanes: Lanes) -> list[list[IntArray]]:

@@ -12,10 +12,14 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from mission.coverage.coverage import Pace
 from mission.geometry.arrays import FloatArray, IntArray
 
 _SHORTEST: Final = 0.02
 """Of the spacing: cuts that are shorter are no lanes."""
+_SLANTED: Final = 1.2
+"""Spacings between the ends of neighbours, along the rim, from which on the rim there is too far from both."""
+_CROSSING: Final = 3.0
 _JUMP: Final = 4.0
 """Spacings by which a cell's rim may go on from one lane to the next, beside twice what it usually does there."""
 
@@ -27,10 +31,22 @@ class Sweep:
     Attributes:
         lanes_m: Shape (n, 2, 2), all in the same direction, ordered by line and along it.
         cell_of: Shape (n,), from 0.
+        jumps_m: Shape (J, 2), how far ends of neighbours in a cell, first ends and last ends, lie apart along them.
     """
 
     lanes_m: FloatArray
     cell_of: IntArray
+    jumps_m: FloatArray
+
+    def guessed_s(self, pace: Pace, spacing_m: float) -> float:
+        """About what it takes to fly: for a choice of headings to try."""
+        stop_s = pace.speed_m_s / pace.acceleration_m_s2
+        lengths = np.linalg.norm(self.lanes_m[:, 1] - self.lanes_m[:, 0], axis=1)
+        steps = np.hypot(self.jumps_m, spacing_m)
+        beyond = np.maximum(steps - spacing_m * _SLANTED, 0.0)  # of slanted rims, where lanes of their own will be
+        cells = self.cell_of.max(initial=-1) + 1
+        way_m = lengths.sum() + steps.mean(axis=1).sum() + _CROSSING * spacing_m * cells + beyond.sum() / 2.0
+        return float(way_m / pace.speed_m_s + (len(lengths) + (beyond > 0.0).sum() / 2.0) * stop_s)
 
 
 def axes(heading_deg: float) -> FloatArray:
@@ -55,7 +71,7 @@ def sweep(part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float
     long = np.diff(cuts, axis=1)[:, 0] > _SHORTEST * spacing_m
     cuts, line = cuts[long], line[long]
     lanes = np.stack((cuts, np.broadcast_to(heights[line][:, None], cuts.shape)), axis=2) @ frame
-    return Sweep(lanes, _cells(cuts, line, spacing_m))
+    return Sweep(lanes, *_cells(cuts, line, spacing_m))
 
 
 def _ring(ring: shapely.LinearRing) -> FloatArray:
@@ -85,17 +101,17 @@ def _cuts(edges: FloatArray, heights: FloatArray) -> tuple[FloatArray, IntArray]
     return along[order].reshape(-1, 2), line[order][::2].astype(np.int64)
 
 
-def _cells(cuts: FloatArray, line: IntArray, spacing_m: float) -> IntArray:
-    """Number cells: chains of lanes of which each meets one on the next line only, and that one no other."""
+def _cells(cuts: FloatArray, line: IntArray, spacing_m: float) -> tuple[IntArray, FloatArray]:
+    """Number cells: chains of lanes of which each meets one on the next line only, and that one no other; and jumps."""
     count = len(cuts)
     begins, ends = cuts.T
     meets = (line[:, None] + 1 == line) & (begins[:, None] < ends) & (begins < ends[:, None])
     single = meets & (meets.sum(axis=1) == 1)[:, None] & (meets.sum(axis=0) == 1)
     lower, upper = np.nonzero(single)
-    jumps = np.abs(cuts[upper] - cuts[lower]).max(axis=1)
-    usual = np.median(jumps) if len(jumps) else 0.0
-    smooth = jumps <= max(_JUMP * spacing_m, 2.0 * usual)
+    jumps = np.abs(cuts[upper] - cuts[lower])
+    usual = np.median(jumps.max(axis=1)) if len(jumps) else 0.0
+    smooth = jumps.max(axis=1) <= max(_JUMP * spacing_m, 2.0 * usual)
     lower, upper = lower[smooth], upper[smooth]
     links = coo_array((np.ones(len(lower)), (lower, upper)), shape=(count, count))
     _, cell_of = connected_components(links, directed=False)
-    return cell_of.astype(np.int64)
+    return cell_of.astype(np.int64), jumps[smooth]

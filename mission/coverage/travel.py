@@ -63,6 +63,10 @@ class Travel:
         first, second = np.searchsorted(places, [begin, end])
         return ways.line_m(int(first), int(second))
 
+    def on_ground(self, begin: int, end: int) -> bool:
+        """Whether the way from a place to another stays on the ground."""
+        return bool(self._medium[begin, end] != _FREE)
+
     def times_s(self, headings: FloatArray, pace: Pace) -> FloatArray:
         """What it costs to go on from a flight to another, or to a place: shape (T + P, T + P).
 

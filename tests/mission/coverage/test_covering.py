@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
 
 from mission.coverage.coverage import Coverage, Pace
-from mission.coverage.covering import INSET, TOLERANCE, cover
+from mission.coverage.covering import INSET, SPARED, TOLERANCE, cover
 from mission.errors import GeometryError
 
 PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
@@ -45,15 +45,18 @@ def distances_m(places: np.ndarray, lanes: np.ndarray) -> np.ndarray:
     return found
 
 
-def worst_m(region: shapely.Geometry, ground: shapely.Geometry, lanes: np.ndarray, reach_m: float) -> float:
-    """Of a grid of places in the region that are within reach of the ground, how far the farthest is from a lane."""
+def left_out(
+    region: shapely.Geometry, ground: shapely.Geometry, lanes: np.ndarray, reach_m: float
+) -> tuple[float, float]:
+    """Of a grid of places: how far the farthest on the ground is from a lane, and the share of the reachable beyond."""
     left, low, right, high = shapely.bounds(region)
     step = np.hypot(right - left, high - low) / 150.0
     x, y = np.meshgrid(np.arange(left, right + step, step), np.arange(low, high + step, step))
     on_ground = shapely.contains_xy(ground, x, y)
-    # A place of the grid on the ground is no farther than the ground is: none is called reachable that is not.
+    # The ground comes no nearer than its places of the grid are: none is called reachable that is not.
     reachable = (distance_transform_edt(~on_ground) * step <= reach_m) & shapely.contains_xy(region, x, y)
-    return float(distances_m(np.stack((x[reachable], y[reachable]), axis=1), lanes).max())
+    distances = distances_m(np.stack((x[reachable], y[reachable]), axis=1), lanes)
+    return float(distances[on_ground[reachable]].max()), float((distances > reach_m * (1.0 + 6.0 * INSET)).mean())
 
 
 def assert_sound(
@@ -63,7 +66,9 @@ def assert_sound(
     assert shapely.covers(ground, lanes).all()
     assert all(shapely.covers(free, shapely.LineString(way)) for way in (*coverage.ways_m, coverage.approach_m))
     most = spacing_m * (0.5 + TOLERANCE + 3.0 * INSET)
-    assert worst_m(region, ground, coverage.lanes_m, spacing_m / 2.0) <= most
+    worst_m, share = left_out(region, ground, coverage.lanes_m, spacing_m / 2.0)
+    assert worst_m <= most
+    assert share <= 2.0 * SPARED
     tree = shapely.STRtree(lanes)
     beside, thin = tree.query(shapely.buffer(lanes, 1e-4 * spacing_m, cap_style="flat"), predicate="intersects")
     twice = shapely.intersection(shapely.buffer(lanes[beside], 1e-4 * spacing_m, cap_style="flat"), lanes[thin])
