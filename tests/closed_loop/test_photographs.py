@@ -9,6 +9,7 @@ from math import hypot
 import numpy as np
 import pytest
 
+from mission.errors import FlightError
 from mission.fly import FlightResult, fly
 from mission.fly.interruption import StopRequest
 from mission.link.ending import Ending
@@ -131,3 +132,20 @@ def test_a_vehicle_without_a_camera_is_flown_to_the_end_and_the_verdict_says_wha
     assert f"0 photographs of {plan.planned_pictures} planned" in result.reason
     assert "the camera's command to photograph every 3 m was not answered" in result.reason
     assert len(warnings) == 1
+
+
+@pytest.mark.parametrize(("flavour", "error"), [("px4", ZeroDivisionError), ("ardupilot", KeyboardInterrupt)])
+def test_whatever_fails_here_or_who_is_impatient_leaves_the_trigger_off(
+    plan: FlightPlan, flavour: str, error: type[BaseException]
+) -> None:
+    vehicle = LockstepVehicle(vehicle_of(flavour, 5))
+
+    def fail() -> StopRequest | None:
+        camera = vehicle.vehicle.camera
+        if camera is not None and camera.taken >= 3:
+            raise error
+        return None
+
+    with pytest.raises(FlightError if error is ZeroDivisionError else error):
+        flown(plan, vehicle, fail)
+    assert not still_triggers(vehicle)
