@@ -128,6 +128,8 @@ _COMMON: Final[Mapping[str, _Row]] = {
     "IMAGE_STOP_CAPTURE": _Row(_C.PHOTOGRAPH, "ImageStopCapture"),
     # The mount looks down whatever it is told; there is no video and no servo.
     "DO_MOUNT_CONTROL": _Row(_C.NOTHING, "MountControl"),
+    "SET_CAMERA_ZOOM": _Row(_C.NOTHING, "SetCameraZoom"),
+    "SET_CAMERA_FOCUS": _Row(_C.NOTHING, "SetCameraFocus"),
     "VIDEO_START_CAPTURE": _Row(_C.NOTHING, "VideoStartCapture"),
     "VIDEO_STOP_CAPTURE": _Row(_C.NOTHING, "VideoStopCapture"),
     "DO_GIMBAL_MANAGER_PITCHYAW": _Row(_C.NOTHING, "GimbalPitchYaw"),
@@ -139,6 +141,7 @@ _ARDUPILOT_ALONE: Final[Mapping[str, _Row]] = {
     "CONDITION_DELAY": _Row(_C.WAIT, "CondDelay", _seconds),
     "CONDITION_DISTANCE": _Row(_C.WITHIN_DISTANCE, "CondDist", _metres),
     "CONDITION_YAW": _Row(_C.TURN, "CondYaw", _turn),
+    "DO_DIGICAM_CONFIGURE": _Row(_C.NOTHING, "DigiCamCfg"),
     "DO_SET_SERVO": _Row(_C.NOTHING, "SetServo"),
     "DO_SET_RELAY": _Row(_C.NOTHING, "SetRelay"),
     "DO_REPEAT_SERVO": _Row(_C.NOTHING, "RepeatServo"),
@@ -148,6 +151,8 @@ _ARDUPILOT_ALONE: Final[Mapping[str, _Row]] = {
 _PX4_ALONE: Final[Mapping[str, _Row]] = {
     "CONDITION_DELAY": _Row(_C.WAIT, ""),
     "CONDITION_DISTANCE": _Row(_C.WITHIN_DISTANCE, ""),
+    "DO_CONTROL_VIDEO": _Row(_C.NOTHING, ""),
+    "DO_GIMBAL_MANAGER_CONFIGURE": _Row(_C.NOTHING, ""),
     "DO_MOUNT_CONFIGURE": _Row(_C.NOTHING, ""),
     "DO_TRIGGER_CONTROL": _Row(_C.PHOTOGRAPH, ""),
     "DO_SET_CAM_TRIGG_INTERVAL": _Row(_C.PHOTOGRAPH, ""),

@@ -287,6 +287,31 @@ def test_ardupilot_goes_on_in_any_mode() -> None:
     assert camera.taken > held + 1
 
 
+ITEMS = {
+    AP: ("DO_DIGICAM_CONFIGURE", "SET_CAMERA_ZOOM", "SET_CAMERA_FOCUS", "VIDEO_START_CAPTURE", "DO_MOUNT_CONTROL"),
+    PX4: (
+        "DO_GIMBAL_MANAGER_CONFIGURE",
+        "DO_CONTROL_VIDEO",
+        "SET_CAMERA_MODE",
+        "SET_CAMERA_ZOOM",
+        "DO_TRIGGER_CONTROL",
+    ),
+}
+
+
+@BOTH
+def test_items_for_cameras_with_more_to_them_are_taken_too(flavour: Flavour) -> None:
+    pilot = Pilot(flavour)
+    others = [Step(getattr(mavlink, f"MAV_CMD_{name}")) for name in ITEMS[flavour]]
+    assert pilot.upload([takeoff(), *others, land(0, 0)]) == mavlink.MAV_MISSION_ACCEPTED
+    lacking = Step(
+        mavlink.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE if flavour is AP else mavlink.MAV_CMD_DO_DIGICAM_CONFIGURE
+    )
+    pilot.station.forget()
+    pilot.upload([takeoff(), lacking, land(0, 0)])
+    assert pilot.station.of("MISSION_ACK")[0].type == mavlink.MAV_MISSION_UNSUPPORTED
+
+
 def test_an_item_that_carries_a_frame_of_places_is_understood_by_ardupilot() -> None:
     station = Station(endpoint_of(AP))
     station.wait_for_position()
