@@ -1,21 +1,19 @@
-"""Delaunay triangulations: of nodes (the paper's way), and of a boundary with the polygons that lie in it.
+"""The Delaunay triangulation of nodes (the paper's way), and which edges are in a mesh.
 
 The order of the triangles and of the vertices in each is scipy's, which for the paper's nodes is the paper's.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
-from scipy.spatial import Delaunay, QhullError, cKDTree
+from scipy.spatial import Delaunay, QhullError
 
 from mission.decimals import decimal
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import ROUNDING, Partition
 
 SLIVER = 1e-4
@@ -49,43 +47,6 @@ def triangulate_nodes(nodes_m: FloatArray) -> Partition:
     if not keep.any():
         raise GeometryError("the nodes all lie on one line")
     return selected(nodes, triangles, neighbours, keep)
-
-
-def triangulate_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_m: Sequence[FloatArray]) -> Partition:
-    """Delaunay triangulation of a simple polygon, in which it and further polygons come out as edges.
-
-    The vertices are the corners of the boundary, the points, then the corners of the polygons, each place once, in
-    this order. Triangles outside the boundary are dropped.
-
-    Args:
-        boundary_m: Shape (K, 2), corners of a simple polygon, in either sense.
-        points_m: Shape (P, 2), further vertices in it.
-        polygons_m: Corners of each polygon, shape (K_i, 2).
-
-    Raises:
-        GeometryError: If an edge of the boundary or of a polygon is no edge of the triangulation, or no triangle
-            comes out.
-    """
-    mesh = mesh_of_boundary(boundary_m, points_m, polygons_m)
-    edges = np.concatenate([ring_edges(ring) for ring in (boundary_m, *polygons_m)])
-    missing = EdgesInMesh.of(mesh, edges).missing
-    if len(missing):
-        (ax, ay), (bx, by) = [map(decimal, end) for end in edges[missing[0]].tolist()]
-        raise GeometryError(f"the edge from ({ax}, {ay}) to ({bx}, {by}) is no edge of the mesh")
-    return inside_of(mesh, boundary_m)
-
-
-def mesh_of_boundary(boundary_m: FloatArray, points_m: FloatArray, polygons_m: Sequence[FloatArray]) -> Partition:
-    """Triangulation of all vertices of a boundary domain, as ``triangulate_boundary``, outside included."""
-    places = [np.asarray(p, dtype=np.float64).reshape(-1, 2) for p in (boundary_m, points_m, *polygons_m)]
-    return triangulate_nodes(distinct_points(np.concatenate(places)))
-
-
-def distinct_points(points_m: FloatArray) -> FloatArray:
-    """The points without those that repeat an earlier one (closer than ``ROUNDING`` of the extent), in order."""
-    closeness = ROUNDING * float(np.ptp(points_m, axis=0).max())
-    pairs = cKDTree(points_m).query_pairs(closeness, output_type="ndarray")
-    return np.delete(points_m, np.unique(pairs.max(axis=1)) if len(pairs) else [], axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,21 +90,6 @@ class EdgesInMesh:
     def missing(self) -> IntArray:
         """Indices of the edges that do not come out, ascending."""
         return np.unique(self.edge_of[~self.present])
-
-
-def inside_of(mesh: Partition, boundary_m: FloatArray) -> Partition:
-    """The triangles of a mesh within a boundary whose edges are edges of the mesh, in the mesh's order.
-
-    Raises:
-        GeometryError: If no triangle lies inside.
-    """
-    links, count = EdgesInMesh.of(mesh, ring_edges(boundary_m)).links, len(mesh.vertices_m)
-    piece_of, widest = parted(mesh, np.isin(facet_keys(mesh.triangles, count), edge_keys(links, count)))
-    polygon = shapely.Polygon(boundary_m)
-    inside = shapely.contains_xy(polygon, mesh.incentres_m[widest, 0], mesh.incentres_m[widest, 1])
-    if not inside.any():
-        raise GeometryError("no triangle lies inside the boundary")
-    return selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, inside[piece_of])
 
 
 def parted(mesh: Partition, walls: BoolArray) -> tuple[IntArray, IntArray]:

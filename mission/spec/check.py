@@ -36,7 +36,7 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
             if is_clean(("tasks", i), structural):
                 findings.extend(task_findings(i, task, kinds or {}))
     findings.extend(_cover_findings(regions))
-    if all(is_clean(("domain", key), structural) for key in ("nodes", "boundary", "points", "mesh")):
+    if all(is_clean(("domain", key), structural) for key in ("nodes", "boundary", "mesh")):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
         findings.extend(examine_domain(domain_of(data["domain"]), known, start_m)[2])

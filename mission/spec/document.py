@@ -18,7 +18,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
         "name": spec.name,
         "description": spec.description,
         "domain": (
-            {"boundary": _pairs(domain.boundary_m), **_mesh(domain)}
+            {"boundary": _pairs(domain.boundary_m), "mesh": _mesh(domain)}
             if isinstance(domain, BoundaryDomain)
             else {"nodes": _pairs(domain.nodes_m)}
         ),
@@ -51,10 +51,8 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
 
 def _mesh(domain: BoundaryDomain) -> dict[str, Any]:
     wanted = domain.refinement
-    if wanted is None:
-        return {"points": _pairs(domain.points_m)}
     largest = {"largest_m": wanted.largest_m} if math.isfinite(wanted.largest_m) else {}
-    return {"mesh": {"smallest_angle_deg": wanted.smallest_angle_deg, **largest}}
+    return {"smallest_angle_deg": wanted.smallest_angle_deg, **largest}
 
 
 def _region(region: Region) -> dict[str, Any]:

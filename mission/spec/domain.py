@@ -14,15 +14,8 @@ from mission.geometry.location import Locator
 from mission.geometry.refinement import finest_m, refined
 from mission.geometry.regions import Labelling, label_triangles
 from mission.geometry.rings import ring_area_m2, ring_edges
-from mission.geometry.simplices import ROUNDING, Partition
-from mission.geometry.triangulation import (
-    SLIVER,
-    EdgesInMesh,
-    inside_of,
-    mesh_of_boundary,
-    slivers,
-    triangulate_nodes,
-)
+from mission.geometry.simplices import Partition
+from mission.geometry.triangulation import SLIVER, EdgesInMesh, slivers, triangulate_nodes
 from mission.spec.finding import Finding, Path, dotted, listed
 from mission.spec.model import (
     BoundaryDomain,
@@ -35,22 +28,20 @@ from mission.spec.model import (
     RegionKind,
     TriangleShape,
 )
-from mission.spec.near_misses import NearMisses, Outline, Pair
-from mission.spec.outlines import boundary_outline, place, sound_outlines
+from mission.spec.outlines import Outline, boundary_outline, place, sound_outlines
 from mission.spec.scale import pair
 
 Domain = NodesDomain | BoundaryDomain
 
-_REFINE = "write `mesh: {}` in `domain` instead of points, or "
 _WORTH_SAYING = 1e-3  # of a region's area
 
 
 def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
     """Mesh and labels of a mission.
 
-    For nodes, triangles and the vertices in each have the order that scipy's Delaunay triangulation gives them. For
-    a boundary, the vertices are its corners, the points, then the corners of the polygons, each place once; with
-    ``refinement``, outlines that nearly meet are joined within ``joined_m``, may cross, and end at the boundary.
+    For nodes, triangles and the vertices in each have the order that scipy's Delaunay triangulation gives them. Within
+    a boundary, outlines may cross and end at it, and those that nearly meet are joined within ``joined_m``; the mesh
+    has the vertices that it needs.
 
     Raises:
         SpecError: With every fault of the geometry (line 0: a value has no lines).
@@ -72,7 +63,7 @@ def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
 def cut_off(spec: MissionSpec) -> tuple[str, ...]:
     """Warnings for the regions of which something lies outside a boundary that cuts them off."""
     domain = spec.domain
-    if isinstance(domain, NodesDomain) or not domain.refinement:
+    if isinstance(domain, NodesDomain):
         return ()
     fence = shapely.Polygon(domain.boundary_m)
     warnings = []
@@ -98,26 +89,23 @@ def examine_domain(
     outlines, findings = sound_outlines(domain, regions)
     if any(finding.path[0] == "domain" for finding in findings):
         return None, None, findings
-    misses = _near_misses(domain, outlines)
     try:
-        mesh, found = _meshed(domain, outlines, misses)
+        mesh = _meshed(domain, outlines)
     except GeometryError as error:
         return None, None, [*findings, _no_mesh(domain, error)]
-    findings.extend(found)
-    if mesh is None:
-        return None, None, findings
     partition = mesh.partition
+    if isinstance(domain, NodesDomain):
+        findings.extend(_missing_edges(partition, outlines))
     locator = Locator(partition)
     members: dict[str, BoolArray] = {}
     rings = {outline.region: outline.ring_m for outline in outlines}
-    joins = isinstance(domain, BoundaryDomain) and domain.refinement
     for region in regions:
         if not isinstance(region.shape, PolygonShape) or region.name in rings:
             members[region.name], found = _members(region, mesh, locator, rings)
             findings.extend(found)
-            if joins and not found and not members[region.name].any():
+            if isinstance(domain, BoundaryDomain) and not found and not members[region.name].any():
                 findings.append(_vanished(region.name, joined_m(partition.extent_m)))
-    findings.extend(_degenerate(partition, _sources(domain, outlines), misses))
+    findings.extend(_degenerate(partition, _sources(domain, outlines)))
     if start_m is not None:
         restricted = [region.name for region in regions if region.kind is RegionKind.RESTRICTED]
         findings.extend(_start_findings(start_m, locator, {k: v for k, v in members.items() if k in restricted}))
@@ -130,64 +118,48 @@ def joined_m(extent_m: float) -> float:
     return min(0.01, 1e-4 * extent_m)
 
 
-def _near_misses(domain: Domain, outlines: list[Outline]) -> NearMisses:
-    """Between outlines whose corners can be moved: those over nodes are where the nodes are."""
-    movable = [] if isinstance(domain, NodesDomain) else [boundary_outline(domain), *outlines]
-    extent_m = float(np.ptp(movable[0].ring_m, axis=0).max()) if movable else 0.0
-    return NearMisses(movable, extent_m, ROUNDING * extent_m)
-
-
-def _meshed(domain: Domain, outlines: list[Outline], misses: NearMisses) -> tuple[FacedMesh | None, list[Finding]]:
-    """The mesh, None where the boundary does not come out; and the edges that do not."""
+def _meshed(domain: Domain, outlines: list[Outline]) -> FacedMesh:
+    """The mesh; over nodes, edges of the outlines may be missing in it."""
     if isinstance(domain, NodesDomain):
-        partition = triangulate_nodes(np.array(domain.nodes_m))
-        return FacedMesh.of(partition), _missing_edges(partition, outlines, "domain.nodes", misses)[0]
-    fence = boundary_outline(domain)
-    if domain.refinement:
-        edges = np.concatenate([ring_edges(outline.ring_m) for outline in (fence, *outlines)])
-        arrangement = arranged(edges, joined_m(float(np.ptp(fence.ring_m, axis=0).max())))
-        wanted = domain.refinement
-        return refined(
-            arrangement,
-            shapely.Polygon(fence.ring_m),
-            smallest_angle_deg=wanted.smallest_angle_deg,
-            largest_m=wanted.largest_m,
-        ), []
-    points = np.array(domain.points_m).reshape(-1, 2)
-    mesh = mesh_of_boundary(fence.ring_m, points, [outline.ring_m for outline in outlines])
-    findings, owners = _missing_edges(mesh, [fence, *outlines], "domain.points", misses)
-    if 0 in owners:
-        return None, findings
-    return FacedMesh.of(inside_of(mesh, fence.ring_m)), findings
+        return FacedMesh.of(triangulate_nodes(np.array(domain.nodes_m)))
+    rim = ring_edges(boundary_outline(domain).ring_m)
+    fence = shapely.Polygon(rim[:, 0])
+    # What sticks out is cut off before it is meshed: vertices out there would only make triangles inside smaller.
+    within = [_straight_parts(ring_edges(outline.ring_m), fence) for outline in outlines]
+    return refined(
+        arranged(np.concatenate((rim, *within)), joined_m(float(np.ptp(rim[:, 0], axis=0).max()))),
+        fence,
+        smallest_angle_deg=domain.refinement.smallest_angle_deg,
+        largest_m=domain.refinement.largest_m,
+    )
 
 
-def _missing_edges(
-    mesh: Partition, outlines: list[Outline], section: str, misses: NearMisses
-) -> tuple[list[Finding], set[int]]:
-    """What to do about edges that are missing in the mesh, and the outlines that they are of."""
+def _straight_parts(edges_m: FloatArray, within: shapely.Polygon) -> FloatArray:
+    """The parts of edges, shape (E, 2, 2), that lie within a polygon, shape (P, 2, 2)."""
+    parts = shapely.get_parts(shapely.intersection(shapely.linestrings(edges_m), within))
+    lines = parts[(shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & (shapely.length(parts) > 0.0)]
+    ends: FloatArray = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+    return ends
+
+
+def _missing_edges(mesh: Partition, outlines: list[Outline]) -> list[Finding]:
+    """What to do about edges that are missing in a mesh of nodes."""
     if not outlines:
-        return [], set()
-    owners = [(number, index) for number, outline in enumerate(outlines) for index in range(len(outline.ring_m))]
+        return []
+    owners = [(outline, index) for outline in outlines for index in range(len(outline.ring_m))]
     edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
     found = EdgesInMesh.of(mesh, edges)
     gaps = mesh.vertices_m[found.links[~found.present]].mean(axis=1)
     gap_of = found.edge_of[~found.present]
     findings = []
-    nearly: set[Pair] = set()
     for edge in found.missing.tolist():
-        number, index = owners[edge]
-        outline = outlines[number]
+        outline, index = owners[edge]
         a, b = edges[edge]
-        beside = {of for of in misses.beside(a, b) if number in of}
-        if beside:
-            nearly |= beside
-            continue
-        message = f"the edge of {outline.name} from {place(a)} to {place(b)} is no edge of the mesh"
+        message = f"the edge of {outline.region} from {place(a)} to {place(b)} is no edge of the mesh"
         middles = listed(map(pair, gaps[gap_of == edge]), most=4)
-        refine = _REFINE if section == "domain.points" else ""
-        hint = f"other points are too near; {refine}add to {section} a point on each gap in the edge, such as {middles}"
+        hint = f"other points are too near; add to domain.nodes a point on each gap in the edge, such as {middles}"
         findings.append(Finding((*outline.path, index), message, hint))
-    return [*findings, *misses.findings(nearly)], {owners[edge][0] for edge in found.missing.tolist()}
+    return findings
 
 
 def _members(
@@ -216,8 +188,6 @@ def _no_mesh(domain: Domain, error: GeometryError) -> Finding:
     if isinstance(domain, NodesDomain):
         return Finding(("domain", "nodes"), str(error), "three nodes at least must not lie on one line")
     wanted = domain.refinement
-    if not wanted:
-        return Finding(("domain", "boundary"), str(error), "outlines must not run very close to each other")
     finest = finest_m(abs(ring_area_m2(boundary_outline(domain).ring_m)))
     if wanted.largest_m < finest:
         hint = f"write more than {measure(2.0 * finest)}, or leave it out"
@@ -259,22 +229,15 @@ def _sources(domain: Domain, outlines: list[Outline]) -> list[tuple[Path, FloatA
     """The lists of the file that the vertices of the mesh come from, in order, with their paths."""
     if isinstance(domain, NodesDomain):
         return [(("domain", "nodes"), np.array(domain.nodes_m))]
-    fence, points = boundary_outline(domain), np.array(domain.points_m).reshape(-1, 2)
-    rings: list[tuple[Path, FloatArray]] = [(outline.path, outline.ring_m) for outline in outlines]
-    return [(fence.path, fence.ring_m), (("domain", "points"), points), *rings]
+    return [(outline.path, outline.ring_m) for outline in (boundary_outline(domain), *outlines)]
 
 
-def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]], misses: NearMisses) -> list[Finding]:
+def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]]) -> list[Finding]:
     owners: list[Path] = [(*path, index) for path, points in sources for index in range(len(points))]
     places = np.concatenate([points for _, points in sources])
     findings = []
-    nearly: set[Pair] = set()
     for index in slivers(partition).tolist():
         longest = int(np.argmax(partition.edge_lengths_m[index]))
-        beside = misses.beside(*np.delete(partition.corners_m[index], longest, axis=0))
-        if beside:
-            nearly |= beside
-            continue
         # The corner opposite the longest side is the one that lies on it, or one of two that lie together.
         corner = partition.corners_m[index, longest]
         owner = owners[int(np.argmin(np.linalg.norm(places - corner, axis=1)))]
@@ -283,7 +246,7 @@ def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]], mi
         message = f"the triangle {corners} is degenerate: {measure(height)} m high on a side of {measure(side)} m"
         hint = f"move this corner or take it away; the height must be {decimal(SLIVER)} of the longest side at least"
         findings.append(Finding(owner, message, hint))
-    return [*findings, *misses.findings(nearly)]
+    return findings
 
 
 def _start_findings(start_m: Point, locator: Locator, restricted: dict[str, BoolArray]) -> list[Finding]:

@@ -75,15 +75,10 @@ class Refinement:
 
 @dataclass(frozen=True)
 class BoundaryDomain:
-    """A simple polygon.
-
-    Its mesh is the Delaunay triangulation of all corners and of further points, and the edges of all outlines must be
-    among its edges; or it is refined from there, and then no outline needs points.
-    """
+    """A simple polygon, whose mesh refines itself until all outlines are in it and no triangle is too thin or large."""
 
     boundary_m: tuple[Point, ...]
-    points_m: tuple[Point, ...] = ()
-    refinement: Refinement | None = None
+    refinement: Refinement
 
 
 @dataclass(frozen=True)

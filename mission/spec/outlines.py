@@ -1,6 +1,8 @@
 """The outlines that a mission file draws, checked before they are meshed: nodes, boundary, polygons of regions."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 import shapely
@@ -10,10 +12,21 @@ from mission.decimals import decimal, measure
 from mission.geometry.arrays import FloatArray
 from mission.geometry.rings import edge_crossings, ring_edges, ring_fault
 from mission.geometry.simplices import ROUNDING
-from mission.spec.finding import Finding
+from mission.spec.finding import Finding, Path
 from mission.spec.model import BoundaryDomain, NodesDomain, Point, PolygonShape, Region
-from mission.spec.near_misses import NEARNESS, NearMisses, Outline
 from mission.spec.scale import pair, scale_finding
+
+_NEARNESS: Final = 1e-3
+"""A corner within this part of the domain's extent of a node was meant to be that node."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A ring of corners, shape (K, 2), and whose it is; ``region`` is empty for the boundary of the domain."""
+
+    path: Path
+    ring_m: FloatArray
+    region: str
 
 
 def boundary_outline(domain: BoundaryDomain) -> Outline:
@@ -46,20 +59,15 @@ def sound_outlines(
             message = f"the polygon of {region.name} is not simple: {fault}"
             found = [Finding(outline.path, message, "list its corners in order around it, each once")]
         elif isinstance(domain, NodesDomain):
-            found = _strangers(outline, tree, tolerance_m, NEARNESS * extent_m)
+            found = _strangers(outline, tree, tolerance_m, _NEARNESS * extent_m)
         else:
-            found = _outside(outline, base, NEARNESS * extent_m, wholly=domain.refinement is not None)
+            found = _outside(outline, base)
         findings.extend(found)
         outlines.extend([] if found else [outline])
-    if isinstance(domain, BoundaryDomain) and domain.refinement:
+    if isinstance(domain, BoundaryDomain):
         return outlines, findings  # they may cross, nearly touch, and stick out
-    if isinstance(domain, NodesDomain):
-        crossings, crossing = _crossings(outlines, tolerance_m, None)
-    else:
-        outlines = [boundary_outline(domain), *outlines]
-        crossings, crossing = _crossings(outlines, tolerance_m, NearMisses(outlines, extent_m, tolerance_m))
-    sound = [outline for outline in outlines if outline.region and outline.region not in crossing]
-    return sound, findings + crossings
+    crossings, crossing = _crossings(outlines, tolerance_m)
+    return [outline for outline in outlines if outline.region not in crossing], findings + crossings
 
 
 def place(point: Point | FloatArray) -> str:
@@ -86,19 +94,7 @@ def _boundary_findings(domain: BoundaryDomain) -> list[Finding]:
     if fault:
         message = f"the boundary is no simple polygon: {fault}"
         return [Finding(fence.path, message, "list its corners in order around it, each once")]
-    if not domain.points_m:
-        return []
-    points, corners = np.array(domain.points_m), len(fence.ring_m)
-    findings = []
-    for first, later in _repeated(np.concatenate((fence.ring_m, points))):
-        twin = f"corner {first} of the boundary" if first < corners else f"point {first - corners}"
-        message = f"point {later - corners} repeats {twin}, {place(points[later - corners])}"
-        findings.append(Finding(("domain", "points", later - corners), message, "take it away"))
-    outside = shapely.distance(shapely.Polygon(fence.ring_m), shapely.points(points)) > tolerance_m
-    for index in np.flatnonzero(outside).tolist():
-        message = f"the point {place(points[index])} lies outside the boundary"
-        findings.append(Finding(("domain", "points", index), message, "move it inside, or take it away"))
-    return findings
+    return []
 
 
 def _repeated(points: FloatArray) -> list[tuple[int, int]]:
@@ -125,56 +121,30 @@ def _strangers(outline: Outline, nodes: cKDTree, tolerance_m: float, near_m: flo
     return findings
 
 
-def _outside(outline: Outline, boundary: FloatArray, near_m: float, *, wholly: bool) -> list[Finding]:
-    """The first corner of a region that is not even near the inside of the boundary; or only if no part of it is."""
+def _outside(outline: Outline, boundary: FloatArray) -> list[Finding]:
+    """A region of which nothing lies inside the boundary."""
     fence = shapely.Polygon(boundary)
-    distances = shapely.distance(fence, shapely.points(outline.ring_m))
-    outside = np.flatnonzero(distances > near_m)
-    if not len(outside) or (wholly and shapely.Polygon(outline.ring_m).intersection(fence).area > 0.0):
+    if shapely.Polygon(outline.ring_m).intersection(fence).area > 0.0:
         return []
-    index = int(outside[0])
-    extent = "wholly" if len(outside) == len(outline.ring_m) else "partly"
-    corner = f"the corner {place(outline.ring_m[index])} is {measure(distances[index])} m outside"
-    message = f"{outline.region} lies {extent} outside the boundary: {corner}"
+    distances = shapely.distance(fence, shapely.points(outline.ring_m))
+    index = int(np.argmin(distances))
+    nearest = f"the nearest of its corners, {place(outline.ring_m[index])}, is {measure(distances[index])} m from it"
+    message = f"{outline.region} lies wholly outside the boundary: {nearest}"
     return [Finding((*outline.path, index), message, "move its corners inside, or widen domain.boundary")]
 
 
-def _crossings(
-    outlines: list[Outline], tolerance_m: float, misses: NearMisses | None
-) -> tuple[list[Finding], set[str]]:
-    """One finding for each pair of outlines whose edges cross, or of which one sticks out of the boundary; and who.
-
-    Where the ends of edges that cross nearly touch the other edge, the two outlines should meet there.
-    """
+def _crossings(outlines: list[Outline], tolerance_m: float) -> tuple[list[Finding], set[str]]:
+    """One finding for each pair of outlines whose edges cross; and who they are."""
     if not outlines:
         return [], set()
     owner = np.repeat(np.arange(len(outlines)), [len(outline.ring_m) for outline in outlines])
     edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
     pairs, points = edge_crossings(edges, tolerance_m)
     findings: dict[tuple[int, int], Finding] = {}
-    touching = {(0, later) for later in _sticking_out(outlines, tolerance_m)} if misses else set()
     for (i, j), point in zip(pairs.tolist(), points, strict=True):
         a, b = sorted((int(owner[i]), int(owner[j])))
         first, second = outlines[a], outlines[b]
-        if misses and (a, b) in misses.beside(*edges[i]) & misses.beside(*edges[j]):
-            touching.add((a, b))
-        elif first.region:
-            message = f"an edge of {second.region} crosses an edge of {first.region} at {place(point)}"
-            hint = "let the two regions share a corner there, or move one of them"
-            findings.setdefault((a, b), Finding(second.path, message, hint))
-        else:
-            message = f"an edge of {second.region} crosses the boundary at {place(point)}"
-            findings.setdefault((a, b), Finding(second.path, message, "keep the whole region inside domain.boundary"))
-    nearly = misses.findings(touching - findings.keys()) if misses else []
-    taking_part = {outlines[index].region for of in findings.keys() | touching for index in of}
-    return [*findings.values(), *nearly], taking_part
-
-
-def _sticking_out(outlines: list[Outline], tolerance_m: float) -> list[int]:
-    """The outlines with a corner outside the first, the boundary."""
-    inside = shapely.Polygon(outlines[0].ring_m)
-    return [
-        index
-        for index, outline in enumerate(outlines)
-        if (shapely.distance(inside, shapely.points(outline.ring_m)) > tolerance_m).any()
-    ]
+        message = f"an edge of {second.region} crosses an edge of {first.region} at {place(point)}"
+        hint = "let the two regions share a corner there, or move one of them"
+        findings.setdefault((a, b), Finding(second.path, message, hint))
+    return list(findings.values()), {outlines[index].region for pair_of in findings for index in pair_of}

@@ -54,8 +54,8 @@ _RING: Final[Schema] = {
 }
 
 _MESH: Final = _object(
-    "The mesh refines itself: outlines need no points, may cross each other and the boundary, and are joined where "
-    "they nearly meet.",
+    "How fine the mesh of a boundary is. Its points are placed by the program; outlines may cross each other and the "
+    "boundary, and are joined where they nearly meet.",
     (),
     {
         "smallest_angle_deg": _number(
@@ -81,13 +81,6 @@ _DOMAIN: Final = _object(
         },
         "boundary": _RING
         | {"description": "Corners of a simple polygon, in order; it need not be convex and is closed by itself."},
-        "points": {
-            "description": "Further vertices of the mesh, inside the boundary.",
-            "type": "array",
-            "items": POINT_REFERENCE,
-            "maxItems": 100_000,
-            "examples": [[[10, 5]]],
-        },
         "mesh": _MESH,
         "corners": {
             "description": "What all points of the file are: [east, north] in metres, or [latitude, longitude] in "
@@ -97,10 +90,12 @@ _DOMAIN: Final = _object(
         },
     },
     oneOf=_one_of("nodes", "boundary"),
-    dependentRequired={"points": ["boundary"], "mesh": ["boundary"]},
-    **{"not": {"required": ["points", "mesh"]}},
+    dependentRequired={"mesh": ["boundary"]},
     examples=[{"boundary": [[0, 0], [150, 0], [150, 100], [0, 100]]}],
 )
+
+NEEDLESS_KEYS: Final = {("domain", "points"): "the mesh places its own points"}
+"""Keys that somebody may expect, and why there are none: whoever has one is told to delete it."""
 
 _REGION: Final = _object(
     "A named part of the domain: one triangle of the mesh, or a polygon of several.",
@@ -122,7 +117,10 @@ _REGION: Final = _object(
         },
         "at": _POINT | {"description": "The triangle with this point inside."},
         "polygon": _RING
-        | {"description": "Corners of a simple polygon, in order; each of its edges must be an edge of the mesh."},
+        | {
+            "description": "Corners of a simple polygon, in order. Within a boundary it may lie anywhere; over nodes, "
+            "each of its edges must be an edge of the mesh."
+        },
         "loiter_s": _number(
             "How long to stand still on entering the region, s; to start inside is not to enter.",
             0.0,

@@ -15,7 +15,14 @@ from mission.spec.finding import Finding, Path, dotted, listed, nearest, shorten
 from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
 from mission.spec.scalars import Oddity, number_hint, plain_value
 from mission.spec.scale import projected_finding
-from mission.spec.schema import COORDINATE, MAX_COORDINATE_M, POINT_REFERENCE, Schema, mission_schema
+from mission.spec.schema import (
+    COORDINATE,
+    MAX_COORDINATE_M,
+    NEEDLESS_KEYS,
+    POINT_REFERENCE,
+    Schema,
+    mission_schema,
+)
 
 MOST_ERRORS: Final = 1_000
 
@@ -128,6 +135,10 @@ def _unknown_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Itera
     for key in instance.keys() - known.keys():
         if key == "<<":
             yield Finding((*path, key), "merge keys are not allowed", "write the keys out", at_key=True)
+            continue
+        needless = NEEDLESS_KEYS.get((*path, key))
+        if needless:
+            yield Finding((*path, key), f"`{key}` is no key of `{dotted(path)}`: {needless}", "delete it", at_key=True)
             continue
         close = nearest(key, known)
         hint = f"did you mean `{close}`?" if close else f"known keys here: {listed(known)}"

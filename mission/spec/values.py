@@ -81,12 +81,10 @@ def domain_of(data: Data) -> NodesDomain | BoundaryDomain:
     """The domain section."""
     if "nodes" in data:
         return NodesDomain(_points(data["nodes"]))
-    return BoundaryDomain(_points(data["boundary"]), _points(data.get("points", [])), _refinement(data.get("mesh")))
+    return BoundaryDomain(_points(data["boundary"]), _refinement(data.get("mesh", {})))
 
 
-def _refinement(data: Data | None) -> Refinement | None:
-    if data is None:
-        return None
+def _refinement(data: Data) -> Refinement:
     return Refinement(float(data.get("smallest_angle_deg", SMALLEST_ANGLE_DEG)), float(data.get("largest_m", math.inf)))
 
 

@@ -27,7 +27,7 @@ ROUND_THE_WALL = (
     """\
 name: Round the wall
 domain:
-  boundary: [[0, 0], [18, 0], [22, 0], [40, 0], [40, 30], [0, 30]]
+  boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
 regions:
   home: {kind: home, polygon: [[4, 4], [12, 4], [12, 12], [4, 12]]}
   goal: {kind: survey, polygon: [[28, 4], [36, 4], [36, 12], [28, 12]], loiter_s: 2}

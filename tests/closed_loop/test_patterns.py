@@ -16,12 +16,12 @@ from tests.support.small_missions import plan_of
 
 MAP = """\
 domain:
-  boundary: [[0, 0], [20, 0], [40, 0], [40, 13], [40, 26], [20, 26], [0, 26], [0, 13]]
+  boundary: [[0, 0], [40, 0], [40, 26], [0, 26]]
 regions:
   home: {kind: home, polygon: [[7, 3], [13, 3], [13, 10], [7, 10]]}
   gate: {kind: survey, polygon: [[1, 3], [7, 3], [7, 10], [1, 10]]}
   a: {kind: survey, polygon: [[18, 4], [25, 4], [25, 11], [18, 11]]}
-  b: {kind: survey, polygon: [[23, 15], [30, 15], [37, 15], [37, 22], [30, 22], [23, 22]]}
+  b: {kind: survey, polygon: [[23, 15], [37, 15], [37, 22], [23, 22]]}
   west_of_b: {kind: survey, polygon: [[23, 15], [30, 15], [30, 22], [23, 22]]}
   c: {kind: survey, polygon: [[30, 3], [37, 3], [37, 10], [30, 10]]}
   pond: {kind: restricted, polygon: [[4, 16], [11, 16], [11, 22], [4, 22]]}

@@ -2,18 +2,35 @@
 
 import json
 import re
+from collections import Counter
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
 
+from mission.spec.loader import load_mission
+from mission.spec.model import BoundaryDomain, PolygonShape
 from tests.support.commands import MISSIONS, ran
 
 SOUND = sorted(MISSIONS.glob("*.yaml"))
 BROKEN = sorted((MISSIONS / "broken").glob("*.yaml"))
 WHOLE_FILE = {"empty.yaml", "only_comments.yaml"}
 """Where there is no line to point at."""
+WORDS = {
+    "delivery": "base depot clinic farm depot base",
+    "farm": "pad west north west pad",
+    "inspection": "pad roof tank pad",
+    "pairs": "home field depot field depot home",
+    "paper": "S2 S1 R",
+    "patrol": "home north east west",
+    "response": "lab well lab pond lab",
+    "survey": "home S1 S2 S3 home",
+    "tasks_delivery": "base depot clinic farm base",
+    "tasks_soft": "home road mast road barn home",
+}
+"""The regions that each flight enters, in turn; of patrols once round. A tour may be flown the other way about."""
 
 
 def name_of(file: Path) -> str:
@@ -38,6 +55,19 @@ def test_a_sound_mission_is_planned_with_a_proof(file: Path, capsys: pytest.Capt
     assert plan["shortest_runs"] >= 1
     assert plan["length_m"] > 0.0
     assert plan["duration_s"] > 0.0
+    visits = [name for letter in plan["certificate"]["word"] for name in letter]
+    assert Counter(visits) == Counter(WORDS[file.stem].split())
+
+
+@pytest.mark.parametrize("file", SOUND, ids=name_of)
+def test_no_corner_stands_on_a_straight_edge_for_the_sake_of_the_mesh(file: Path) -> None:
+    mission = load_mission(file)
+    rings = [region.shape.corners_m for region in mission.regions if isinstance(region.shape, PolygonShape)]
+    if isinstance(mission.domain, BoundaryDomain):
+        rings.append(mission.domain.boundary_m)
+    for ring in map(np.array, rings):
+        (ax, ay), (bx, by) = (ring - np.roll(ring, 1, axis=0)).T, (np.roll(ring, -1, axis=0) - ring).T
+        assert (np.abs(ax * by - ay * bx) > 1e-9).all()
 
 
 @pytest.mark.parametrize("file", SOUND, ids=name_of)

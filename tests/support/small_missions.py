@@ -22,7 +22,6 @@ SMALL = (
 name: Small round
 domain:
   boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
-  points: [[20, 10], [20, 20]]
 regions:
   home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]]}
   goal: {kind: survey, polygon: [[26, 4], [36, 4], [36, 12], [26, 12]], loiter_s: 2}
@@ -39,7 +38,6 @@ ROUNDS = """\
 name: Small rounds
 domain:
   boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
-  points: [[20, 10], [20, 20]]
 regions:
   home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]]}
   east: {kind: survey, polygon: [[26, 4], [36, 4], [36, 12], [26, 12]]}

@@ -4,13 +4,17 @@ import itertools
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mission.geometry.arrangement import arranged
 from mission.geometry.arrays import FloatArray
 from mission.geometry.location import Locator
+from mission.geometry.refinement import refined
+from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import Partition
-from mission.geometry.triangulation import triangulate_boundary, triangulate_nodes
+from mission.geometry.triangulation import triangulate_nodes
 from tests.support.domains import PAPER_NODES, random_nodes
 
 seeds = st.integers(0, 10_000)
@@ -73,7 +77,7 @@ def test_paper_path_crosses_the_papers_triangles() -> None:
 
 def test_walks_leave_the_domain_and_come_back() -> None:
     bent = np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (2.0, 1.0), (2.0, 0.5), (1.0, 0.5), (1.0, 1.0), (0.0, 1.0)])
-    locator = Locator(triangulate_boundary(bent, np.empty((0, 2)), []))
+    locator = Locator(refined(arranged(ring_edges(bent), 1e-6), shapely.Polygon(bent)).partition)
     walk = locator.crossed((-1.0, 0.75), (4.0, 0.75))
     outside = [fraction for triangle, fraction in walk if triangle < 0]
     assert outside == pytest.approx([0.0, 0.4, 0.8])

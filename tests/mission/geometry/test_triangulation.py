@@ -1,4 +1,4 @@
-"""Triangulations: the paper's numbering, Euler's formula, areas, and boundaries with polygons in them."""
+"""Triangulations of nodes: the paper's numbering, Euler's formula, areas, and edges that are in them or missing."""
 
 import math
 
@@ -11,21 +11,12 @@ from scipy.spatial import Delaunay
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import FloatArray
-from mission.geometry.faces import FacedMesh
 from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import Partition
-from mission.geometry.triangulation import (
-    EdgesInMesh,
-    distinct_points,
-    mesh_of_boundary,
-    slivers,
-    triangulate_boundary,
-    triangulate_nodes,
-)
+from mission.geometry.triangulation import EdgesInMesh, slivers, triangulate_nodes
 from tests.support.domains import PAPER_NODES, PAPER_TRIANGLES, random_nodes
 
 seeds = st.integers(0, 10_000)
-NO_POINTS = np.empty((0, 2))
 
 
 def symmetric(partition: Partition) -> bool:
@@ -94,70 +85,23 @@ def test_slivers_are_found() -> None:
     assert not len(slivers(triangulate_nodes(PAPER_NODES)))
 
 
-L_SHAPE = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0), (2.0, 4.0), (0.0, 4.0)])
-
-
-@pytest.mark.parametrize("ring", [L_SHAPE, L_SHAPE[::-1]])
-def test_a_bent_boundary_drops_what_lies_outside(ring: FloatArray) -> None:
-    partition = triangulate_boundary(ring, NO_POINTS, [])
-    assert partition.areas_m2.sum() == pytest.approx(12.0)
-    assert symmetric(partition)
-    assert shapely.contains_xy(shapely.Polygon(L_SHAPE), *partition.incentres_m.T).all()
-
-
-def test_polygons_come_out_as_unions_of_triangles() -> None:
-    first = np.array([(0.5, 0.5), (1.5, 0.5), (1.5, 1.5), (0.5, 1.5)])
-    second = np.array([(1.5, 0.5), (2.5, 0.5), (2.5, 1.5), (1.5, 1.5)])
-    partition = triangulate_boundary(L_SHAPE, np.array([(3.0, 1.0)]), [first, second])
-    assert partition.vertices_m[:7].tolist() == [*L_SHAPE.tolist(), [3.0, 1.0]]
-    assert len(partition.vertices_m) == 6 + 1 + 4 + 2
-    for ring in (first, second):
-        inside = FacedMesh.of(partition).inside(ring)
-        assert partition.areas_m2[inside].sum() == pytest.approx(1.0)
+SQUARE = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)])
 
 
 def test_a_vertex_on_an_edge_splits_it() -> None:
-    boundary = np.array([(0.0, 0.0), (9.0, 3.0), (6.0, 12.0), (-3.0, 9.0)])
-    # A third of the way along a slanting side, so that it is not exactly on it.
-    polygon = np.array([(3.0, 1.0), (2.0, 5.0), (0.1 * 3 / 0.1 * 2, 2.0)])
-    partition = triangulate_boundary(boundary, NO_POINTS, [polygon])
-    assert partition.areas_m2.sum() == pytest.approx(90.0)
-    chain = EdgesInMesh.of(partition, ring_edges(boundary))
+    ring = np.array([(0.0, 0.0), (9.0, 3.0), (6.0, 12.0), (-3.0, 9.0)])
+    # A third of the way along a slanting side, so that they are not exactly on it.
+    inner = np.array([(3.0, 1.0), (2.0, 5.0), (0.1 * 3 / 0.1 * 2, 2.0)])
+    chain = EdgesInMesh.of(triangulate_nodes(np.concatenate((ring, inner))), ring_edges(ring))
     assert chain.edge_of.tolist().count(0) == 3
     assert not len(chain.missing)
 
 
 def test_an_edge_that_does_not_come_out_is_named() -> None:
-    boundary = np.array([(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)])
     thin = np.array([(1.0, 5.0), (9.0, 5.0), (9.0, 9.0), (1.0, 9.0)])
-    points = np.array([(5.0, 5.1), (5.0, 4.9)])
-    with pytest.raises(GeometryError, match=r"from \(1, 5\) to \(9, 5\)"):
-        triangulate_boundary(boundary, points, [thin])
-    mesh = mesh_of_boundary(boundary, points, [thin])
+    mesh = triangulate_nodes(np.concatenate((SQUARE, thin, [(5.0, 5.1), (5.0, 4.9)])))
     assert EdgesInMesh.of(mesh, ring_edges(thin)).missing.tolist() == [0]
     with pytest.raises(GeometryError, match="no vertex"):
         EdgesInMesh.of(mesh, ring_edges(thin + 0.5))
     with pytest.raises(GeometryError, match="no vertex"):
         EdgesInMesh.of(mesh, ring_edges(np.array([(0.0, 0.0), (4.0, 0.0), (10.0, 10.0)])))
-
-
-def test_points_that_repeat_are_one() -> None:
-    points = np.array([(0.0, 0.0), (10.0, 0.0), (0.0, 1e-9), (10.0, 10.0), (10.0, 0.0)])
-    assert distinct_points(points).tolist() == [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0]]
-
-
-@given(seeds, st.integers(5, 12))
-@settings(max_examples=60, deadline=None)
-def test_star_shaped_boundaries_keep_their_area(seed: int, count: int) -> None:
-    rng = np.random.default_rng(seed)
-    angles = np.arange(count) * 2 * math.pi / count
-    radii = rng.uniform(0.6, 1.0, count)
-    ring = 50.0 * radii[:, None] * np.stack((np.cos(angles), np.sin(angles)), axis=1)
-    mesh = mesh_of_boundary(ring, np.zeros((1, 2)), [])
-    if len(EdgesInMesh.of(mesh, ring_edges(ring)).missing):
-        with pytest.raises(GeometryError, match="is no edge of the mesh"):
-            triangulate_boundary(ring, np.zeros((1, 2)), [])
-    else:
-        partition = triangulate_boundary(ring, np.zeros((1, 2)), [])
-        assert partition.areas_m2.sum() == pytest.approx(shapely.Polygon(ring).area, rel=1e-9)
-        assert symmetric(partition)

@@ -15,7 +15,10 @@ from mission.spec.model import MissionSpec
 # The short way leads through a gap that is narrower than the tube, between a wall and the border.
 GAP = """\
 domain:
-  boundary: [[0, 0], [40, 0], [40, 30], [0, 30]]
+  nodes: [[0, 0], [40, 0], [40, 30], [0, 30],
+    [2, 2], [8, 2], [8, 8], [2, 8],
+    [32, 2], [38, 2], [38, 8], [32, 8],
+    [18, 0.8], [22, 0.8], [22, 22], [18, 22]]
 regions:
   home: {kind: home, polygon: [[2, 2], [8, 2], [8, 8], [2, 8]]}
   field: {kind: survey, polygon: [[32, 2], [38, 2], [38, 8], [32, 8]]}

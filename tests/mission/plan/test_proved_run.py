@@ -19,7 +19,12 @@ from mission.spec.model import MissionSpec
 # Some of the shortest runs squeeze past a region between it and the border.
 NARROW = """\
 domain:
-  boundary: [[0, 0], [32, 0], [32, 48], [0, 48]]
+  nodes: [[0, 0], [32, 0], [32, 48], [0, 48],
+    [2, 2], [12, 2], [12, 12], [2, 12],
+    [2, 16], [14, 16], [14, 28], [2, 28],
+    [18, 16], [30, 16], [30, 28], [18, 28],
+    [2, 32], [14, 32], [14, 44], [2, 44],
+    [18, 32], [30, 32], [30, 44], [18, 44]]
 regions:
   home: {kind: home, polygon: [[2, 2], [12, 2], [12, 12], [2, 12]]}
   south: {kind: survey, polygon: [[2, 16], [14, 16], [14, 28], [2, 28]]}

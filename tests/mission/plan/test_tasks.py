@@ -24,8 +24,7 @@ MISSIONS = Path(__file__).parents[3] / "missions"
 # Fields, a home and a no-fly pond, all apart.
 MAP = """\
 domain:
-  boundary: [[0, 0], [30, 0], [60, 0], [90, 0], [90, 30], [90, 60], [60, 60], [30, 60], [0, 60], [0, 30]]
-  points: [[45, 20]]
+  boundary: [[0, 0], [90, 0], [90, 60], [0, 60]]
 regions:
   home: {kind: home, polygon: [[8, 8], [22, 8], [22, 22], [8, 22]]}
   west: {kind: survey, polygon: [[8, 38], [22, 38], [22, 52], [8, 52]]}

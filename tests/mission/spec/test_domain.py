@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.errors import Fault, SpecError
+from mission.errors import SpecError
 from mission.geometry.location import Locator
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import load_mission, parse_mission
-from mission.spec.model import BoundaryDomain, PolygonShape, Region, RegionKind, Start
+from mission.spec.model import BoundaryDomain, PolygonShape, Refinement, Region, RegionKind, Start
 from tests.support.domains import PAPER_TRIANGLES
 
 PAPER = load_mission(Path(__file__).parents[3] / "missions" / "paper.yaml")
@@ -43,7 +43,7 @@ def test_polygons_over_nodes_are_unions_of_triangles() -> None:
 def test_restricted_regions_win_where_regions_overlap() -> None:
     outer = Region("Field", RegionKind.SURVEY, PolygonShape(square(10.0, 10.0, 30.0)))
     inner = Region("Pond", RegionKind.RESTRICTED, PolygonShape(square(20.0, 20.0, 10.0)))
-    domain = BoundaryDomain(((0.0, 0.0), (60.0, 0.0), (60.0, 50.0), (0.0, 50.0)))
+    domain = BoundaryDomain(((0.0, 0.0), (60.0, 0.0), (60.0, 50.0), (0.0, 50.0)), Refinement(20.0, np.inf))
     spec = replace(PAPER, domain=domain, regions=(outer, inner), start=Start((5.0, 5.0)))
     partition, labelling = build_domain(spec)
     assert labelling.letters == (frozenset(), frozenset({"Field"}), frozenset({"Field", "Pond"}))
@@ -65,8 +65,8 @@ def test_a_bad_value_raises_every_fault_without_lines() -> None:
 
 
 @given(st.integers(0, 10_000), st.integers(1, 5))
-@settings(max_examples=40, deadline=None)
-def test_random_squares_come_out_or_are_named(seed: int, count: int) -> None:
+@settings(max_examples=20, deadline=None)
+def test_random_squares_come_out_wherever_they_lie(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     corners = rng.uniform(2.0, 80.0, (count, 2)).round(1)
     sides = rng.uniform(3.0, 15.0, count).round(1)
@@ -76,15 +76,7 @@ def test_random_squares_come_out_or_are_named(seed: int, count: int) -> None:
     ]
     head = "domain: {boundary: [[0, 0], [100, 0], [100, 100], [0, 100]]}\nregions:\n"
     tail = "\nmission: {formula: F S0}\nstart: {position_m: [1, 1]}\n"
-    faults: tuple[Fault, ...] = ()
-    try:
-        spec = parse_mission((head + "\n".join(lines) + tail).encode())
-    except SpecError as error:
-        faults = error.faults
-    words = ("crosses", "no edge of the mesh", "degenerate")
-    assert all(any(word in fault.message for word in words) for fault in faults)
-    if faults:
-        return
+    spec = parse_mission((head + "\n".join(lines) + tail).encode())
     partition, labelling = build_domain(spec)
     locator = Locator(partition)
     for i, (corner, side) in enumerate(zip(corners, sides, strict=True)):
@@ -93,22 +85,23 @@ def test_random_squares_come_out_or_are_named(seed: int, count: int) -> None:
         assert locator.triangle_at((corner + side * rng.uniform(0.01, 0.99, 2))[None])[0] in members
 
 
-def test_the_suggested_points_make_a_missing_edge_come_out() -> None:
+def test_the_suggested_nodes_make_a_missing_edge_come_out() -> None:
     text = """\
 domain:
-  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
-  points: [[30, 20]]
+  nodes: [[0, 0], [60, 0], [60, 40], [0, 40], [30, 20], [10, 21], [35, 21], [35, 35], [10, 35]]
 regions:
   Field: {kind: survey, polygon: [[10, 21], [35, 21], [35, 35], [10, 35]]}
 mission: {formula: F Field}
 start: {position_m: [5, 5]}
 """
+    with pytest.raises(SpecError):
+        parse_mission(text.encode())
     for _ in range(6):
         try:
             spec = parse_mission(text.encode())
         except SpecError as error:
             for fault in error.faults:
-                text = text.replace("points: [", f"points: [{fault.hint.partition('such as ')[2]}, ")
+                text = text.replace("]]\nregions", f"], {fault.hint.partition('such as ')[2]}]\nregions")
         else:
             assert build_domain(spec)[0].areas_m2.sum() == pytest.approx(2400.0)
             return

@@ -21,6 +21,7 @@ from mission.spec.model import (
     Origin,
     PointShape,
     PolygonShape,
+    Refinement,
     Region,
     RegionKind,
     Semantics,
@@ -70,7 +71,9 @@ def test_what_a_file_leaves_out_has_defaults() -> None:
     spec = parse_mission(SMALL.encode(), "fields/north.yaml")
     assert (spec.name, spec.description, spec.run, spec.origin) == ("north", "", 0, None)
     assert spec.semantics is Semantics.STANDARD
-    assert spec.domain == BoundaryDomain(((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)), ())
+    assert spec.domain == BoundaryDomain(
+        ((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)), Refinement(20.0, math.inf)
+    )
     corners = ((10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0))
     assert spec.regions == (Region("Field", RegionKind.SURVEY, PolygonShape(corners), 10.0),)
     assert spec.start == Start((5.0, 5.0), (0.0, 0.0))

@@ -15,7 +15,7 @@ FARM = Path(__file__).parents[3] / "missions" / "farm.yaml"
 SITE = """\
 domain:
   boundary: [[0, 0], [80, 0], [80, 60], [0, 60]]
-  mesh: {%s}
+  %s
 regions:
   home: {kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}
   field: {kind: survey, polygon: [[55, 35], [70, 35], [70, 50], [55, 50]]}
@@ -27,7 +27,7 @@ flight: {disturbance_m_s2: 0.3}
 
 
 def site(regions: str, mesh: str = "") -> bytes:
-    return (SITE % (mesh, regions)).encode()
+    return (SITE % (f"mesh: {{{mesh}}}" if mesh else "", regions)).encode()
 
 
 def faults(regions: str, mesh: str = "") -> str:
@@ -88,7 +88,19 @@ def test_a_mesh_that_is_too_fine_is_refused() -> None:
     assert "write more than 0.235" in fault.hint
 
 
-def test_points_and_a_mesh_exclude_each_other() -> None:
-    text = site("bog: {kind: survey, at: [40, 5]}").replace(b"mesh: {}", b"mesh: {}\n  points: [[40, 30]]")
-    with pytest.raises(SpecError):
+def test_a_point_for_the_mesh_is_one_fault_that_says_to_delete_it() -> None:
+    text = site("bog: {kind: survey, at: [40, 5]}").replace(
+        b"regions:", b"  points: [[40, 30], [200, 1], [0]]\nregions:"
+    )
+    with pytest.raises(SpecError) as refused:
         parse_mission(text)
+    (fault,) = refused.value.faults
+    assert (fault.path, fault.line, fault.hint) == ("domain.points", 4, "delete it")
+    assert "the mesh places its own points" in fault.message
+
+
+def test_faults_of_the_geometry_are_told_beside_a_needless_key() -> None:
+    text = site("bog: {kind: survey, at: [90, 5]}").replace(b"regions:", b"  points: [[40, 30]]\nregions:")
+    with pytest.raises(SpecError) as refused:
+        parse_mission(text)
+    assert [fault.path for fault in refused.value.faults] == ["domain.points", "regions.bog.at"]
