@@ -8,6 +8,7 @@ import shapely
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.delaunay import Triangulation
+from mission.geometry.shapes import Area
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import parted, selected
 
@@ -31,13 +32,14 @@ class FacedMesh:
         """A mesh in which each triangle is a face of its own."""
         return cls(partition, np.arange(partition.size), partition.incentres_m)
 
-    def inside(self, polygon_m: FloatArray) -> BoolArray:
-        """Which triangles lie in a simple polygon, shape (K, 2), whose edges part faces; shape (M,)."""
+    def inside(self, area: Area) -> BoolArray:
+        """Which triangles lie in an area whose rim parts faces; shape (M,)."""
         centres = self.inside_m
-        inside: BoolArray = ((centres >= polygon_m.min(axis=0)) & (centres <= polygon_m.max(axis=0))).all(axis=1)
-        polygon = shapely.Polygon(polygon_m)
-        shapely.prepare(polygon)
-        inside[inside] = shapely.contains_xy(polygon, centres[inside, 0], centres[inside, 1])
+        # The bounds of an empty area are no numbers: nothing lies within.
+        low, high = np.array(area.bounds, dtype=np.float64).reshape(2, 2)
+        inside = np.asarray(((centres >= low) & (centres <= high)).all(axis=1))
+        shapely.prepare(area)
+        inside[inside] = shapely.contains_xy(area, centres[inside, 0], centres[inside, 1])
         return inside[self.face_of]
 
     def moved(self, by_m: FloatArray) -> "FacedMesh":

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray
+from mission.geometry.rings import ring_edges
 
 DISC_SHARE: Final = 0.01
 """The rim of a disc is at most this part of the radius, and ``DISC_M``, from the circle."""
@@ -39,7 +40,7 @@ def united(parts: Iterable[Part]) -> Area:
             shapely.difference(shapely.Polygon(ring), shapely.union_all([shapely.Polygon(hole) for hole in holes]))
             for ring, holes in drawn
         ]
-        return _area(shapely.union_all(cut))
+        return polygonal(shapely.union_all(cut))
     return whole.geoms[0] if len(drawn) == 1 else whole
 
 
@@ -66,7 +67,7 @@ def strip(line_m: FloatArray, width_m: float, *, outside: bool) -> Area:
     closed = len(line) > 2 and bool((line[0] == line[-1]).all())  # noqa: PLR2004 - a ring
     line = line[:-1] if closed else line
     sides = [_beside(path, 0.5 * width_m, closed=closed, outside=outside) for path in (line, line[::-1])]
-    return _moved(_area(shapely.union_all(np.concatenate(sides))), origin)
+    return _moved(polygonal(shapely.union_all(np.concatenate(sides))), origin)
 
 
 def grown(area: Area, by_m: float) -> Area:
@@ -75,7 +76,7 @@ def grown(area: Area, by_m: float) -> Area:
         return area
     origin, _ = _near(shapely.get_coordinates(area))
     near = _moved(area, -origin)
-    return _moved(_area(shapely.union_all([near, *_rim(near, by_m, inwards=False)])), origin)
+    return _moved(polygonal(shapely.union_all([near, *_rim(near, by_m, inwards=False)])), origin)
 
 
 def shrunk(area: Area, by_m: float) -> Area:
@@ -84,7 +85,7 @@ def shrunk(area: Area, by_m: float) -> Area:
         return area
     origin, _ = _near(shapely.get_coordinates(area))
     near = _moved(area, -origin)
-    return _moved(_area(shapely.difference(near, shapely.union_all(_rim(near, by_m, inwards=True)))), origin)
+    return _moved(polygonal(shapely.difference(near, shapely.union_all(_rim(near, by_m, inwards=True)))), origin)
 
 
 def rings_of(area: Area) -> list[FloatArray]:
@@ -94,6 +95,21 @@ def rings_of(area: Area) -> list[FloatArray]:
         for part in shapely.get_parts(area)
         for ring in (part.exterior, *part.interiors)
     ]
+
+
+def edges_of(areas: Iterable[Area]) -> FloatArray:
+    """The edges of all rings of some areas, shape (E, 2, 2): edge, end, xy."""
+    return np.concatenate([np.empty((0, 2, 2)), *(ring_edges(ring) for area in areas for ring in rings_of(area))])
+
+
+def polygonal(shape: shapely.Geometry) -> Area:
+    """What of a shape is an area, without the parts and holes that rounding leaves."""
+    parts = [
+        shapely.Polygon(part.exterior, [hole for hole in part.interiors if shapely.Polygon(hole).area > _NOTHING_M2])
+        for part in shapely.get_parts(shape)
+        if isinstance(part, shapely.Polygon) and part.area > _NOTHING_M2
+    ]
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
 
 
 def _rim(area: Area, width_m: float, *, inwards: bool) -> FloatArray:
@@ -141,13 +157,3 @@ def _near(points: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _moved(area: Area, by_m: FloatArray) -> Area:
     return shapely.transform(area, lambda places: places + by_m)
-
-
-def _area(shape: shapely.Geometry) -> Area:
-    """An area without the parts and holes that rounding leaves."""
-    parts = [
-        shapely.Polygon(part.exterior, [hole for hole in part.interiors if shapely.Polygon(hole).area > _NOTHING_M2])
-        for part in shapely.get_parts(shape)
-        if isinstance(part, shapely.Polygon) and part.area > _NOTHING_M2
-    ]
-    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)

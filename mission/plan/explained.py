@@ -6,9 +6,10 @@ from mission.errors import AutomatonSizeError, NoPlanError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.formula.conjuncts import conjuncts
-from mission.plan.diagnosis import diagnose
+from mission.plan.diagnosis import Cause, diagnose
 from mission.plan.tasks import formula_of
 from mission.planning.transition_system import TransitionSystem
+from mission.spec.loss import out_of_reach
 from mission.spec.model import MissionSpec, RegionKind
 from mission.spec.tasks import task_formula, task_text
 
@@ -51,6 +52,12 @@ def explained(
         return error
     if found is None:
         return error
+    begins_m = partition.incentres_m[start]
+    parts = out_of_reach(spec, (begins_m[0], begins_m[1])) if found.cause is Cause.UNREACHABLE else ()
     return NoPlanError(
-        found.text, cause=found.cause, conjuncts=found.conjuncts, restricted=found.restricted, regions=found.regions
+        "\n".join((found.text, *parts)),
+        cause=found.cause,
+        conjuncts=found.conjuncts,
+        restricted=found.restricted,
+        regions=found.regions,
     )

@@ -23,7 +23,8 @@ from mission.plan.specification import Specification, deterministic_of
 from mission.plan.tasks import DroppedTask
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
-from mission.spec.domain import cut_off, restricted_triangles
+from mission.spec.domain import restricted_triangles
+from mission.spec.loss import cut_off, out_of_reach
 from mission.spec.model import MissionSpec, Point
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
@@ -169,6 +170,7 @@ class FlightPlan:
         start = int(self.labelling.letter_of[self.run.states[0]])
         return (
             *cut_off(self.spec),
+            *out_of_reach(self.spec, self.start_m),
             *flight_cautions(self.spec.flight, self.spec.limits),
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
             *((self._passing_over,) if self.passed_over else ()),

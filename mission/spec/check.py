@@ -9,7 +9,7 @@ from mission.logic.formula.syntax import propositions
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.model import Point, Region, RegionKind
-from mission.spec.schema import OPERATOR_NAMES
+from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS
 from mission.spec.task_check import task_findings, weight_findings
 from mission.spec.values import domain_of, point_of, region_of
 
@@ -36,7 +36,7 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
             if is_clean(("tasks", i), structural):
                 findings.extend(task_findings(i, task, kinds or {}))
     findings.extend(_cover_findings(regions))
-    if all(is_clean(("domain", key), structural) for key in ("nodes", "boundary", "mesh")):
+    if all(is_clean(("domain", key), structural) for key in DOMAIN_KEYS):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
         findings.extend(examine_domain(domain_of(data["domain"]), known, start_m)[2])
@@ -67,7 +67,7 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
     known = []
     for name, value in regions.items() if isinstance(regions, dict) else ():
         path: Path = ("regions", name)
-        if all(is_clean((*path, key), structural) for key in ("triangle", "at", "polygon")):
+        if all(is_clean((*path, key), structural) for key in SHAPE_KEYS):
             kind = value["kind"] if is_clean((*path, "kind"), structural) else RegionKind.SURVEY
             shape = {key: part for key, part in value.items() if key not in ("loiter_s", "cover")}
             known.append(region_of(name, {**shape, "kind": kind}))

@@ -2,11 +2,24 @@
 
 import math
 from dataclasses import asdict
-from typing import Any
+from typing import Any, Final
 
 from mission.spec.covers import cover_data
-from mission.spec.model import SUFFIX_DECIDES, BoundaryDomain, MissionSpec, PointShape, Region, TriangleShape
+from mission.spec.model import (
+    SUFFIX_DECIDES,
+    AreaShape,
+    BoundaryDomain,
+    CircleShape,
+    MissionSpec,
+    PointShape,
+    PolygonShape,
+    PolygonsShape,
+    Region,
+    TriangleShape,
+)
 from mission.spec.tasks import task_data
+
+_CLEARANCES: Final = ("clearance_m", "restricted_clearance_m")
 
 
 def document_of(spec: MissionSpec) -> dict[str, Any]:
@@ -18,7 +31,11 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
         "name": spec.name,
         "description": spec.description,
         "domain": (
-            {"boundary": _pairs(domain.boundary_m), "mesh": _mesh(domain)}
+            {
+                "boundary": _boundary(domain.boundary),
+                "mesh": _mesh(domain),
+                **{key: value for key in _CLEARANCES if (value := getattr(domain, key))},
+            }
             if isinstance(domain, BoundaryDomain)
             else {"nodes": _pairs(domain.nodes_m)}
         ),
@@ -55,6 +72,12 @@ def _mesh(domain: BoundaryDomain) -> dict[str, Any]:
     return {"smallest_angle_deg": wanted.smallest_angle_deg, **largest}
 
 
+def _boundary(shape: AreaShape) -> list[list[float]] | dict[str, Any]:
+    if isinstance(shape, PolygonShape) and not shape.holes_m:
+        return _pairs(shape.corners_m)
+    return _area(shape)
+
+
 def _region(region: Region) -> dict[str, Any]:
     shape: dict[str, Any]
     if isinstance(region.shape, TriangleShape):
@@ -62,9 +85,21 @@ def _region(region: Region) -> dict[str, Any]:
     elif isinstance(region.shape, PointShape):
         shape = {"at": list(region.shape.point_m)}
     else:
-        shape = {"polygon": _pairs(region.shape.corners_m)}
+        shape = _area(region.shape)
+    clearance = {} if region.clearance_m is None else {"clearance_m": region.clearance_m}
     cover = {} if region.cover is None else {"cover": cover_data(region.cover)}
-    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **cover}
+    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **clearance, **cover}
+
+
+def _area(shape: AreaShape) -> dict[str, Any]:
+    if isinstance(shape, PolygonShape):
+        holes = {"holes": [_pairs(hole) for hole in shape.holes_m]} if shape.holes_m else {}
+        return {"polygon": _pairs(shape.corners_m), **holes}
+    if isinstance(shape, PolygonsShape):
+        return {"polygons": [_area(part) for part in shape.parts]}
+    if isinstance(shape, CircleShape):
+        return {"centre": list(shape.centre_m), "radius_m": shape.radius_m}
+    return {"line": _pairs(shape.line_m), "width_m": shape.width_m}
 
 
 def _pairs(points: tuple[tuple[float, float], ...]) -> list[list[float]]:

@@ -13,9 +13,12 @@ from mission.geometry.faces import FacedMesh
 from mission.geometry.location import Locator
 from mission.geometry.refinement import finest_m, refined
 from mission.geometry.regions import Labelling, label_triangles
-from mission.geometry.rings import ring_area_m2, ring_edges
+from mission.geometry.rings import ring_edges
+from mission.geometry.shapes import Area, edges_of
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import SLIVER, EdgesInMesh, slivers, triangulate_nodes
+from mission.spec.areas import Ground, boundary_ground
+from mission.spec.drawn_rings import DrawnRing
 from mission.spec.finding import Finding, Path, dotted, listed
 from mission.spec.model import (
     BoundaryDomain,
@@ -23,17 +26,15 @@ from mission.spec.model import (
     NodesDomain,
     Point,
     PointShape,
-    PolygonShape,
     Region,
     RegionKind,
     TriangleShape,
 )
-from mission.spec.outlines import Outline, boundary_outline, place, sound_outlines
+from mission.spec.outlines import BOUNDARY, Outlines, place, sound_outlines
 from mission.spec.scale import pair
+from mission.spec.start_check import reach, start_findings
 
 Domain = NodesDomain | BoundaryDomain
-
-_WORTH_SAYING = 1e-3  # of a region's area
 
 
 def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
@@ -60,22 +61,6 @@ def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
     return mask
 
 
-def cut_off(spec: MissionSpec) -> tuple[str, ...]:
-    """Warnings for the regions of which something lies outside a boundary that cuts them off."""
-    domain = spec.domain
-    if isinstance(domain, NodesDomain):
-        return ()
-    fence = shapely.Polygon(domain.boundary_m)
-    warnings = []
-    for region in spec.regions:
-        if isinstance(region.shape, PolygonShape):
-            area = shapely.Polygon(region.shape.corners_m)
-            share = 1.0 - area.intersection(fence).area / area.area
-            if share > _WORTH_SAYING:
-                warnings.append(f"regions.{region.name}: {share:.1%} of it lies outside the boundary and is cut off")
-    return tuple(warnings)
-
-
 def examine_domain(
     domain: Domain, regions: Sequence[Region], start_m: Point | None
 ) -> tuple[Partition | None, Labelling | None, list[Finding]]:
@@ -95,20 +80,25 @@ def examine_domain(
         return None, None, [*findings, _no_mesh(domain, error)]
     partition = mesh.partition
     if isinstance(domain, NodesDomain):
-        findings.extend(_missing_edges(partition, outlines))
+        findings.extend(_missing_edges(partition, outlines.rings))
     locator = Locator(partition)
     members: dict[str, BoolArray] = {}
-    rings = {outline.region: outline.ring_m for outline in outlines}
     for region in regions:
-        if not isinstance(region.shape, PolygonShape) or region.name in rings:
-            members[region.name], found = _members(region, mesh, locator, rings)
+        ground = outlines.grounds.get(region.name)
+        if ground is not None:
+            members[region.name] = mesh.inside(ground.kept)
+            if isinstance(domain, BoundaryDomain) and not members[region.name].any() and _is_plain(ground, outlines):
+                own = next(
+                    (ring.path for ring in outlines.rings if ring.region == region.name), ("regions", region.name)
+                )
+                findings.append(_vanished(own, region.name, joined_m(partition.extent_m)))
+        elif isinstance(region.shape, TriangleShape | PointShape):
+            members[region.name], found = _members(region.name, region.shape, partition, locator)
             findings.extend(found)
-            if isinstance(domain, BoundaryDomain) and not found and not members[region.name].any():
-                findings.append(_vanished(region.name, joined_m(partition.extent_m)))
-    findings.extend(_degenerate(partition, _sources(domain, outlines)))
+    findings.extend(_degenerate(partition, domain, outlines))
     if start_m is not None:
-        restricted = [region.name for region in regions if region.kind is RegionKind.RESTRICTED]
-        findings.extend(_start_findings(start_m, locator, {k: v for k, v in members.items() if k in restricted}))
+        restricted = {region: members[region.name] for region in regions if _forbids(region) and region.name in members}
+        findings.extend(start_findings(start_m, locator, restricted, outlines))
     findings = list(dict.fromkeys(findings))
     return partition, None if findings else label_triangles(partition.size, members), findings
 
@@ -118,77 +108,81 @@ def joined_m(extent_m: float) -> float:
     return min(0.01, 1e-4 * extent_m)
 
 
-def _meshed(domain: Domain, outlines: list[Outline]) -> FacedMesh:
+def _forbids(region: Region) -> bool:
+    return region.kind is RegionKind.RESTRICTED
+
+
+def _is_plain(ground: Ground, outlines: Outlines) -> bool:
+    """Whether no clearance may have taken an area away."""
+    return ground.clearance_m == 0.0 and (outlines.fence is None or outlines.fence.clearance_m == 0.0)
+
+
+def _meshed(domain: Domain, outlines: Outlines) -> FacedMesh:
     """The mesh; over nodes, edges of the outlines may be missing in it."""
     if isinstance(domain, NodesDomain):
         return FacedMesh.of(triangulate_nodes(np.array(domain.nodes_m)))
-    rim = ring_edges(boundary_outline(domain).ring_m)
-    fence = shapely.Polygon(rim[:, 0])
+    fence = boundary_ground(domain).kept
+    rims, areas = edges_of([fence]), edges_of(ground.kept for ground in outlines.grounds.values())
     # What sticks out is cut off before it is meshed: vertices out there would only make triangles inside smaller.
-    within = [_straight_parts(ring_edges(outline.ring_m), fence) for outline in outlines]
     return refined(
-        arranged(np.concatenate((rim, *within)), joined_m(float(np.ptp(rim[:, 0], axis=0).max()))),
+        arranged(np.concatenate((rims, _straight_parts(areas, fence))), joined_m(outlines.extent_m)),
         fence,
         smallest_angle_deg=domain.refinement.smallest_angle_deg,
         largest_m=domain.refinement.largest_m,
     )
 
 
-def _straight_parts(edges_m: FloatArray, within: shapely.Polygon) -> FloatArray:
-    """The parts of edges, shape (E, 2, 2), that lie within a polygon, shape (P, 2, 2)."""
+def _straight_parts(edges_m: FloatArray, within: Area) -> FloatArray:
+    """The parts of edges, shape (E, 2, 2), that lie within an area, shape (P, 2, 2)."""
     parts = shapely.get_parts(shapely.intersection(shapely.linestrings(edges_m), within))
     lines = parts[(shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & (shapely.length(parts) > 0.0)]
     ends: FloatArray = shapely.get_coordinates(lines).reshape(-1, 2, 2)
     return ends
 
 
-def _missing_edges(mesh: Partition, outlines: list[Outline]) -> list[Finding]:
+def _missing_edges(mesh: Partition, rings: Sequence[DrawnRing]) -> list[Finding]:
     """What to do about edges that are missing in a mesh of nodes."""
-    if not outlines:
+    if not rings:
         return []
-    owners = [(outline, index) for outline in outlines for index in range(len(outline.ring_m))]
-    edges = np.concatenate([ring_edges(outline.ring_m) for outline in outlines])
+    owners = [(ring, index) for ring in rings for index in range(len(ring.corners_m))]
+    edges = np.concatenate([ring_edges(ring.corners_m) for ring in rings])
     found = EdgesInMesh.of(mesh, edges)
     gaps = mesh.vertices_m[found.links[~found.present]].mean(axis=1)
     gap_of = found.edge_of[~found.present]
     findings = []
     for edge in found.missing.tolist():
-        outline, index = owners[edge]
+        ring, index = owners[edge]
         a, b = edges[edge]
-        message = f"the edge of {outline.region} from {place(a)} to {place(b)} is no edge of the mesh"
+        message = f"the edge of {ring.region} from {place(a)} to {place(b)} is no edge of the mesh"
         middles = listed(map(pair, gaps[gap_of == edge]), most=4)
         hint = f"other points are too near; add to domain.nodes a point on each gap in the edge, such as {middles}"
-        findings.append(Finding((*outline.path, index), message, hint))
+        findings.append(Finding((*ring.path, index), message, hint))
     return findings
 
 
 def _members(
-    region: Region, mesh: FacedMesh, locator: Locator, rings: dict[str, FloatArray]
+    name: str, shape: TriangleShape | PointShape, partition: Partition, locator: Locator
 ) -> tuple[BoolArray, list[Finding]]:
-    """Mask of a region's triangles, shape (M,), and what is wrong with its shape."""
-    partition = mesh.partition
-    mask = np.zeros(partition.size, dtype=np.bool_)
-    if isinstance(region.shape, TriangleShape):
+    """Mask of the one triangle of a region, shape (M,), and what is wrong with its shape."""
+    if isinstance(shape, TriangleShape):
         # Three different nodes, each of them among the three of the triangle: the order does not matter.
         mask = np.ones(partition.size, dtype=np.bool_)
-        for node in region.shape.nodes:
+        for node in shape.nodes:
             mask &= np.logical_or.reduce(np.equal(partition.triangles.T, node))
-        return mask, [] if mask.any() else [_no_such_triangle(region.name, region.shape.nodes, partition)]
-    if isinstance(region.shape, PointShape):
-        point = region.shape.point_m
-        touching = locator.triangles_touching(point)
-        mask[touching] = True
-        if len(touching) == 1:
-            return mask, []
-        return mask, [_no_one_triangle(region.name, point, touching.tolist(), partition)]
-    return mesh.inside(rings[region.name]), []
+        return mask, [] if mask.any() else [_no_such_triangle(name, shape.nodes, partition)]
+    touching = locator.triangles_touching(shape.point_m)
+    mask = np.zeros(partition.size, dtype=np.bool_)
+    mask[touching] = True
+    if len(touching) == 1:
+        return mask, []
+    return mask, [_no_one_triangle(name, shape.point_m, touching.tolist(), partition)]
 
 
 def _no_mesh(domain: Domain, error: GeometryError) -> Finding:
     if isinstance(domain, NodesDomain):
         return Finding(("domain", "nodes"), str(error), "three nodes at least must not lie on one line")
     wanted = domain.refinement
-    finest = finest_m(abs(ring_area_m2(boundary_outline(domain).ring_m)))
+    finest = finest_m(boundary_ground(domain).kept.area)
     if wanted.largest_m < finest:
         hint = f"write more than {measure(2.0 * finest)}, or leave it out"
         return Finding(("domain", "mesh", "largest_m"), str(error), hint)
@@ -198,9 +192,9 @@ def _no_mesh(domain: Domain, error: GeometryError) -> Finding:
     return Finding(("domain", "mesh"), str(error), hint)
 
 
-def _vanished(name: str, joined: float) -> Finding:
+def _vanished(path: Path, name: str, joined: float) -> Finding:
     message = f"nothing is left of {name} in the mesh, in which whatever is closer than {measure(joined)} m is joined"
-    return Finding(("regions", name, "polygon"), message, "make it larger, or take it away")
+    return Finding(path, message, "make it larger, or take it away")
 
 
 def _no_such_triangle(name: str, nodes: tuple[int, int, int], partition: Partition) -> Finding:
@@ -219,49 +213,28 @@ def _no_such_triangle(name: str, nodes: tuple[int, int, int], partition: Partiti
 def _no_one_triangle(name: str, point: Point, touching: list[int], partition: Partition) -> Finding:
     path = ("regions", name, "at")
     if not touching:
-        return Finding(path, f"the point {place(point)} of {name} lies outside the domain", _reach(partition))
+        return Finding(path, f"the point {place(point)} of {name} lies outside the domain", reach(partition))
     message = f"the point {place(point)} of {name} lies on an edge between triangles"
     inside = listed(map(pair, partition.incentres_m[touching[:6]]))
     return Finding(path, message, f"move it inside one of them, such as {inside}")
 
 
-def _sources(domain: Domain, outlines: list[Outline]) -> list[tuple[Path, FloatArray]]:
-    """The lists of the file that the vertices of the mesh come from, in order, with their paths."""
+def _degenerate(partition: Partition, domain: Domain, outlines: Outlines) -> list[Finding]:
+    # The lists of the file that the vertices of the mesh come from.
+    sources = [(ring.path, ring.corners_m) for ring in outlines.rings]
     if isinstance(domain, NodesDomain):
-        return [(("domain", "nodes"), np.array(domain.nodes_m))]
-    return [(outline.path, outline.ring_m) for outline in (boundary_outline(domain), *outlines)]
-
-
-def _degenerate(partition: Partition, sources: list[tuple[Path, FloatArray]]) -> list[Finding]:
+        sources = [(("domain", "nodes"), np.array(domain.nodes_m))]
     owners: list[Path] = [(*path, index) for path, points in sources for index in range(len(points))]
-    places = np.concatenate([points for _, points in sources])
+    places = np.concatenate([np.empty((0, 2)), *(points for _, points in sources)])
     findings = []
     for index in slivers(partition).tolist():
         longest = int(np.argmax(partition.edge_lengths_m[index]))
         # The corner opposite the longest side is the one that lies on it, or one of two that lie together.
         corner = partition.corners_m[index, longest]
-        owner = owners[int(np.argmin(np.linalg.norm(places - corner, axis=1)))]
+        owner = owners[int(np.argmin(np.linalg.norm(places - corner, axis=1)))] if owners else BOUNDARY
         corners = " ".join(place(corner) for corner in partition.corners_m[index])
         height, side = partition.heights_m[index].min(), partition.edge_lengths_m[index].max()
         message = f"the triangle {corners} is degenerate: {measure(height)} m high on a side of {measure(side)} m"
         hint = f"move this corner or take it away; the height must be {decimal(SLIVER)} of the longest side at least"
         findings.append(Finding(owner, message, hint))
     return findings
-
-
-def _start_findings(start_m: Point, locator: Locator, restricted: dict[str, BoolArray]) -> list[Finding]:
-    path = ("start", "position_m")
-    touching = locator.triangles_touching(start_m)
-    if not len(touching):
-        return [Finding(path, f"the start {place(start_m)} lies outside the domain", _reach(locator.partition))]
-    within = [name for name, mask in restricted.items() if mask[touching].any()]
-    if not within:
-        return []
-    how = "in" if len(touching) == 1 else "in or on the edge of"
-    message = f"the start {place(start_m)} lies {how} the restricted region {listed(within)}"
-    return [Finding(path, message, "move it out of every restricted region")]
-
-
-def _reach(partition: Partition) -> str:
-    left, low, right, high = map(decimal, np.concatenate((partition.vertices_m.min(0), partition.vertices_m.max(0))))
-    return f"the domain reaches from {left} to {right} east and from {low} to {high} north"

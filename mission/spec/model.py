@@ -24,11 +24,12 @@ MOST_WEIGHT: Final = 1_000_000
 
 
 class RegionKind(StrEnum):
-    """What a region is for; restricted ones are never entered, whatever the formula says."""
+    """What a region is for; restricted ones are never entered, whatever the formula says, and areas are only named."""
 
     SURVEY = "survey"
     RESTRICTED = "restricted"
     HOME = "home"
+    AREA = "area"
 
 
 class Semantics(StrEnum):
@@ -74,11 +75,54 @@ class Refinement:
 
 
 @dataclass(frozen=True)
-class BoundaryDomain:
-    """A simple polygon, whose mesh refines itself until all outlines are in it and no triangle is too thin or large."""
+class PolygonShape:
+    """A simple polygon, without its holes."""
 
-    boundary_m: tuple[Point, ...]
+    corners_m: tuple[Point, ...]
+    holes_m: tuple[tuple[Point, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class PolygonsShape:
+    """Several polygons; they may touch and overlap."""
+
+    parts: tuple[PolygonShape, ...]
+
+
+@dataclass(frozen=True)
+class CircleShape:
+    """A circle with what is in it."""
+
+    centre_m: Point
+    radius_m: float
+
+
+@dataclass(frozen=True)
+class StripShape:
+    """What lies beside a line, by half the width on each side; flat at the ends, round at the bends."""
+
+    line_m: tuple[Point, ...]
+    width_m: float
+
+
+AreaShape = PolygonShape | PolygonsShape | CircleShape | StripShape
+
+
+@dataclass(frozen=True)
+class BoundaryDomain:
+    """An area, whose mesh refines itself until all outlines are in it and no triangle is too thin or too large.
+
+    Attributes:
+        boundary: As it is drawn.
+        refinement: How fine the mesh is.
+        clearance_m: How far the vehicle keeps from the boundary.
+        restricted_clearance_m: How far it keeps from restricted regions that say nothing of that.
+    """
+
+    boundary: AreaShape
     refinement: Refinement
+    clearance_m: float = 0.0
+    restricted_clearance_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -93,13 +137,6 @@ class PointShape:
     """A region that is the one triangle with this point inside."""
 
     point_m: Point
-
-
-@dataclass(frozen=True)
-class PolygonShape:
-    """A region that is a simple polygon, meshed by one or more triangles."""
-
-    corners_m: tuple[Point, ...]
 
 
 @dataclass(frozen=True)
@@ -140,16 +177,24 @@ class Cover:
 
 @dataclass(frozen=True)
 class Region:
-    """A named region; ``loiter_s`` is how long the vehicle stands still inside each time that it enters.
+    """A named region.
 
-    To start inside is not to enter. With ``cover``, a visit of a region to survey is complete when its lanes are flown.
+    Attributes:
+        name: As the formula has it.
+        kind: What it is for.
+        shape: As it is drawn.
+        loiter_s: How long the vehicle stands still inside each time that it enters. To start inside is not to enter.
+        clearance_m: By how much it is larger than drawn, if it is restricted, or smaller, if not; None where the file
+            says nothing of that.
+        cover: How it is covered: a visit of it is complete when its lanes are flown; None where it is only visited.
     """
 
     name: str
     kind: RegionKind
-    shape: TriangleShape | PointShape | PolygonShape
+    shape: TriangleShape | PointShape | AreaShape
     loiter_s: float = 0.0
     cover: Cover | None = None
+    clearance_m: float | None = None
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.cover_schema import COVER
-from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost
+from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost, RegionKind
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
 Schema = dict[str, Any]
@@ -53,6 +53,63 @@ _RING: Final[Schema] = {
     "examples": [[[0, 0], [20, 0], [20, 10]]],
 }
 
+_HOLES: Final[Schema] = {
+    "description": "Rings of corners, each a hole in the polygon.",
+    "type": "array",
+    "items": _RING | {"description": "Corners of a hole, in order."},
+    "maxItems": 1_000,
+    "examples": [[[[5, 2], [15, 2], [15, 5]]]],
+}
+
+_AREA_SHAPES: Final[Schema] = {
+    "polygon": _RING
+    | {
+        "description": "Corners of a simple polygon, in order. Within a boundary it may lie anywhere; over nodes, "
+        "each of its edges must be an edge of the mesh."
+    },
+    "holes": _HOLES,
+    "polygons": {
+        "description": "Several polygons, each with its holes if it has some.",
+        "type": "array",
+        "items": _object(
+            "One part.",
+            ("polygon",),
+            {"polygon": _RING | {"description": "Corners of a simple polygon, in order."}, "holes": _HOLES},
+        ),
+        "minItems": 1,
+        "maxItems": 1_000,
+        "examples": [[{"polygon": [[0, 0], [20, 0], [20, 10]]}]],
+    },
+    "centre": {
+        "description": "Centre of a circle, [east, north] in metres.",
+        "$ref": "#/$defs/point",
+        "examples": [[12.5, 40.0]],
+    },
+    "radius_m": _number("Radius of the circle, m.", 0.1, 100_000.0, examples=[12.0]),
+    "line": {
+        "description": "Corners of a line, in order: the middle of a strip, which is flat at its ends.",
+        "type": "array",
+        "items": POINT_REFERENCE,
+        "minItems": 2,
+        "maxItems": 10_000,
+        "examples": [[[0, 0], [20, 0], [20, 10]]],
+    },
+    "width_m": _number("Width of the strip from side to side, m.", 0.1, 10_000.0, examples=[8.0]),
+}
+_GO_TOGETHER: Final[Schema] = {
+    "holes": ["polygon"],
+    "centre": ["radius_m"],
+    "radius_m": ["centre"],
+    "line": ["width_m"],
+    "width_m": ["line"],
+}
+_AREAS: Final = ("polygon", "polygons", "centre", "line")
+
+
+def _clearance(description: str, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
+    return _number(description, 0.0, 1_000.0, **more)
+
+
 _MESH: Final = _object(
     "How fine the mesh of a boundary is. Its points are placed by the program; outlines may cross each other and the "
     "boundary, and are joined where they nearly meet.",
@@ -79,8 +136,19 @@ _DOMAIN: Final = _object(
             "maxItems": 100_000,
             "examples": [[[0, 0], [20, 0], [20, 10]]],
         },
-        "boundary": _RING
-        | {"description": "Corners of a simple polygon, in order; it need not be convex and is closed by itself."},
+        "boundary": {
+            "description": "Corners of a simple polygon, in order, which need not be convex and is closed by itself; "
+            "or a shape with the keys of a region's.",
+            "anyOf": [
+                _RING,
+                _object("A shape.", (), _AREA_SHAPES, oneOf=_one_of(*_AREAS), dependentRequired=_GO_TOGETHER),
+            ],
+            "examples": [[[0, 0], [20, 0], [20, 10]]],
+        },
+        "clearance_m": _clearance("How far to keep from the boundary, m.", default=0.0),
+        "restricted_clearance_m": _clearance(
+            "How far to keep from restricted regions that have no `clearance_m` of their own, m.", default=0.0
+        ),
         "mesh": _MESH,
         "corners": {
             "description": "What all points of the file are: [east, north] in metres, or [latitude, longitude] in "
@@ -90,7 +158,7 @@ _DOMAIN: Final = _object(
         },
     },
     oneOf=_one_of("nodes", "boundary"),
-    dependentRequired={"mesh": ["boundary"]},
+    dependentRequired={key: ["boundary"] for key in ("mesh", "clearance_m", "restricted_clearance_m")},
     examples=[{"boundary": [[0, 0], [150, 0], [150, 100], [0, 100]]}],
 )
 
@@ -98,13 +166,13 @@ NEEDLESS_KEYS: Final = {("domain", "points"): "the mesh places its own points"}
 """Keys that somebody may expect, and why there are none: whoever has one is told to delete it."""
 
 _REGION: Final = _object(
-    "A named part of the domain: one triangle of the mesh, or a polygon of several.",
+    "A named part of the domain: one triangle of the mesh, or an area of several.",
     ("kind",),
     {
         "kind": {
             "description": "survey: a place to visit; home: where to end; restricted: never entered, "
-            "whatever the formula says.",
-            "enum": ["survey", "restricted", "home"],
+            "whatever the formula says; area: neither, a place that has a name.",
+            "enum": [kind.value for kind in RegionKind],
         },
         "triangle": {
             "description": "The triangle with these three vertices of the mesh, by number from 0, in any order.",
@@ -116,11 +184,11 @@ _REGION: Final = _object(
             "examples": [[7, 4, 1]],
         },
         "at": _POINT | {"description": "The triangle with this point inside."},
-        "polygon": _RING
-        | {
-            "description": "Corners of a simple polygon, in order. Within a boundary it may lie anywhere; over nodes, "
-            "each of its edges must be an edge of the mesh."
-        },
+        **_AREA_SHAPES,
+        "clearance_m": _clearance(
+            "By how much a restricted region is larger than it is drawn, or another one smaller, m; without it that is "
+            "`restricted_clearance_m` of the domain, or 0."
+        ),
         "loiter_s": _number(
             "How long to stand still on entering the region, s; to start inside is not to enter.",
             0.0,
@@ -129,9 +197,14 @@ _REGION: Final = _object(
         ),
         "cover": COVER,
     },
-    oneOf=_one_of("triangle", "at", "polygon"),
+    oneOf=_one_of("triangle", "at", *_AREAS),
+    dependentRequired=_GO_TOGETHER,
     examples=[{"kind": "survey", "at": [12.5, 40.0]}],
 )
+
+SHAPE_KEYS: Final = ("triangle", "at", *_AREA_SHAPES, "clearance_m")
+"""The keys of a region that say where it is."""
+DOMAIN_KEYS: Final = tuple(_DOMAIN["properties"])
 
 _REGIONS: Final[Schema] = {
     "description": "The regions by name. A formula speaks of them by these names.",

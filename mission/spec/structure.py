@@ -94,7 +94,7 @@ def structure_findings(data: Any, tree: Node) -> list[Finding]:  # noqa: ANN401 
     projected = projected_finding(data)
     findings: list[Finding] = [projected] if projected else []
     for error in islice(_validator().iter_errors(data), MOST_ERRORS):
-        if not (projected and error.schema == COORDINATE):
+        if not (projected and (error.schema == COORDINATE or tuple(error.absolute_path) == projected.path)):
             findings.extend(_worded(error, tree))
     return list(dict.fromkeys(findings))
 

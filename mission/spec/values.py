@@ -8,7 +8,9 @@ from mission.spec.covers import cover_of
 from mission.spec.model import (
     SUFFIX_DECIDES,
     UNTIL_STOPPED,
+    AreaShape,
     BoundaryDomain,
+    CircleShape,
     Cost,
     Extension,
     Flight,
@@ -20,6 +22,7 @@ from mission.spec.model import (
     Point,
     PointShape,
     PolygonShape,
+    PolygonsShape,
     Refinement,
     Region,
     RegionKind,
@@ -27,6 +30,7 @@ from mission.spec.model import (
     Semantics,
     Smoothing,
     Start,
+    StripShape,
     TriangleShape,
 )
 from mission.spec.schema import default_of
@@ -81,7 +85,13 @@ def domain_of(data: Data) -> NodesDomain | BoundaryDomain:
     """The domain section."""
     if "nodes" in data:
         return NodesDomain(_points(data["nodes"]))
-    return BoundaryDomain(_points(data["boundary"]), _refinement(data.get("mesh", {})))
+    boundary = data["boundary"]
+    return BoundaryDomain(
+        area_shape(boundary if isinstance(boundary, dict) else {"polygon": boundary}),
+        _refinement(data.get("mesh", {})),
+        clearance_m=float(data.get("clearance_m", 0.0)),
+        restricted_clearance_m=float(data.get("restricted_clearance_m", 0.0)),
+    )
 
 
 def _refinement(data: Data) -> Refinement:
@@ -90,9 +100,15 @@ def _refinement(data: Data) -> Refinement:
 
 def region_of(name: str, data: Data) -> Region:
     """One region; without a kind (of a file that has other faults, too) one to survey."""
-    loiter_s = float(data.get("loiter_s", 0.0))
-    cover = cover_of(data["cover"]) if "cover" in data else None
-    return Region(name, RegionKind(data.get("kind", RegionKind.SURVEY)), _shape(data), loiter_s, cover)
+    clearance = data.get("clearance_m")
+    return Region(
+        name,
+        RegionKind(data.get("kind", RegionKind.SURVEY)),
+        _shape(data),
+        loiter_s=float(data.get("loiter_s", 0.0)),
+        cover=cover_of(data["cover"]) if "cover" in data else None,
+        clearance_m=None if clearance is None else float(clearance),
+    )
 
 
 def point_of(pair: list[float]) -> Point:
@@ -100,11 +116,26 @@ def point_of(pair: list[float]) -> Point:
     return float(pair[0]), float(pair[1])
 
 
-def _shape(data: Data) -> TriangleShape | PointShape | PolygonShape:
+def _shape(data: Data) -> TriangleShape | PointShape | AreaShape:
     if "triangle" in data:
         first, second, third = (int(node) for node in data["triangle"])
         return TriangleShape((first, second, third))
-    return PointShape(point_of(data["at"])) if "at" in data else PolygonShape(_points(data["polygon"]))
+    return PointShape(point_of(data["at"])) if "at" in data else area_shape(data)
+
+
+def area_shape(data: Data) -> AreaShape:
+    """The shape that the keys of a region, or of a boundary, draw."""
+    if "polygons" in data:
+        return PolygonsShape(tuple(_polygon(part) for part in data["polygons"]))
+    if "centre" in data:
+        return CircleShape(point_of(data["centre"]), float(data["radius_m"]))
+    if "line" in data:
+        return StripShape(_points(data["line"]), float(data["width_m"]))
+    return _polygon(data)
+
+
+def _polygon(data: Data) -> PolygonShape:
+    return PolygonShape(_points(data["polygon"]), tuple(_points(hole) for hole in data.get("holes", [])))
 
 
 def _points(pairs: list[list[float]]) -> tuple[Point, ...]:

@@ -62,10 +62,10 @@ def test_a_sound_mission_is_planned_with_a_proof(file: Path, capsys: pytest.Capt
 @pytest.mark.parametrize("file", SOUND, ids=name_of)
 def test_no_corner_stands_on_a_straight_edge_for_the_sake_of_the_mesh(file: Path) -> None:
     mission = load_mission(file)
-    rings = [region.shape.corners_m for region in mission.regions if isinstance(region.shape, PolygonShape)]
+    shapes = [region.shape for region in mission.regions]
     if isinstance(mission.domain, BoundaryDomain):
-        rings.append(mission.domain.boundary_m)
-    for ring in map(np.array, rings):
+        shapes.append(mission.domain.boundary)
+    for ring in (np.array(shape.corners_m) for shape in shapes if isinstance(shape, PolygonShape)):
         (ax, ay), (bx, by) = (ring - np.roll(ring, 1, axis=0)).T, (np.roll(ring, -1, axis=0) - ring).T
         assert (np.abs(ax * by - ay * bx) > 1e-9).all()
 

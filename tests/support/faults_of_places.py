@@ -43,7 +43,13 @@ FAULTS_OF_PLACES = [
     ("infinity", 3, 29, "domain.nodes[2][0]", "expected a number, found `.inf`, which is not finite"),
     ("list_for_mapping", 5, 3, "regions", "expected a mapping of keys to values, found a list"),
     ("many_faults", 6, 29, "regions.Field.at", "the point (20, 35) of Field lies outside the domain"),
-    ("many_faults", 7, 16, "regions.Home.kind", "expected one of survey, restricted, home, found the text `hoem`"),
+    (
+        "many_faults",
+        7,
+        16,
+        "regions.Home.kind",
+        "expected one of survey, restricted, home, area, found the text `hoem`",
+    ),
     ("many_faults", 8, 42, "regions.Keep.loiter", "unknown key `loiter`"),
     ("many_faults", 13, 15, "start.position_m", "the start (38, 15) lies in the restricted region Keep"),
     ("merge_key", 5, 11, "regions.Field.<<", "merge keys are not allowed"),
@@ -112,7 +118,13 @@ FAULTS_OF_PLACES = [
         "Keep lies wholly outside the boundary: the nearest of its corners, (140, 20), is 80 m from it",
     ),
     ("region_with_two_shapes", 5, 3, "regions.Field", "triangle and at exclude each other"),
-    ("region_without_shape", 5, 3, "regions.Field", "one of triangle, at or polygon is missing in `regions.Field`"),
+    (
+        "region_without_shape",
+        5,
+        3,
+        "regions.Field",
+        "one of triangle, at, polygon, polygons, centre or line is missing in `regions.Field`",
+    ),
     ("repeated_region", 7, 3, "regions.Home", "the key `Home` is repeated; it stands on line 6 already"),
     (
         "start_on_restricted_edge",
@@ -129,5 +141,11 @@ FAULTS_OF_PLACES = [
     ("triangle_with_a_node_twice", 6, 32, "regions.Home.triangle", "two of [0, 1, 1] are the same"),
     ("two_domains", 2, 1, "domain", "nodes and boundary exclude each other"),
     ("unknown_key", 5, 39, "regions.Field.loiter", "unknown key `loiter`"),
-    ("unknown_kind", 5, 17, "regions.Field.kind", "expected one of survey, restricted, home, found the text `servey`"),
+    (
+        "unknown_kind",
+        5,
+        17,
+        "regions.Field.kind",
+        "expected one of survey, restricted, home, area, found the text `servey`",
+    ),
 ]

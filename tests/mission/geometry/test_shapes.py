@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.geometry.shapes import CORNER_SHARE, DISC_M, DISC_SHARE, disc, grown, rings_of, shrunk, strip, united
@@ -27,22 +27,24 @@ def stars(draw: st.DrawFn) -> shapely.Polygon:
     return united([(ring[::-1] if turned else ring, [hole])])
 
 
+@settings(max_examples=40)
 @given(stars(), lengths)
 def test_a_grown_area_contains_what_is_within_the_distance_and_little_more(area: shapely.Polygon, by_m: float) -> None:
     out = grown(area, by_m)
     assert shapely.is_valid(out)
     assert shapely.difference(shapely.buffer(area, by_m, quad_segs=64), out).area < 1e-6
-    most = shapely.buffer(area, by_m * (1.0 + CORNER_SHARE), quad_segs=256)
+    most = shapely.buffer(area, by_m * (1.0 + CORNER_SHARE), quad_segs=128)
     assert shapely.difference(out, shapely.buffer(most, 1e-3 * by_m)).area < 1e-6
 
 
+@settings(max_examples=40)
 @given(stars(), lengths)
 def test_a_shrunk_area_is_the_distance_inside_and_loses_little_more(area: shapely.Polygon, by_m: float) -> None:
     within = shrunk(area, by_m)
     assert shapely.is_valid(within)
     assert within.is_empty or shapely.distance(within, area.boundary) > by_m - 1e-6
     assert shapely.difference(within, area).area < 1e-6
-    least = shapely.buffer(area, -by_m * (1.0 + CORNER_SHARE), quad_segs=256)
+    least = shapely.buffer(area, -by_m * (1.0 + CORNER_SHARE), quad_segs=128)
     assert shapely.difference(shapely.buffer(least, -2e-3 * by_m), within).area < 1e-6
 
 

@@ -43,7 +43,8 @@ def test_polygons_over_nodes_are_unions_of_triangles() -> None:
 def test_restricted_regions_win_where_regions_overlap() -> None:
     outer = Region("Field", RegionKind.SURVEY, PolygonShape(square(10.0, 10.0, 30.0)))
     inner = Region("Pond", RegionKind.RESTRICTED, PolygonShape(square(20.0, 20.0, 10.0)))
-    domain = BoundaryDomain(((0.0, 0.0), (60.0, 0.0), (60.0, 50.0), (0.0, 50.0)), Refinement(20.0, np.inf))
+    boundary = PolygonShape(((0.0, 0.0), (60.0, 0.0), (60.0, 50.0), (0.0, 50.0)))
+    domain = BoundaryDomain(boundary, Refinement(20.0, np.inf))
     spec = replace(PAPER, domain=domain, regions=(outer, inner), start=Start((5.0, 5.0)))
     partition, labelling = build_domain(spec)
     assert labelling.letters == (frozenset(), frozenset({"Field"}), frozenset({"Field", "Pond"}))

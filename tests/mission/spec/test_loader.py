@@ -72,7 +72,7 @@ def test_what_a_file_leaves_out_has_defaults() -> None:
     assert (spec.name, spec.description, spec.run, spec.origin) == ("north", "", 0, None)
     assert spec.semantics is Semantics.STANDARD
     assert spec.domain == BoundaryDomain(
-        ((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0)), Refinement(20.0, math.inf)
+        PolygonShape(((0.0, 0.0), (60.0, 0.0), (60.0, 40.0), (0.0, 40.0))), Refinement(20.0, math.inf)
     )
     corners = ((10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0))
     assert spec.regions == (Region("Field", RegionKind.SURVEY, PolygonShape(corners), 10.0),)
