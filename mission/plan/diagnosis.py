@@ -58,6 +58,7 @@ class Cause(StrEnum):
     START = "start"
     UNREACHABLE = "unreachable"
     MAP = "map"
+    CLEARANCE = "clearance"
 
 
 @dataclass(frozen=True)

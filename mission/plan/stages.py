@@ -15,6 +15,7 @@ from mission.plan.covering import Covering
 from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of
+from mission.plan.narrows import closed_by_clearances
 from mission.plan.proved_path import PathPlanner, trajectory_of
 from mission.plan.proved_run import ProvedRun, proved_run
 from mission.plan.specification import Specification, deterministic_of, of_mission
@@ -72,7 +73,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
         found = searched(system, specification)
     except NoPlanError as error:
-        raise explained(error, spec, partition, labelling, start=triangle) from error
+        told = explained(error, spec, partition, labelling, start=triangle)
+        raise closed_by_clearances(told, spec, start) from error
     runs = found.runs
     index = spec.run if run is None else run
     if index >= runs.count:

@@ -1,0 +1,165 @@
+"""What clearances close is named, with the largest clearances that leave it open: one centimetre more does not."""
+
+import re
+
+import numpy as np
+import pytest
+
+from mission.errors import NoPlanError
+from mission.geometry.location import Locator
+from mission.plan import formula_of, plan_mission
+from mission.plan.specification import deterministic_of
+from mission.planning.product import Product
+from mission.planning.recurrence import has_runs
+from mission.planning.transition_system import TransitionSystem
+from mission.spec.domain import build_domain, restricted_triangles
+from mission.spec.loader import parse_mission
+from mission.spec.model import MissionSpec
+
+SITE = """\
+domain:
+  boundary: [[0, 0], [80, 0], [80, 40], [0, 40]]
+  mesh: {smallest_angle_deg: %g}
+  %s
+regions:
+  home: {kind: home, polygon: [[2, 12], [12, 12], [12, 28], [2, 28]]}
+  field: {kind: survey, polygon: [[66, 12], [76, 12], [76, 28], [66, 28]]%s}
+  %s
+mission: {formula: %s}
+start: {position_m: [7, 20]}
+"""
+SOUTH = "south: {kind: restricted, polygon: [[25, -2], [35, -2], [30.5, %g], [29.5, %g]]%s}"
+NORTH = "north: {kind: restricted, polygon: [[29.5, %g], [30.5, %g], [35, 42], [25, 42]]%s}"
+WALLS = f"{SOUTH % (15.0, 15.0, '')}\n  {NORTH % (22.5, 22.5, '')}"
+VALUE = re.compile(r"([\w.]+): ([\d.]+)")
+
+
+def site(
+    clearances: str, regions: str, *, formula: str = "F field", field: str = "", angle_deg: float = 1.0
+) -> MissionSpec:
+    return parse_mission((SITE % (angle_deg, clearances, field, regions, formula)).encode())
+
+
+def said(spec: MissionSpec) -> tuple[str, ...]:
+    with pytest.raises(NoPlanError) as refused:
+        plan_mission(spec)
+    assert refused.value.cause == "clearance"
+    head, *lines = str(refused.value).splitlines()
+    assert head == "there is a plan without clearances, but not with these:"
+    return tuple(line.strip() for line in lines)
+
+
+def is_open(spec: MissionSpec) -> bool:
+    """Whether the mission has a run."""
+    partition, labelling = build_domain(spec)
+    system = TransitionSystem.from_partition(partition, labelling, restricted_triangles(spec, labelling))
+    automaton = deterministic_of(formula_of(spec), None, labelling.letters)
+    start = int(Locator(partition).triangle_at(np.array([spec.start.position_m]))[0])
+    return has_runs(Product(system, automaton, start, spec.semantics))
+
+
+def values(line: str) -> dict[str, float]:
+    """The clearances that a line names, by the last two steps of their keys."""
+    named = line.partition("; with ")[2].partition(" at most")[0]
+    return {key.removeprefix("domain.").removeprefix("regions."): float(value) for key, value in VALUE.findall(named)}
+
+
+def test_the_passage_between_two_regions_and_the_clearance_that_leaves_it_open() -> None:
+    (line,) = said(site("restricted_clearance_m: 5", WALLS))
+    assert line.startswith("south and north are 7.5 m apart near (30, 18.8)")
+    assert line.endswith("instead of 5, it is open")
+    most = values(line)["restricted_clearance_m"]
+    assert 3.72 <= most <= 3.75
+    for angle_deg in (1.0, 20.0):
+        assert is_open(site(f"restricted_clearance_m: {most}", WALLS, angle_deg=angle_deg))
+        assert not is_open(site(f"restricted_clearance_m: {most + 0.01:.2f}", WALLS, angle_deg=angle_deg))
+
+
+def test_two_regions_with_clearances_of_their_own_are_taken_back_together() -> None:
+    walls = f"{SOUTH % (15.0, 15.0, ', clearance_m: %s')}\n  {NORTH % (22.5, 22.5, ', clearance_m: %s')}"
+    (line,) = said(site("clearance_m: 1", walls % (8, 4)))
+    most = values(line)
+    assert set(most) == {"south.clearance_m", "north.clearance_m"}
+    assert most["south.clearance_m"] == pytest.approx(2.0 * most["north.clearance_m"], abs=0.02)
+    assert 7.45 <= sum(most.values()) <= 7.5
+    assert is_open(site("clearance_m: 1", walls % tuple(most.values())))
+    assert not is_open(site("clearance_m: 1", walls % tuple(value + 0.01 for value in most.values())))
+
+
+def test_the_passage_along_the_boundary() -> None:
+    wall = SOUTH % (33.0, 33.0, "")
+    (line,) = said(site("clearance_m: 3\n  restricted_clearance_m: 6", wall))
+    assert line.startswith(
+        ("south and the boundary are 7 m apart near (3", "the boundary and south are 7 m apart near (3")
+    )
+    most = values(line)
+    assert 6.95 <= sum(most.values()) <= 7.0
+    keys = "clearance_m: %g\n  restricted_clearance_m: %g"
+    assert is_open(site(keys % (most["clearance_m"], most["restricted_clearance_m"]), wall))
+    assert not is_open(site(keys % (most["clearance_m"] + 0.01, most["restricted_clearance_m"] + 0.01), wall))
+
+
+def test_a_passage_through_one_region_of_two_parts() -> None:
+    gate = (
+        "wall: {kind: restricted, polygons: [{polygon: [[25, -2], [35, -2], [30.5, 16], [29.5, 16]]}, "
+        "{polygon: [[29.5, 22], [30.5, 22], [35, 42], [25, 42]]}]}"
+    )
+    (line,) = said(site("restricted_clearance_m: 4", gate))
+    assert line.startswith("two sides of wall are 6 m apart near (3")
+    most = values(line)["restricted_clearance_m"]
+    assert is_open(site(f"restricted_clearance_m: {most}", gate))
+    assert not is_open(site(f"restricted_clearance_m: {most + 0.01:.2f}", gate))
+
+
+def test_a_passage_between_corners_that_are_rounded() -> None:
+    corners = (
+        "south: {kind: restricted, polygon: [[20, -2], [36, -2], [29, 17], [20, 17]]}\n  "
+        "north: {kind: restricted, polygon: [[34, 20], [40, 20], [40, 42], [24, 42]]}"
+    )
+    (line,) = said(site("restricted_clearance_m: 6", corners))
+    most = values(line)["restricted_clearance_m"]
+    assert 2.75 < most < 2.93  # half the distance of the corners, and 3.6 % less where they face each other
+    assert is_open(site(f"restricted_clearance_m: {most}", corners))
+    assert not is_open(site(f"restricted_clearance_m: {most + 0.01:.2f}", corners))
+
+
+def test_passages_that_are_both_needed_are_both_named() -> None:
+    second = (
+        "east: {kind: restricted, polygon: [[48, -2], [55, -2], [52, 36], [51, 36]], clearance_m: 5}\n  "
+        + SOUTH % (15.0, 15.0, ", clearance_m: 4")
+        + "\n  "
+        + NORTH % (22.5, 22.5, ", clearance_m: 4")
+    )
+    lines = said(site("restricted_clearance_m: 0", second))
+    assert {key for line in lines for key in values(line)} == {
+        "south.clearance_m",
+        "north.clearance_m",
+        "east.clearance_m",
+    }
+
+
+def test_a_region_that_is_taken_away_is_named_with_what_takes_it() -> None:
+    beside = "pond: {kind: restricted, centre: [72, 20], radius_m: 4}"
+    (line,) = said(site("restricted_clearance_m: 9", beside))
+    assert line.startswith("nothing is left of field outside of pond's clearance; with ")
+    most = values(line)["restricted_clearance_m"]
+    assert is_open(site(f"restricted_clearance_m: {most}", beside))
+    assert not is_open(site(f"restricted_clearance_m: {most + 0.01:.2f}", beside))
+    (line,) = said(site("clearance_m: 1", SOUTH % (9.0, 9.0, ""), field=", clearance_m: 7"))
+    assert line.startswith(
+        "nothing is left of field outside of its own clearance; with regions.field.clearance_m: 4.99"
+    )
+
+
+def test_clearances_are_not_blamed_where_another_way_is_open_or_there_is_none_anyway() -> None:
+    around = WALLS.replace("-2", "9")
+    assert is_open(site("restricted_clearance_m: 4", around))
+    assert is_open(site("restricted_clearance_m: 5", WALLS, formula="G home"))
+    with pytest.raises(NoPlanError) as refused:
+        plan_mission(site("restricted_clearance_m: 5", WALLS, formula="F field & G !field"))
+    assert refused.value.cause == "themselves"
+
+
+def test_the_tube_of_the_proof_is_told_of() -> None:
+    spec = site("restricted_clearance_m: 5", WALLS + "\nflight: {disturbance_m_s2: 0.5}")
+    assert said(spec)[-1] == "the tube of the proof needs up to 0.707 m more on each side of the path"
