@@ -14,6 +14,7 @@ from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT, run_costs
 from mission.planning.run import Run
 from mission.printable import printable
+from mission.spec.clearances import clearances_by_name
 from mission.spec.model import Cost
 from mission.spec.tasks import task_text
 from mission.steering.trajectory import Trajectory
@@ -163,6 +164,8 @@ def _print_plan(plan: FlightPlan) -> None:
     kind = "deterministic" if all(part.deterministic for part in plan.required.shown) else "nondeterministic"
     beside = "" if parts == 1 else f"{parts} automata side by side, all of which must accept: "
     _print()
+    if clearances_m := clearances_by_name(spec):
+        _print(f"Clearances     {', '.join(f'{name} {decimal(metres)} m' for name, metres in clearances_m.items())}")
     _print(f"T  {count(plan.partition.size, 'state')}")
     _print(f"A  {beside}{count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
     searched = plan.product_states // plan.partition.size

@@ -87,7 +87,7 @@ def page(
         "<h2>Plan</h2>",
         _facts(_planned_rows(numbers["planned"])),
         "<h2>Certificate</h2>",
-        _facts(_certificate_rows(numbers["certificate"])),
+        _facts(_certificate_rows(numbers["certificate"], numbers["planned"]["clearances_m"])),
     ]
     if record is not None:
         parts += [
@@ -164,6 +164,11 @@ def _planned_rows(planned: Mapping[str, Any]) -> list[Row]:
         ("Duration under the steering law", f"{planned['steering_duration_s']:.1f} s"),
         ("Duration of the trajectory", f"{_duration(planned)}, at {planned['altitude_m']:g} m"),
         *(
+            [("Clearances", ", ".join(f"{name} {decimal(metres)} m" for name, metres in clearances_m.items()))]
+            if (clearances_m := planned["clearances_m"])
+            else []
+        ),
+        *(
             [("Way back from the laps", " ".join(f"T{state}" for state in planned["way_back"]))]
             if planned["way_back"]
             else []
@@ -180,7 +185,7 @@ def _duration(planned: Mapping[str, Any]) -> str:
     return f"{planned['duration_s']:.1f} s, {planned['laps']:,} {each}"
 
 
-def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
+def _certificate_rows(certificate: Mapping[str, Any], clearances_m: Mapping[str, float]) -> list[Row]:
     clearance = certificate["clearance_m"]
     word = " → ".join(_letter(letter) for letter in certificate["word"])
     return [
@@ -188,7 +193,7 @@ def _certificate_rows(certificate: Mapping[str, Any]) -> list[Row]:
         ("Frequencies of the Fourier series", f"{certificate['frequencies']}"),
         ("Tube around the path, each axis", f"±{certificate['tube_m']:.3f} m"),
         (
-            "Distance of the path to restricted regions",
+            f"Distance of the path to restricted regions{' with their clearances' * bool(clearances_m)}",
             "nothing is restricted" if clearance is None else f"at least {clearance:.3f} m",
         ),
         ("Word that it surely spells", word or "(empty)"),
@@ -209,7 +214,7 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
         ),
         ("Distance from the trajectory, rms", _metres(flown["rms_error_m"])),
         *(
-            (f"Smallest distance to {name}", _metres(distance))
+            (f"Smallest distance to {name}", _against_clearance(distance, numbers["planned"]["clearances_m"].get(name)))
             for name, distance in flown["distance_to_restricted_m"].items()
         ),
         ("Length flown", _number(flown["length_m"], "m", 2)),
@@ -240,6 +245,10 @@ def _continuations(so_far: str, achieved: object, planned: Mapping[str, Any]) ->
 def _progress(judged: Mapping[str, Any], achieved: object) -> str:
     waits = f"; it waits for {' or '.join(judged['awaited'])}" if judged["awaited"] and achieved is not True else ""
     return f"{judged['done']} of {judged['total']}{waits}"
+
+
+def _against_clearance(distance_m: float, clearance_m: float | None) -> str:
+    return _metres(distance_m) + ("" if clearance_m is None else f", to be kept: {decimal(clearance_m)} m")
 
 
 def _against_tube(error_m: float | None, tube_m: float) -> str:

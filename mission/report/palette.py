@@ -1,7 +1,7 @@
 """One palette for every picture: Okabe and Ito's, which no kind of colour blindness merges.
 
 Colour never carries a meaning alone: restricted regions are hatched, regions are named, the planned path is thin, the
-flown one strong.
+flown one strong. Clearances end at dashes, outlines are drawn through.
 """
 
 from mission.spec.model import RegionKind
@@ -28,8 +28,15 @@ TUBE = YELLOW
 EAST = BLUE
 NORTH = VERMILLION
 
-KIND_COLOUR = {RegionKind.SURVEY: SKY_BLUE, RegionKind.RESTRICTED: VERMILLION, RegionKind.HOME: GREEN}
-FILL_ALPHA = {RegionKind.SURVEY: 0.38, RegionKind.RESTRICTED: 0.16, RegionKind.HOME: 0.34}
+KIND_COLOUR = {
+    RegionKind.SURVEY: SKY_BLUE,
+    RegionKind.RESTRICTED: VERMILLION,
+    RegionKind.HOME: GREEN,
+    RegionKind.AREA: ORANGE,
+}
+FILL_ALPHA = {RegionKind.SURVEY: 0.38, RegionKind.RESTRICTED: 0.16, RegionKind.HOME: 0.34, RegionKind.AREA: 0.22}
+MARGIN_ALPHA = 0.12
+MARGIN_DASHES = (0.0, (5.0, 3.0))
 HATCH = "////"
 
 STYLE = {

@@ -14,6 +14,8 @@ from mission.plan import FlightPlan
 from mission.report.reading import Record, Visit
 from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, tilt, tracking_of
+from mission.spec.areas import region_ground
+from mission.spec.clearances import clearances_by_name
 from mission.spec.model import RegionKind
 from mission.spec.tasks import task_text
 
@@ -63,6 +65,7 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "lap_duration_s": None if plan.trajectory.lap is None else plan.trajectory.legs[plan.trajectory.lap].duration_s,
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "altitude_m": plan.trajectory.altitude_m,
+        "clearances_m": clearances_by_name(plan.spec),
     }
 
 
@@ -140,11 +143,13 @@ def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
 
 
 def _restricted_shapes(plan: FlightPlan) -> dict[str, shapely.Geometry]:
+    """Restricted regions as they are drawn."""
     triangles = shapely.polygons(plan.partition.corners_m)
+    restricted = [region for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED]
+    grounds = {region.name: region_ground(region, plan.spec.domain) for region in restricted}
     return {
-        region.name: shapely.union_all(triangles[plan.labelling.triangles_of(region.name)])
-        for region in plan.spec.regions
-        if region.kind is RegionKind.RESTRICTED
+        name: shapely.union_all(triangles[plan.labelling.triangles_of(name)]) if ground is None else ground.drawn
+        for name, ground in grounds.items()
     }
 
 

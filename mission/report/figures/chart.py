@@ -1,6 +1,6 @@
 """The domain as a map: axes of equal scale in metres, the mesh behind, regions filled, restricted ones hatched."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,12 +16,24 @@ from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.regions import Labelling
+from mission.geometry.shapes import polygonal
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
 from mission.report.figures.canvas import new_figure, plain, text_size_em, titled
 from mission.report.figures.fitting import Placed
-from mission.report.palette import BLACK, FILL_ALPHA, HATCH, KIND_COLOUR, MESH, QUIET, WHITE
-from mission.spec.model import RegionKind
+from mission.report.palette import (
+    BLACK,
+    FILL_ALPHA,
+    HATCH,
+    KIND_COLOUR,
+    MARGIN_ALPHA,
+    MARGIN_DASHES,
+    MESH,
+    QUIET,
+    WHITE,
+)
+from mission.spec.areas import Ground, boundary_ground, region_ground
+from mission.spec.model import BoundaryDomain, RegionKind
 
 WIDTH_PT = 620.0
 SMALLEST_WIDTH_PT = 430.0
@@ -41,18 +53,46 @@ class Chart:
         partition: The mesh.
         labelling: Which regions each triangle belongs to.
         kinds: What each region is for, by name, in the order of the mission file.
+        fence: Where the vehicle may fly; None where the mesh alone says that.
+        grounds: The areas of regions that have one, by name.
     """
 
     partition: Partition
     labelling: Labelling
     kinds: dict[str, RegionKind]
+    fence: Ground | None = None
+    grounds: dict[str, Ground] = field(default_factory=dict)
+
+    @cached_property
+    def land(self) -> BaseGeometry:
+        """The domain, its boundary as it is drawn."""
+        if self.fence is not None:
+            return self.fence.drawn
+        return shapely.union_all(shapely.polygons(self.partition.corners_m))
 
     @cached_property
     def shapes(self) -> dict[str, BaseGeometry]:
-        """Each region that has triangles, as a polygon."""
+        """Each region as it is drawn, but for what lies outside of the domain."""
         triangles = shapely.polygons(self.partition.corners_m)
-        members = {name: self.labelling.triangles_of(name) for name in self.kinds}
-        return {name: shapely.union_all(triangles[own]) for name, own in members.items() if len(own)}
+        shapes = {
+            name: polygonal(shapely.intersection(self.grounds[name].drawn, self.land))
+            if name in self.grounds
+            else shapely.union_all(triangles[self.labelling.triangles_of(name)])
+            for name in self.kinds
+        }
+        return {name: shape for name, shape in shapes.items() if shape.area > 0.0}
+
+    @cached_property
+    def margins(self) -> list[tuple[str, BaseGeometry, BaseGeometry]]:
+        """Colour of each clearance, the ground between the outline and where it ends, and the line where it ends."""
+        of_regions = [(KIND_COLOUR[self.kinds[name]], ground) for name, ground in self.grounds.items()]
+        bounds = [] if self.fence is None else [(BLACK, self.fence)]
+        found = []
+        for colour, ground in (*bounds, *of_regions):
+            more = polygonal(shapely.intersection(shapely.symmetric_difference(ground.drawn, ground.kept), self.land))
+            if ground.clearance_m > 0.0 and not more.is_empty:
+                found.append((colour, more, shapely.intersection(ground.kept.boundary, self.land)))
+        return found
 
     @cached_property
     def restricted(self) -> frozenset[int]:
@@ -66,9 +106,8 @@ class Chart:
 
     @cached_property
     def bounds_m(self) -> FloatArray:
-        """West, south, east, north of the mesh."""
-        used = self.partition.vertices_m[np.unique(self.partition.triangles)]
-        return np.concatenate((used.min(axis=0), used.max(axis=0)))
+        """West, south, east, north of the domain."""
+        return np.array(self.land.bounds)
 
     @cached_property
     def em_m(self) -> float:
@@ -151,13 +190,23 @@ class Chart:
                     gid=f"region:{name}",
                 )
             )
-        outer = self.partition.neighbours < 0
-        ends = np.stack((np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)), axis=2)[outer]
-        axes.add_collection(LineCollection(list(ends), colors=BLACK, linewidths=1.2, zorder=1.6))
+        axes.add_patch(PathPatch(outline_of(self.land), facecolor="none", edgecolor=BLACK, linewidth=1.2, zorder=1.6))
+        for colour, ground, rim in self.margins:
+            axes.add_patch(
+                PathPatch(
+                    outline_of(ground), facecolor=colour, alpha=MARGIN_ALPHA, linewidth=0, zorder=0.6, gid="margin"
+                )
+            )
+            lines = [shapely.get_coordinates(line) for line in shapely.get_parts(rim)]
+            axes.add_collection(
+                LineCollection(
+                    lines, colors=colour, linewidths=1.0, linestyles=[MARGIN_DASHES], zorder=1.55, gid="margin"
+                )
+            )
 
     def _kind_handles(self) -> list[Artist]:
         present = [kind for kind in RegionKind if any(self.kinds[name] is kind for name in self.shapes)]
-        return [
+        handles: list[Artist] = [
             Patch(
                 facecolor=(KIND_COLOUR[kind], FILL_ALPHA[kind]),
                 edgecolor=KIND_COLOUR[kind],
@@ -166,6 +215,10 @@ class Chart:
             )
             for kind in present
         ]
+        if self.margins:
+            face = (BLACK, MARGIN_ALPHA)
+            handles.append(Patch(facecolor=face, edgecolor=BLACK, linestyle=MARGIN_DASHES, label="clearance"))
+        return handles
 
     def _scale_bar(self, axes: Axes) -> None:
         west, south, east, _ = self.limits_m
@@ -189,7 +242,15 @@ class Chart:
 
 def chart_of(plan: FlightPlan) -> Chart:
     """The chart of a plan's domain."""
-    return Chart(plan.partition, plan.labelling, {region.name: region.kind for region in plan.spec.regions})
+    domain, regions = plan.spec.domain, plan.spec.regions
+    grounds = {region.name: region_ground(region, domain) for region in regions}
+    return Chart(
+        plan.partition,
+        plan.labelling,
+        {region.name: region.kind for region in regions},
+        boundary_ground(domain) if isinstance(domain, BoundaryDomain) else None,
+        {name: ground for name, ground in grounds.items() if ground is not None},
+    )
 
 
 def draw_names(

@@ -71,7 +71,9 @@ def smoothed_path(plan: FlightPlan) -> Figure:
             label = f"tracking tube, ±{half_m:.3g} m"
             legend.append(Patch(facecolor=(TUBE, TUBE_ALPHA), edgecolor=SMOOTHED, lw=0.5, label=label))
         figure, axes = chart.figure(
-            "Smoothed path and its tube", legend=legend + _end_handles(), note=_proof(plan.certificate)
+            "Smoothed path and its tube",
+            legend=legend + _end_handles(),
+            note=_proof(plan.certificate, with_clearances=bool(chart.margins)),
         )
         chart.draw_domain(axes)
         if len(tube):
@@ -107,10 +109,11 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
     return figure
 
 
-def _proof(certificate: Certificate) -> str:
+def _proof(certificate: Certificate, *, with_clearances: bool) -> str:
     proved = "proved for every path in the tube" if certificate.holds else "NOT proved for the tube"
     clearance = certificate.clearance_m
-    kept = "" if clearance is None else f"; the path keeps at least {clearance:.3g} m from restricted regions"
+    beyond = " and their clearances" * with_clearances
+    kept = "" if clearance is None else f"; the path keeps at least {clearance:.3g} m from restricted regions{beyond}"
     return f"{certificate.frequencies} frequencies; {proved}{kept}."
 
 
