@@ -70,11 +70,9 @@ class Triangulation:
         low, high = points.min(axis=0), points.max(axis=0)
         middle, reach = (low + high) / 2.0, 4.0 * float((high - low).max())
         square = middle + reach * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-        self._vertices: FloatArray = np.concatenate((square, points))
-        mesh = Delaunay(self._vertices)
-        self._triangles: IntArray = np.asarray(mesh.simplices, dtype=np.int64)
-        self._neighbours: IntArray = np.asarray(mesh.neighbors, dtype=np.int64)
-        self._vertex_count, self._triangle_count = len(self._vertices), len(self._triangles)
+        self._vertices: FloatArray = square
+        self._vertex_count = len(square)
+        self.begin_again(points)
 
     @property
     def vertices(self) -> FloatArray:
@@ -90,6 +88,17 @@ class Triangulation:
     def neighbours(self) -> IntArray:
         """The triangle opposite each vertex, shape (M, 3); -1 for none."""
         return self._neighbours[: self._triangle_count]
+
+    def begin_again(self, points: FloatArray) -> None:
+        """Put points in, shape (P, 2), by triangulating all anew: for many at once, whose cavities overlap.
+
+        Triangles get other indices.
+        """
+        self._vertices = np.concatenate((self.vertices, points))
+        mesh = Delaunay(self._vertices)
+        self._triangles: IntArray = np.asarray(mesh.simplices, dtype=np.int64)
+        self._neighbours: IntArray = np.asarray(mesh.neighbors, dtype=np.int64)
+        self._vertex_count, self._triangle_count = len(self._vertices), len(self._triangles)
 
     def conflicting(self, points: FloatArray) -> IntArray:
         """For each point a triangle in whose circumcircle it lies, shape (P,): one at the nearest vertex."""

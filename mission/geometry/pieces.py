@@ -1,4 +1,4 @@
-"""The segments of an arrangement while a mesh is refined: cut into pieces, some with a vertex in their way."""
+"""The segments of an arrangement while a mesh is refined: cut into pieces, some of them due to be cut."""
 
 from typing import Final
 
@@ -20,22 +20,28 @@ class Pieces:
     Attributes:
         ends: Shape (S, 2), vertices of the mesh.
         beside: Shape (S,), a triangle that each is an edge of; -1 where it is none.
-        encroached: Shape (S,), whether it is no edge or a vertex beside it lies in its diametral circle.
+        due: Shape (S,), whether it is to be cut: it is no edge, or too long, or has a vertex in its diametral circle.
     """
 
-    def __init__(self, arrangement: Arrangement, mesh: Triangulation) -> None:
+    def __init__(self, arrangement: Arrangement, mesh: Triangulation, largest_m: float) -> None:
         """Begin with whole segments.
 
         Args:
             arrangement: The segments.
             mesh: The triangulation of its vertices.
+            largest_m: The longest piece.
         """
+        self._largest_m = largest_m
         self.ends: IntArray = arrangement.segments + mesh.CORNERS
         self._given, self._owner = self.ends.copy(), np.arange(len(self.ends))
         self._sharp: BoolArray = np.append(np.zeros(mesh.CORNERS, dtype=np.bool_), _sharp_vertices(arrangement))
         self._halves = np.full((len(mesh.vertices), 2), -1)  # the pieces that end and begin in a cut, before later cuts
+        self.begin_again(mesh)
+
+    def begin_again(self, mesh: Triangulation) -> None:
+        """Find the pieces in a mesh whose triangles have got other indices."""
         self.beside = np.full(len(self.ends), -1)
-        self.encroached: BoolArray = np.ones(len(self.ends), dtype=np.bool_)
+        self.due: BoolArray = np.ones(len(self.ends), dtype=np.bool_)
         self.sides: IntArray = self._among_sides(mesh)
         self._note(np.arange(len(mesh.triangles)), mesh)
 
@@ -43,7 +49,7 @@ class Pieces:
         """Take note of new triangles, and of edges that are gone."""
         missing = self.sides[growth.lost[:, 0], growth.lost[:, 1]]
         missing = missing[missing >= 0]
-        self.beside[missing], self.encroached[missing] = -1, True
+        self.beside[missing], self.due[missing] = -1, True
         # Every new edge ends in a new vertex, so it is a piece only where that vertex cut one.
         apex, first, second = mesh.triangles[growth.triangles].T
         sides = np.full((len(apex), 3), -1)
@@ -73,9 +79,11 @@ class Pieces:
         row, side = np.nonzero(self.sides[triangles] >= 0)
         triangle = triangles[row]
         found, seen = self.sides[triangle, side], mesh.vertices[mesh.triangles[triangle, side]]
-        self.encroached[found[self.beside[found] < 0]] = False
+        ends = mesh.vertices[self.ends[found]]
+        short = np.hypot(*(ends[:, 1] - ends[:, 0]).T) <= self._largest_m
+        self.due[found[short & (self.beside[found] < 0)]] = False
         self.beside[found] = triangle
-        self.encroached[found[self._see(found, seen, mesh.vertices)]] = True
+        self.due[found[self._see(found, seen, mesh.vertices)]] = True
 
     def _see(self, which: IntArray, points: FloatArray, vertices: FloatArray) -> BoolArray:
         """Whether each point lies in the diametral circle of the piece beside it."""
@@ -105,11 +113,11 @@ class Pieces:
         self._halves[number] = np.stack((which, fresh), axis=1)
         rest = np.stack((number, self.ends[which, 1]), axis=1)
         self.ends[which, 1] = number
-        self.beside[which], self.encroached[which] = -1, True
+        self.beside[which], self.due[which] = -1, True
         self.ends = np.concatenate((self.ends, rest))
         self._owner = np.concatenate((self._owner, self._owner[which]))
         self.beside = np.concatenate((self.beside, np.full(len(which), -1)))
-        self.encroached = np.concatenate((self.encroached, np.ones(len(which), dtype=np.bool_)))
+        self.due = np.concatenate((self.due, np.ones(len(which), dtype=np.bool_)))
 
     def grow(self, count: int) -> None:
         """Take note of new vertices that cut no piece, or none yet."""
@@ -126,7 +134,7 @@ class Pieces:
         row, side = np.nonzero(sides >= 0)
         piece, owner = sides[row, side], cavities.owner[row]
         inside = self._see(piece, points[owner], vertices)
-        self.encroached[piece[inside]] = True
+        self.due[piece[inside]] = True
         free = np.ones(len(points), dtype=np.bool_)
         free[owner[inside]] = False
         return free

@@ -18,6 +18,7 @@ from mission.geometry.arrangement import Arrangement
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.delaunay import Growth, Triangulation, with_room
 from mission.geometry.faces import FacedMesh, faces_of
+from mission.geometry.lattice import lattice
 from mission.geometry.pieces import Pieces
 from mission.geometry.slimness import Slimness
 
@@ -26,6 +27,8 @@ SMALLEST_ANGLE_DEG: Final = 20.0
 """By default; up to 20.7 degrees refinement is proved to end."""
 
 _ROUNDING: Final = 1e-9
+_MANY: Final = 0.1  # of the vertices: from so many cuts on, to triangulate anew takes less time
+_LATTICE: Final = 0.85  # of the longest edge: a lattice as wide as that would leave gaps beside outlines
 _GOLDEN: Final = 0.6180339887498949
 
 
@@ -58,7 +61,7 @@ def refined(
     domain = shapely.transform(domain, lambda places: places - origin_m)
     work = _Refinement(near, domain, 0.5 / np.sin(np.radians(smallest_angle_deg)), largest_m)
     # Segments first: where one is missing, a vertex for a triangle may fall beside it, and cuts would crowd there.
-    while work.cut_segments() or work.mend_triangles():
+    while work.cut_segments() or work.fill() or work.mend_triangles():
         if len(work.mesh.vertices) > MOST_VERTICES:
             x, y = work.mesh.vertices[-1] + origin_m
             raise GeometryError(
@@ -78,19 +81,27 @@ class _Refinement:
 
     def __init__(self, arrangement: Arrangement, domain: shapely.Geometry, ratio: float, largest_m: float) -> None:
         self.mesh = Triangulation(arrangement.vertices_m)
-        self.pieces = Pieces(arrangement, self.mesh)
+        self.pieces = Pieces(arrangement, self.mesh, largest_m)
         self._domain, self._ratio, self._largest_m = domain, ratio, largest_m
         shapely.prepare(domain)
+        self._filling: FloatArray = np.empty((0, 2))
+        if np.isfinite(largest_m):
+            self._filling = lattice(domain, _LATTICE * largest_m)
         self._bad: BoolArray = np.zeros(0, dtype=np.bool_)
         self._size: FloatArray = np.zeros(0)
         self._judge(np.arange(len(self.mesh.triangles)))
 
     def cut_segments(self) -> bool:
         """Cut pieces with a vertex in their diametral circles, as many as keep apart; False where there is none."""
-        wanted = np.flatnonzero(self.pieces.encroached)
+        wanted = np.flatnonzero(self.pieces.due)
         if not len(wanted):
             return False
         points = self.pieces.cuts(wanted, self.mesh.vertices)
+        if len(wanted) > _MANY * len(self.mesh.vertices):
+            self.mesh.begin_again(points)
+            self.pieces.cut(wanted, len(self.mesh.vertices))
+            self._look_at_all()
+            return True
         seeds = self.pieces.beside[wanted]
         hidden = seeds < 0
         if hidden.any():
@@ -98,6 +109,20 @@ class _Refinement:
         growth = self.mesh.insert(points, self.mesh.cavities(points, seeds))
         self.pieces.cut(wanted[growth.taken], len(self.mesh.vertices))
         self._look(growth)
+        return True
+
+    def fill(self) -> bool:
+        """Once, put in a lattice that is as fine as the longest edge asks for; False where there is none left to do."""
+        points, self._filling = self._filling, self._filling[:0]
+        if not len(points):
+            return False
+        # Farther from pieces than half their length, none lies in the diametral circle of one.
+        pieces = shapely.STRtree(shapely.linestrings(self.mesh.vertices[self.pieces.ends]))
+        near, _ = pieces.query(shapely.points(points), predicate="dwithin", distance=self._largest_m / 2.0)
+        points = np.delete(points, near, axis=0)
+        self.mesh.begin_again(points)
+        self.pieces.grow(len(points))
+        self._look_at_all()
         return True
 
     def mend_triangles(self) -> bool:
@@ -140,6 +165,11 @@ class _Refinement:
         if len(growth.triangles):
             self.pieces.look(growth, self.mesh)
             self._judge(growth.triangles)
+
+    def _look_at_all(self) -> None:
+        """Judge everything, once triangles have got other indices."""
+        self.pieces.begin_again(self.mesh)
+        self._judge(np.arange(len(self.mesh.triangles)))
 
     def _judge(self, triangles: IntArray) -> None:
         """Which triangles are bad: too thin, or too large, and in the domain."""

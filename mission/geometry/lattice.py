@@ -1,0 +1,26 @@
+"""Points of an even lattice: where a mesh has to be fine away from all outlines, they are its vertices."""
+
+import numpy as np
+import shapely
+
+from mission.geometry.arrays import FloatArray
+
+
+def lattice(domain: shapely.Geometry, spacing_m: float) -> FloatArray:
+    """The points of a lattice of equilateral triangles that lie in a domain, row by row, shape (P, 2).
+
+    Rows end where the domain does, so that a long and narrow one costs what its area does.
+    """
+    left, low, right, high = domain.bounds
+    heights = np.arange(low, high, spacing_m * np.sqrt(0.75))
+    ends = np.stack(
+        (np.broadcast_to([left, right], (len(heights), 2)), np.repeat(heights[:, None], 2, axis=1)), axis=-1
+    )
+    parts, row = shapely.get_parts(shapely.intersection(shapely.linestrings(ends), domain), return_index=True)
+    begins, _, finishes, _ = shapely.bounds(parts).T
+    shift = left + np.where(row % 2, spacing_m / 2.0, 0.0)
+    first = np.ceil((begins - shift) / spacing_m)
+    counts = np.maximum(np.floor((finishes - shift) / spacing_m) - first + 1.0, 0.0).astype(np.int64)
+    number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+    x = np.repeat(shift + first * spacing_m, counts) + number * spacing_m
+    return np.stack((x, np.repeat(heights[row], counts)), axis=1)
