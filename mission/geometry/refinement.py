@@ -18,13 +18,17 @@ from mission.geometry.arrangement import Arrangement
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.delaunay import Growth, Triangulation, with_room
 from mission.geometry.faces import FacedMesh, faces_of
+from mission.geometry.gaps import Gap, narrowest_gap
 from mission.geometry.lattice import lattice
 from mission.geometry.pieces import Pieces
 from mission.geometry.slimness import Slimness
 
-MOST_VERTICES: Final = 400_000
+MOST_VERTICES: Final = 200_000
 SMALLEST_ANGLE_DEG: Final = 20.0
 """By default; up to 20.7 degrees refinement is proved to end."""
+
+_EARLY: Final = 20
+"""From this part of the most vertices on it is asked whether narrow gaps will need too many."""
 
 _ROUNDING: Final = 1e-9
 _MANY: Final = 0.1  # of the vertices: from so many cuts on, to triangulate anew takes less time
@@ -61,12 +65,13 @@ def refined(
     domain = shapely.transform(domain, lambda places: places - origin_m)
     work = _Refinement(near, domain, 0.5 / np.sin(np.radians(smallest_angle_deg)), largest_m)
     # Segments first: where one is missing, a vertex for a triangle may fall beside it, and cuts would crowd there.
+    limit = MOST_VERTICES // _EARLY
     while work.cut_segments() or work.fill() or work.mend_triangles():
-        if len(work.mesh.vertices) > MOST_VERTICES:
-            x, y = work.mesh.vertices[-1] + origin_m
-            raise GeometryError(
-                f"the mesh would have more than {MOST_VERTICES:,} vertices, the last near ({x:.2f}, {y:.2f})"
-            )
+        if len(work.mesh.vertices) > limit:
+            gap = narrowest_gap(near, domain, smallest_angle_deg)
+            if limit == MOST_VERTICES or (gap and gap.vertices > MOST_VERTICES):
+                raise GeometryError(_too_many(gap, work.mesh.vertices[-1], origin_m))
+            limit = MOST_VERTICES
     return faces_of(work.mesh, work.pieces.sides[: len(work.mesh.triangles)] >= 0, domain).moved(origin_m)
 
 
@@ -74,6 +79,17 @@ def finest_m(area_m2: float) -> float:
     """With longest edges below this, any mesh of such an area has more than ``MOST_VERTICES``."""
     # A triangle has at most the area of the equilateral one, and a mesh about half as many vertices as triangles.
     return float(np.sqrt(area_m2 / (MOST_VERTICES * np.sqrt(0.75))))
+
+
+def _too_many(gap: Gap | None, last_m: FloatArray, origin_m: FloatArray) -> str:
+    """What to say of a mesh with too many vertices, the last of which is given."""
+    most = f"the mesh would have more than {MOST_VERTICES:,} vertices"
+    if gap is None or _EARLY * gap.vertices < MOST_VERTICES:
+        x, y = last_m + origin_m
+        return f"{most}, the last near ({x:.2f}, {y:.2f})"
+    x, y = gap.middle_m + origin_m
+    wide_m = 3.0 * gap.width_m * gap.vertices / MOST_VERTICES
+    return f"{most}: outlines run {gap.width_m:.2g} m apart, as near ({x:.2f}, {y:.2f}); {wide_m:.2g} m would do"
 
 
 class _Refinement:

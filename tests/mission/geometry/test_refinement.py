@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from mission.errors import GeometryError
 from mission.geometry import refinement
 from mission.geometry.arrangement import Arrangement, arranged
+from mission.geometry.delaunay import Cavities, Growth, Triangulation
 from mission.geometry.faces import FacedMesh
 from mission.geometry.refinement import refined
 from mission.geometry.rings import ring_edges
@@ -101,6 +102,33 @@ def test_a_mesh_without_end_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(refinement, "MOST_VERTICES", 100)
     with pytest.raises(GeometryError, match="more than 100 vertices"):
         refined(drawn(SQUARE), shapely.Polygon(SQUARE), largest_m=1.0)
+
+
+def test_outlines_that_run_beside_each_other_are_refused_before_they_are_meshed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The refusal says how near they are and how far apart would do, and that is true."""
+    monkeypatch.setattr(refinement, "MOST_VERTICES", 2000)
+    grown = []
+    insert = Triangulation.insert
+
+    def counted(mesh: Triangulation, points: np.ndarray, cavities: Cavities) -> Growth:
+        grown.append(len(mesh.vertices))
+        return insert(mesh, points, cavities)
+
+    monkeypatch.setattr(Triangulation, "insert", counted)
+
+    def beside(gap_m: float) -> list[np.ndarray]:
+        return [SQUARE * 0.4 + [5.0 + (40.0 + gap_m) * column, 30.0] for column in (0, 1)]
+
+    with pytest.raises(GeometryError) as refused:
+        refined(drawn(SQUARE, *beside(0.012)), shapely.Polygon(SQUARE))
+    assert str(refused.value) == (
+        "the mesh would have more than 2,000 vertices: outlines run 0.012 m apart, as near (45.01, 32.50);"
+        " 0.06 m would do"
+    )
+    assert max(grown) < 500
+    assert refined(drawn(SQUARE, *beside(0.06)), shapely.Polygon(SQUARE)).partition.size < 4000
 
 
 def test_the_same_outlines_give_the_same_mesh() -> None:

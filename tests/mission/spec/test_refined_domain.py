@@ -83,9 +83,9 @@ def test_a_mesh_that_is_too_fine_is_refused() -> None:
     with pytest.raises(SpecError) as refused:
         parse_mission(site("bog: {kind: survey, at: [40, 5]}", "largest_m: 0.01"))
     (fault,) = refused.value.faults
-    assert "more than 400,000 vertices" in fault.message
+    assert "more than 200,000 vertices" in fault.message
     assert fault.path == "domain.mesh.largest_m"
-    assert "write more than 0.235" in fault.hint
+    assert "write more than 0.333" in fault.hint
 
 
 def test_a_point_for_the_mesh_is_one_fault_that_says_to_delete_it() -> None:
