@@ -1,31 +1,24 @@
 """Covering a region: the lanes, their order and the ways between them, from shapes."""
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Final
 
 import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from mission.coverage.area import Area, area_of
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.flight_line import flight_line
 from mission.coverage.headings import candidates
 from mission.coverage.rims import needless, rim_lanes
 from mission.coverage.sequence import Lanes, sequence
 from mission.coverage.sweeps import Sweep, axes, sweep
-from mission.coverage.ways import Network
-from mission.errors import GeometryError
 from mission.geometry.arrays import frozen_floats, frozen_ints
 
-INSET: Final = 1.0 / 400.0
-"""Of the spacing: how far within the ground lanes and ways are, between half of it and five halves."""
-_EXCESS: Final = INSET / 100.0
 TOLERANCE: Final = 0.05
 """Of the spacing: how much farther than half a spacing a place on the ground may be from a lane."""
 SPARED: Final = 0.005
 """Of what is to be covered: the share that may be left out beside the ground, between the round ends of lanes."""
-MOST_LINES: Final = 2_000
 _MOST_TRIED: Final = 4
 _NEAR: Final = 1.15
 """Headings are tried in full whose guessed time is at most so many times the least."""
@@ -66,10 +59,10 @@ def cover(
     """
     origin = np.floor(shapely.get_coordinates(shapely.centroid(ground))[0]) if not ground.is_empty else np.zeros(2)
     region, ground, free = (shapely.transform(shape, lambda xy: xy - origin) for shape in (region, ground, free))
-    area = _area(region, ground, free, spacing_m)
+    area = area_of(region, ground, free, spacing_m)
     entry = np.asarray(entry_m, dtype=np.float64) - origin
     leave = None if exit_m is None else np.asarray(exit_m, dtype=np.float64) - origin
-    if heading_deg is None:
+    if heading_deg is None and area.fields:
         swept = {heading: _swept(area, heading) for heading in candidates(area.parts)}
         guesses = {
             heading: sum(part.guessed_s(pace, spacing_m) for part in sweeps) for heading, sweeps in swept.items()
@@ -80,10 +73,11 @@ def cover(
         ]
         swept = {heading: swept[heading] for heading in promising[:_MOST_TRIED]}
     else:
-        swept = {heading_deg % 180.0: _swept(area, heading_deg)}
+        heading = candidates(area.parts)[0] if heading_deg is None else heading_deg % 180.0
+        swept = {heading: _swept(area, heading)}
     found = []
     for heading, sweeps in swept.items():
-        lanes = _complete(area, _joined(sweeps), heading)
+        lanes = _complete(area, _joined(area, sweeps), heading)
         order = sequence(lanes, area.grounds, area.everywhere, entry_m=entry, exit_m=leave, pace=pace)
         found.append((heading, lanes, order))
     least = min(order.duration_s for _, _, order in found)
@@ -103,90 +97,36 @@ def cover(
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Area:
-    """The shapes, near their origin.
-
-    Attributes:
-        parts: Connected polygons of the ground, a little smaller than given.
-        reachable: What is to be covered: the region, within half a spacing of the ground.
-        free: A little smaller than given, and the parts.
-        spacing_m: Of the lanes.
-    """
-
-    parts: tuple[shapely.Polygon, ...]
-    reachable: shapely.Geometry
-    free: shapely.Geometry
-    spacing_m: float
-
-    @cached_property
-    def ground(self) -> shapely.Geometry:
-        return shapely.MultiPolygon(self.parts)
-
-    @cached_property
-    def grounds(self) -> list[Network]:
-        return [Network(part, _EXCESS * self.spacing_m) for part in self.parts]
-
-    @cached_property
-    def everywhere(self) -> Network:
-        return Network(self.free, _EXCESS * self.spacing_m)
-
-    @cached_property
-    def reachable_of(self) -> list[shapely.Geometry]:
-        return [shapely.intersection(self.reachable, shapely.buffer(part, self.spacing_m / 2.0)) for part in self.parts]
+def _swept(area: Area, heading_deg: float) -> list[Sweep]:
+    """The lanes of a heading on each field."""
+    return [sweep(field, reachable, heading_deg, area.spacing_m) for _, field, reachable in area.fields]
 
 
-def _area(region: shapely.Geometry, ground: shapely.Geometry, free: shapely.Geometry, spacing_m: float) -> _Area:
-    left, low, right, high = shapely.bounds(ground)
-    if ground.is_empty or not np.hypot(right - left, high - low) > 0.0:
-        raise GeometryError("no lane fits into the region: nothing of it is left by the clearance and the tube")
-    if np.hypot(right - left, high - low) > MOST_LINES * spacing_m:
-        raise GeometryError(
-            f"more than {MOST_LINES} lanes: a spacing of {spacing_m:.4g} m is too narrow for the region"
-        )
-    outside = shapely.difference(ground, shapely.buffer(free, _EXCESS * spacing_m, join_style="mitre"))
-    if not outside.is_empty:
-        x, y = shapely.get_coordinates(shapely.point_on_surface(outside))[0]
-        raise GeometryError(f"lanes would leave free space near ({x:.2f}, {y:.2f})")
-    parts = tuple(shapely.get_parts(_inset(ground, spacing_m)))
-    reachable = shapely.intersection(region, shapely.buffer(shapely.MultiPolygon(parts), spacing_m / 2.0))
-    return _Area(parts, reachable, shapely.union_all([_inset(free, spacing_m), *parts]), spacing_m)
-
-
-def _inset(shape: shapely.Geometry, spacing_m: float) -> shapely.Geometry:
-    """Each part a little smaller, with fewer corners: what is made in it survives rounding, and arcs are cheap."""
-    parts = []
-    for part in shapely.get_parts(shape):
-        for finer in (1.0, 0.1, 0.01):
-            margin = finer * INSET * spacing_m
-            smaller = shapely.simplify(shapely.buffer(part, -1.5 * margin, join_style="mitre"), margin)
-            if not smaller.is_empty:
-                parts.extend(shapely.get_parts(smaller))
-                break
-    return shapely.MultiPolygon(parts)
-
-
-def _swept(area: _Area, heading_deg: float) -> tuple[Sweep, ...]:
-    """The lanes of a heading on each part."""
-    pairs = zip(area.parts, area.reachable_of, strict=True)
-    return tuple(sweep(part, reachable, heading_deg, area.spacing_m) for part, reachable in pairs)
-
-
-def _joined(sweeps: tuple[Sweep, ...]) -> Lanes:
-    """The lanes of all parts."""
-    count = [len(found.lanes_m) for found in sweeps]
-    first = np.cumsum([0] + [found.cell_of.max(initial=-1) + 1 for found in sweeps])[:-1]
+def _joined(area: Area, sweeps: list[Sweep]) -> Lanes:
+    """The lanes of all fields and arms: each middle line is a cell that is flown one way or the other."""
+    cells = [
+        (found.lanes_m[found.cell_of == cell], part, False)
+        for (part, _, _), found in zip(area.fields, sweeps, strict=True)
+        for cell in range(found.cell_of.max(initial=-1) + 1)
+    ]
+    cells += [
+        (np.stack((line[:-1], line[1:]), axis=1), part, True)
+        for part, found in enumerate(area.arms)
+        for arm in found
+        for line in arm
+    ]
+    count = [len(lanes) for lanes, _, _ in cells]
     return Lanes(
-        np.concatenate([found.lanes_m for found in sweeps]),
-        np.concatenate([found.cell_of + begin for found, begin in zip(sweeps, first, strict=True)]),
-        np.repeat(np.arange(len(sweeps)), count),
-        np.zeros(sum(count), dtype=np.bool_),
+        np.concatenate([np.empty((0, 2, 2)), *(lanes for lanes, _, _ in cells)]),
+        np.arange(len(cells)).repeat(count),
+        np.array([part for _, part, _ in cells], dtype=np.int64).repeat(count),
+        np.array([chained for _, _, chained in cells], dtype=np.bool_).repeat(count),
     )
 
 
-def _complete(area: _Area, swept: Lanes, heading_deg: float) -> Lanes:
+def _complete(area: Area, swept: Lanes, heading_deg: float) -> Lanes:
     """The lanes without those that nobody needs, and with those of their own along rims."""
-    kept = ~needless(area.reachable, swept.lanes_m, area.spacing_m)
+    kept = swept.chained | ~needless(area.reachable, swept.lanes_m, area.spacing_m)
     more = rim_lanes(
         area.ground,
         area.reachable,
@@ -200,9 +140,12 @@ def _complete(area: _Area, swept: Lanes, heading_deg: float) -> Lanes:
     part_of = shapely.distance(middles, np.array(area.parts)).argmin(axis=1)
     _, cell_of = np.unique(swept.cell_of[kept], return_inverse=True)
     order = np.argsort(cell_of, kind="stable")
+    # On a part that has no cell, each lane is one: cells are what ways through free space are found between.
+    lonely = ~np.isin(part_of, swept.part_of[kept])
+    own = np.where(lonely, cell_of.max(initial=-1) + np.cumsum(lonely), -1)
     return Lanes(
         np.concatenate((swept.lanes_m[kept][order], more)),
-        np.concatenate((cell_of[order], np.full(len(more), -1))),
+        np.concatenate((cell_of[order], own)),
         np.concatenate((swept.part_of[kept][order], part_of)),
         np.concatenate((swept.chained[kept][order], np.zeros(len(more), dtype=np.bool_))),
     )

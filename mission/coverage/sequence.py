@@ -12,6 +12,7 @@ from mission.coverage.ways import Network
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
+_NO_WAY: Final = "no way leads to some lanes: free space has parts that do not meet"
 _NEIGHBOURS: Final = 8
 """Ends of other lanes to which the ways from a lane of its own are found exactly."""
 
@@ -83,7 +84,7 @@ def sequence(
     corners = _corners(cells, len(ends), len(places))
     travel = Travel(places, part_of, grounds, free, _wanted(lanes, cells, corners, places))
     if not np.isfinite(travel.lengths_m[np.ix_(corners, corners)]).all():
-        raise GeometryError("no way leads to some lanes: free space has parts that do not meet")
+        raise GeometryError(_NO_WAY)
     steps = lanes.lanes_m[:, 1] - lanes.lanes_m[:, 0]
     lengths = np.linalg.norm(steps, axis=1)
     units = steps / lengths[:, None]
@@ -159,4 +160,6 @@ def _fitted_in(chain: IntArray, lane: int, times: FloatArray, entry: int, leave:
         if added.min() < cheapest:
             cheapest, place = float(added.min()), int(added.argmin())
             best = np.insert(chain, place, flight)
+    if not np.isfinite(cheapest):
+        raise GeometryError(_NO_WAY)
     return best

@@ -7,8 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
 
+from mission.coverage.area import INSET
 from mission.coverage.coverage import Coverage, Pace
-from mission.coverage.covering import INSET, SPARED, TOLERANCE, cover
+from mission.coverage.covering import SPARED, TOLERANCE, cover
 from mission.errors import GeometryError
 
 PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
@@ -32,8 +33,8 @@ def covered(
 
 def free_of(region: shapely.Geometry, aside_m: float) -> shapely.Geometry:
     holes = [shapely.Polygon(ring) for part in shapely.get_parts(region) for ring in part.interiors]
-    forbidden = shapely.union_all(shapely.buffer(holes, aside_m))
-    return shapely.difference(shapely.box(-100.0, -100.0, 250.0, 250.0), forbidden)
+    forbidden = shapely.difference(shapely.union_all(holes), region)
+    return shapely.difference(shapely.box(-100.0, -100.0, 250.0, 250.0), shapely.buffer(forbidden, aside_m))
 
 
 def distances_m(places: np.ndarray, lanes: np.ndarray) -> np.ndarray:
@@ -164,6 +165,34 @@ def test_a_region_narrower_than_the_spacing_gets_one_lane_along_its_middle() -> 
     assert coverage.lanes_m.shape == (1, 2, 2)
     np.testing.assert_allclose(coverage.lanes_m[0, :, 1], 3.0)
     assert coverage.ways_m == ()
+
+
+def test_a_bent_strip_gets_lanes_along_its_middle_one_after_the_other() -> None:
+    middle = shapely.LineString([(0.0, 0.0), (40.0, 10.0), (70.0, 40.0), (75.0, 80.0)])
+    region = shapely.buffer(middle, 2.5, cap_style="flat")
+    coverage = covered(region, spacing_m=8.0)
+    assert_sound(coverage, region, shapely.buffer(region, -0.5), free_of(region, 0.0), 8.0)
+    assert shapely.distance(shapely.linestrings(coverage.lanes_m), middle).max() < 1e-6
+    assert shapely.hausdorff_distance(shapely.linestrings(coverage.line_m), middle) < 1.0
+    assert coverage.ways_length_m == pytest.approx(0.0, abs=1e-6)
+    assert coverage.lanes_length_m == pytest.approx(middle.length, rel=0.02)
+
+
+def test_a_road_that_forks_and_one_that_goes_round_are_covered() -> None:
+    stem = shapely.buffer(shapely.LineString([(0.0, 0.0), (80.0, 0.0)]), 3.0, cap_style="flat")
+    branch = shapely.buffer(shapely.LineString([(40.0, 0.0), (50.0, 60.0)]), 3.0, cap_style="flat")
+    ring = shapely.difference(shapely.buffer(shapely.Point(40.0, 40.0), 30.0), shapely.Point(40.0, 40.0).buffer(25.0))
+    for region, most_m in [(shapely.union_all([stem, branch]), 145.0), (ring, 2.0 * np.pi * 28.5)]:
+        coverage = covered(region, spacing_m=8.0)
+        assert_sound(coverage, region, shapely.buffer(region, -0.5), free_of(region, 0.25), 8.0)
+        assert coverage.lanes_length_m <= most_m
+
+
+def test_a_part_that_is_too_small_for_a_line_of_the_sweep_is_visited() -> None:
+    region = shapely.MultiPolygon([shapely.box(0.0, 0.0, 60.0, 40.0), shapely.box(70.0, 0.0, 71.2, 1.2)])
+    coverage = covered(region, spacing_m=8.0)
+    assert_sound(coverage, region, shapely.buffer(region, -0.5), free_of(region, 0.0), 8.0)
+    assert np.linalg.norm(coverage.lanes_m - [70.6, 0.6], axis=2).min() < 0.2
 
 
 def test_the_side_of_a_hole_along_the_lanes_has_a_lane_where_the_others_are_too_far() -> None:
