@@ -10,6 +10,7 @@ from pathlib import Path
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach
 from mission.decimals import decimal
+from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT, run_costs
 from mission.planning.run import Run
@@ -81,6 +82,8 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "dropped_tasks": [asdict(task) for task in plan.dropped],
         "warnings": list(plan.warnings),
         "triangles": plan.partition.size,
+        "smallest_angle_deg": math.degrees(plan.partition.angles_rad.min()),
+        "largest_edge_m": float(plan.partition.edge_lengths_m.max()),
         "automaton_parts": plan.shown_parts,
         "automaton_states": plan.shown_automaton.size,
         "automaton_edges": plan.shown_automaton.edge_count,
@@ -164,8 +167,10 @@ def _print_plan(plan: FlightPlan) -> None:
     kind = "deterministic" if all(part.deterministic for part in plan.required.shown) else "nondeterministic"
     beside = "" if parts == 1 else f"{parts} automata side by side, all of which must accept: "
     _print()
+    _print_mesh(plan.partition)
     if clearances_m := clearances_by_name(spec):
         _print(f"Clearances     {', '.join(f'{name} {decimal(metres)} m' for name, metres in clearances_m.items())}")
+    _print()
     _print(f"T  {count(plan.partition.size, 'state')}")
     _print(f"A  {beside}{count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
     searched = plan.product_states // plan.partition.size
@@ -198,6 +203,12 @@ def _lanes(visit: CoveredVisit) -> str:
     lanes = f"{count(len(visit.lanes_m), 'lane')} {decimal(round(visit.spacing_m, 2))} m apart"
     lengths = f"{visit.lanes_length_m:,.0f} m, and {visit.ways_m:,.0f} m between"
     return f"{visit.region} by {lanes}, heading {visit.heading_deg:.0f} degrees, {lengths}{images}{order}"
+
+
+def _print_mesh(mesh: Partition) -> None:
+    angle_deg, edge_m = math.degrees(mesh.angles_rad.min()), mesh.edge_lengths_m.max()
+    triangles = count(mesh.size, "triangle")
+    _print(f"Mesh           {triangles}, smallest angle {angle_deg:.1f} degrees, largest edge {edge_m:.2f} m")
 
 
 def _costs(plan: FlightPlan) -> str:

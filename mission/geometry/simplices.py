@@ -84,6 +84,12 @@ class Partition:
         return frozen_floats(normals / self.edge_lengths_m[..., None])
 
     @cached_property
+    def angles_rad(self) -> FloatArray:
+        """Angles at the vertices, shape (M, 3)."""
+        following, last = np.roll(self.edges_m, -1, axis=1), np.roll(self.edges_m, -2, axis=1)
+        return frozen_floats(np.arctan2(2.0 * self.areas_m2[:, None], -(following * last).sum(axis=-1)))
+
+    @cached_property
     def areas_m2(self) -> FloatArray:
         """Areas, shape (M,)."""
         a, b, c = np.moveaxis(self.corners_m, 1, 0)

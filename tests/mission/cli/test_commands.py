@@ -1,6 +1,7 @@
 """Each command as a person or a script uses it: what it says on which stream, and its exit code."""
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -146,6 +147,9 @@ class TestPlan:
         assert result.out.count("\n") == 1
         plan = json.loads(result.out)
         assert plan["triangles"] == 13
+        # At (5, 5), between (11, 2) and (11, 0); and from (0, 0) to (11, 0).
+        assert plan["smallest_angle_deg"] == pytest.approx(math.degrees(math.atan(5 / 6) - math.atan(3 / 6)))
+        assert plan["largest_edge_m"] == pytest.approx(11.0)
         assert plan["automaton_states"] == 3
         assert plan["product_states"] == 39
         assert plan["shortest_runs"] == 4
@@ -165,6 +169,7 @@ class TestPlan:
     def test_the_tables(self, capsys: pytest.CaptureFixture[str]) -> None:
         lines = ran(capsys, "plan", PAPER, "--runs", "2", "--transitions").out.splitlines()
         assert "       0  5 8 2               8 - 2                 S2" in lines
+        assert "Mesh           13 triangles, smallest angle 13.2 degrees, largest edge 11.00 m" in lines
         assert "T  13 states" in lines
         assert "A  3 states, 6 edges, deterministic" in lines
         assert "P  39 states, 34 of them reachable" in lines

@@ -24,6 +24,8 @@ def test_centres_and_radii_have_their_distances(seed: int) -> None:
     # Euler: the squared distance of the centres is R (R - 2 r); with the law of sines R = a / (2 sin alpha).
     sines = 2 * partition.areas_m2 / (partition.edge_lengths_m[:, 1] * partition.edge_lengths_m[:, 2])
     assert partition.circumradii_m == pytest.approx(partition.edge_lengths_m[:, 0] / (2 * sines))
+    assert partition.angles_rad.sum(axis=1) == pytest.approx(np.full(partition.size, np.pi))
+    assert np.sin(partition.angles_rad[:, 0]) == pytest.approx(sines)
 
 
 @given(st.integers(0, 10_000))
