@@ -120,6 +120,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
                 "ways_length_m": visit.ways_m,
                 "trigger_m": visit.trigger_m,
                 "exact": visit.exact,
+                "planned_share": visit.planned_share,
             }
             for visit in plan.covers
         ],
@@ -202,7 +203,8 @@ def _lanes(visit: CoveredVisit) -> str:
     order = "" if visit.exact else "; in the best order that was found"
     lanes = f"{count(len(visit.lanes_m), 'lane')} {decimal(round(visit.spacing_m, 2))} m apart"
     lengths = f"{visit.lanes_length_m:,.0f} m, and {visit.ways_m:,.0f} m between"
-    return f"{visit.region} by {lanes}, heading {visit.heading_deg:.0f} degrees, {lengths}{images}{order}"
+    share = f"{visit.planned_share:.1%} of {visit.region}"
+    return f"{share} by {lanes}, heading {visit.heading_deg:.0f} degrees, {lengths}{images}{order}"
 
 
 def _print_mesh(mesh: Partition) -> None:

@@ -11,6 +11,7 @@ import shapely
 from mission.coverage.camera import Lens, lane_spacing_m, trigger_distance_m
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.covering import cover
+from mission.coverage.flown import covered_share
 from mission.errors import GeometryError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
 from mission.geometry.regions import Labelling
@@ -28,6 +29,7 @@ _MOST_ROOM_M: Final = 0.25  # likewise for ways, at most, since passages may be 
 _STEPS: Final = 1.0 / 30.0  # of the spacing: smaller steps to the side are left out
 _LANE_END: Final = 1.0 / 3.0  # widest reach at the end of a lane, of the spacing
 _WAY: Final = 1.0  # widest reach elsewhere, likewise
+_SAMPLED: Final = 1.0 / 20.0  # of the spacing
 _QUARTER: Final = 16  # chords of a quarter circle
 
 
@@ -45,7 +47,8 @@ class CoveredVisit:
         ways_m: Length of the ways between lanes.
         exact: Whether no other order of the lanes' cells takes less time.
         trigger_m: Distance between images in a lane; None where none are taken.
-        share: Of what the lanes cover, how much must really be covered.
+        share: How much of the region must really be covered.
+        planned_share: How much of it a flight covers that keeps to the path.
     """
 
     region: str
@@ -58,6 +61,7 @@ class CoveredVisit:
     exact: bool
     trigger_m: float | None
     share: float
+    planned_share: float
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lanes_m", frozen_floats(self.lanes_m))
@@ -81,6 +85,7 @@ class CoveredVisit:
             "exact": self.exact,
             "trigger_m": self.trigger_m,
             "share": self.share,
+            "planned_share": self.planned_share,
         }
 
     @staticmethod
@@ -98,6 +103,7 @@ class CoveredVisit:
             exact=bool(data["exact"]),
             trigger_m=None if trigger is None else float(trigger),
             share=float(data["share"]),
+            planned_share=float(data["planned_share"]),
         )
 
 
@@ -110,6 +116,7 @@ class _Lanes:
     coverage: Coverage
     curve: RoundedPolyline
     lanes_s: FloatArray
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +199,8 @@ class Covering:
         curve, passed_s = rounded_within(
             line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
         )
-        return _Lanes(region.name, region.cover, coverage, curve, passed_s[ends])
+        share = covered_share(area, _swath(curve, passed_s[ends], spacing_m))
+        return _Lanes(region.name, region.cover, coverage, curve, passed_s[ends], share)
 
     def _visit(self, lanes: _Lanes, start_s: float) -> CoveredVisit:
         coverage = lanes.coverage
@@ -207,10 +215,19 @@ class Covering:
             exact=coverage.exact,
             trigger_m=_trigger_m(lanes.cover, self.spec.flight.altitude_m),
             share=lanes.cover.share,
+            planned_share=lanes.share,
         )
 
     def _union(self, triangles: BoolArray) -> shapely.Geometry:
         return shapely.union_all(shapely.polygons(self.partition.corners_m[triangles]))
+
+
+def _swath(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> shapely.Geometry:
+    """What is within half a spacing of a curve where it flies lanes."""
+    step_s = _SAMPLED * spacing_m / curve.speed_m_s
+    times = [np.linspace(begin, end, 2 + int((end - begin) / step_s)) for begin, end in lanes_s.tolist()]
+    tracks = [shapely.linestrings(curve.position(each)) for each in times]
+    return shapely.union_all(shapely.buffer(tracks, spacing_m / 2.0, quad_segs=_QUARTER))
 
 
 def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:

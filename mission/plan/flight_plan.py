@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+import shapely
+
 from mission.geometry.arrays import BoolArray, IntArray
 from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
@@ -159,6 +162,12 @@ class FlightPlan:
         """Triangles that must never be entered, shape (M,)."""
         return restricted_triangles(self.spec, self.labelling)
 
+    def area_of(self, region: str) -> shapely.Geometry:
+        """What of a region may be entered, as a polygon or several, metres."""
+        inside = np.zeros(self.partition.size, dtype=np.bool_)
+        inside[self.labelling.triangles_of(region)] = True
+        return shapely.union_all(shapely.polygons(self.partition.corners_m[inside & ~self.restricted]))
+
     @cached_property
     def locator(self) -> Locator:
         """Point location in the domain."""
@@ -175,6 +184,7 @@ class FlightPlan:
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
             *((self._passing_over,) if self.passed_over else ()),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
+            *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share),
             *((_NO_WAY_BACK,) if self.run.recurrent and not self._returns else ()),
         )
 
@@ -227,6 +237,13 @@ class FlightPlan:
     def compiled_refutation(self) -> CompiledAutomaton:
         """The automaton of what the flight must not be, over the letters of the domain."""
         return compile_to_alphabet(self.required.refutation, self.labelling.letters)
+
+
+def _too_little(visit: CoveredVisit) -> str:
+    return (
+        f"the lanes cover {visit.planned_share:.1%} of {visit.region}, less than the {visit.share:.1%} that "
+        f"`regions.{visit.region}.cover.share` asks for: where the tube and the clearance reach, nothing is covered"
+    )
 
 
 def prover_of(

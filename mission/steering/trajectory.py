@@ -92,7 +92,7 @@ class Trajectory:
 
     def state(self, t_s: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Position, velocity and acceleration at the times ``t_s`` (P,), each of shape (P, 2)."""
-        which, own_s = self._placed(t_s)
+        which, own_s, _ = self._placed(t_s)
         states = np.empty((3, len(own_s), 2))
         for number in np.unique(which).tolist():
             states[:, which == number] = self.legs[number].state(own_s[which == number])
@@ -100,11 +100,16 @@ class Trajectory:
 
     def parameter(self, t_s: ArrayLike) -> FloatArray:
         """Where on ``curve`` the vehicle is at the times ``t_s`` (P,), shape (P,)."""
-        which, own_s = self._placed(t_s)
+        which, own_s, _ = self._placed(t_s)
         places = np.empty(len(own_s))
         for number in np.unique(which).tolist():
             places[which == number] = self.legs[number].law.parameter(own_s[which == number])
         return np.asarray(places + self.curve.starts_s[which])
+
+    def lap_at(self, t_s: ArrayLike) -> IntArray:
+        """Which lap, from 1, is flown at the times ``t_s`` (P,); 0 before and after the laps; shape (P,)."""
+        which, _, begun = self._placed(t_s)
+        return np.where(which == self.lap, begun + 1, 0) if self.lap is not None else np.zeros_like(which)
 
     def ended_after(self, t_s: float) -> Self:
         """The same up to the end of the lap that is flown at ``t_s``; then what comes after the laps.
@@ -125,16 +130,18 @@ class Trajectory:
             spans[self.lap] *= math.inf if self.laps is None else self.laps
         return np.concatenate(([0.0], np.cumsum(spans)))
 
-    def _placed(self, t_s: ArrayLike) -> tuple[IntArray, FloatArray]:
-        """The leg that is flown at each time (P,), and the time since it was begun, both (P,)."""
+    def _placed(self, t_s: ArrayLike) -> tuple[IntArray, FloatArray, IntArray]:
+        """At each time (P,) the leg that is flown, the time since it was begun, and how many laps were flown before."""
         times = np.maximum(np.atleast_1d(np.asarray(t_s, dtype=np.float64)), 0.0)
         which = np.clip(np.searchsorted(self._spans_s, times, side="right") - 1, 0, len(self.legs) - 1)
         own_s = times - self._spans_s[which]
+        begun = np.zeros_like(which)
         if self.lap is not None:
             lap_s = self.legs[self.lap].duration_s
-            begun = np.floor(own_s / lap_s) if self.laps is None else np.minimum(np.floor(own_s / lap_s), self.laps - 1)
-            own_s = np.where(which == self.lap, own_s - begun * lap_s, own_s)
-        return which, own_s
+            laps = np.where(which == self.lap, np.floor(own_s / lap_s), 0.0).astype(np.int64)
+            begun = laps if self.laps is None else np.minimum(laps, self.laps - 1)
+            own_s = own_s - begun * lap_s
+        return which, own_s, begun
 
     def to_json(self) -> dict[str, Any]:
         """The trajectory as JSON values; ``from_json`` gives it back bit by bit."""

@@ -6,41 +6,13 @@ import shapely
 
 from mission.errors import NoPlanError
 from mission.plan import FlightPlan, certify_again, plan_from_json, plan_to_json
+from tests.support.fields import FIELD_WITH_A_BARN, TWO_FIELDS
 from tests.support.small_missions import plan_of
-
-FARM = """
-domain:
-  boundary: [[0, 0], [150, 0], [150, 100], [0, 100]]
-  mesh: {}
-regions:
-  home: {kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}
-  field:
-    kind: survey
-    polygon: [[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]
-    cover: {spacing_m: 8, heading_deg: 0}
-  barn: {kind: restricted, polygon: [[70, 30], [80, 30], [80, 40], [70, 40]]}
-mission: {formula: "F (field & F home) & G !barn"}
-start: {position_m: [12, 12]}
-flight: {disturbance_m_s2: 0.3, speed_m_s: 4}
-"""
-
-ROUNDS = """
-domain:
-  boundary: [[0, 0], [80, 0], [80, 40], [0, 40]]
-  mesh: {}
-regions:
-  home: {kind: home, polygon: [[34, 4], [46, 4], [46, 14], [34, 14]]}
-  west: {kind: survey, polygon: [[3, 3], [23, 3], [23, 37], [3, 37]], cover: {spacing_m: 8}}
-  east: {kind: survey, polygon: [[57, 3], [77, 3], [77, 37], [57, 37]], cover: {spacing_m: 8}}
-mission: {formula: "G F west & G F east", laps: 2}
-start: {position_m: [START]}
-flight: {disturbance_m_s2: 0.1, speed_m_s: 4}
-"""
 
 
 @pytest.fixture(scope="module")
 def farm() -> FlightPlan:
-    return plan_of(FARM)
+    return plan_of(FIELD_WITH_A_BARN)
 
 
 def area_of(plan: FlightPlan, name: str) -> shapely.Geometry:
@@ -59,9 +31,9 @@ def test_the_path_covers_the_region_and_the_word_is_that_of_the_formula(farm: Fl
     assert farm.certificate.word == tuple(letters)
     line = flown(farm)
     missed = field.difference(line.buffer(4.0))
-    assert missed.area < 0.01 * field.area
-    assert line.distance(barn) > 0.3 * np.sqrt(2.0)
     [visit] = farm.covers
+    assert missed.area <= (1.0 - visit.planned_share) * field.area < 0.02 * field.area
+    assert line.distance(barn) > 0.3 * np.sqrt(2.0)
     assert visit.region == "field"
     assert visit.heading_deg == 0.0
     tube = field.buffer(-0.3)
@@ -104,7 +76,7 @@ def test_a_plan_with_lanes_is_read_as_it_was_written_and_proved_again(farm: Flig
 @pytest.mark.parametrize("start", ["40, 9", "13, 20"])
 def test_each_lap_covers_each_region_once_wherever_it_begins(start: str) -> None:
     """Also where the lap begins within a visit, and where the flight begins in a region."""
-    plan = plan_of(ROUNDS.replace("START", start))
+    plan = plan_of(TWO_FIELDS.replace("START", start))
     assert plan.path.lap is not None
     lap = plan.path.segments[slice(*plan.path.lap)]
     assert sum(segment.lanes is not None for segment in lap) == 2
@@ -117,7 +89,7 @@ def test_each_lap_covers_each_region_once_wherever_it_begins(start: str) -> None
 
 def test_a_visit_that_the_mission_does_not_ask_for_covers_nothing() -> None:
     plan = plan_of(
-        FARM.replace("F (field & F home)", "F (barn2 & F home)").replace(
+        FIELD_WITH_A_BARN.replace("F (field & F home)", "F (barn2 & F home)").replace(
             "  barn:", "  barn2: {kind: survey, polygon: [[142, 2], [148, 2], [148, 8], [142, 8]]}\n  barn:"
         )
     )
@@ -125,7 +97,7 @@ def test_a_visit_that_the_mission_does_not_ask_for_covers_nothing() -> None:
 
 
 def test_a_region_that_starts_the_flight_is_covered_where_the_mission_asks_for_it() -> None:
-    plan = plan_of(FARM.replace("position_m: [12, 12]", "position_m: [50, 30]"))
+    plan = plan_of(FIELD_WITH_A_BARN.replace("position_m: [12, 12]", "position_m: [50, 30]"))
     assert [visit.region for visit in plan.covers] == ["field"]
 
 
@@ -135,7 +107,9 @@ def test_a_region_that_starts_the_flight_is_covered_where_the_mission_asks_for_i
 )
 def test_a_camera_gives_the_spacing_and_the_distance_between_images(lens: str) -> None:
     camera = f"camera: {{{lens}, overlap: 0.8, sidelap: 0.5}}"
-    plan = plan_of(FARM.replace("spacing_m: 8", camera).replace("speed_m_s: 4", "speed_m_s: 4, altitude_m: 20"))
+    plan = plan_of(
+        FIELD_WITH_A_BARN.replace("spacing_m: 8", camera).replace("speed_m_s: 4", "speed_m_s: 4, altitude_m: 20")
+    )
     [visit] = plan.covers
     assert visit.spacing_m == pytest.approx(2.0 * 20.0 * np.tan(np.radians(30.0)) * 0.5)
     assert visit.trigger_m == pytest.approx(2.0 * 20.0 * np.tan(np.radians(22.5)) * 0.2)
@@ -144,7 +118,7 @@ def test_a_camera_gives_the_spacing_and_the_distance_between_images(lens: str) -
 
 def test_a_region_too_narrow_for_its_tube_is_refused_with_the_widths() -> None:
     outline = "[[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]"
-    strip = FARM.replace(outline, "[[40, 20], [130, 20], [130, 26], [40, 26]]")
+    strip = FIELD_WITH_A_BARN.replace(outline, "[[40, 20], [130, 20], [130, 26], [40, 26]]")
     narrow = strip.replace("disturbance_m_s2: 0.3", "disturbance_m_s2: 5")
     with pytest.raises(NoPlanError, match="field cannot be covered by lanes 8 m apart in a tube of 5 m on each side"):
         plan_of(narrow)
