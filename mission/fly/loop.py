@@ -20,6 +20,7 @@ from mission.link.course import Course
 from mission.link.ending import Ending
 from mission.link.session import Session
 from mission.link.transport import Transport
+from mission.monitor.coverage import Covered, coverage_text, judged
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.gaps import gaps_text
 from mission.monitor.pictures import pictures_text
@@ -303,7 +304,7 @@ class _Flight:
             raise VehicleError(session.ending_reason)
         achieved, reason = False, session.ending_reason
         if ending is Ending.LANDED:
-            outcome = watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent)
+            outcome = judged(watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent), self.covered)
             achieved, reason = outcome.achieved, outcome.reason
         reason = _joined(reason, *self.shortcomings())
         result = FlightResult(
@@ -323,32 +324,23 @@ class _Flight:
             laps=watch.monitor.laps,
             gaps=tuple(watch.gaps),
             violations=watch.monitor.violations,
+            covered=self.covered,
             pictures=tuple(watch.pictures),
         )
-        self.record.write(
-            "verdict",
-            self.newest_s,
-            achieved=achieved,
-            reason=reason,
-            ending=ending.name.lower(),
-            interrupted=self.interrupted,
-            largest_error_m=result.largest_error_m,
-            largest_distance_m=result.largest_distance_m,
-            beyond_tube_s=result.beyond_tube_s,
-            behind_s=result.behind_s,
-            pictures=len(result.pictures),
-            pictures_planned=self.plan.planned_pictures,
-            word=[sorted(letter) for letter in result.word],
-            laps=result.laps,
-            **watch.judged.known(),
-        )
+        self.record.write("verdict", self.newest_s, **result.values(), **watch.judged.known())
         return result
+
+    @property
+    def covered(self) -> tuple[Covered, ...]:
+        """What was covered so far."""
+        guidance = self.session.guidance
+        return () if guidance is None else self.watch.covered(guidance.course.laps)
 
     def shortcomings(self) -> tuple[str, ...]:
         """What is wrong with the flight, or known of it alone, whatever its end; empty words where nothing is."""
         trouble = self.session.contact.photography.trouble
         pictures = pictures_text(self.watch.pictures, self.plan.planned_pictures, trouble)
-        return gaps_text(self.watch.gaps), pictures, self.record.lost_text
+        return coverage_text(self.covered), gaps_text(self.watch.gaps), pictures, self.record.lost_text
 
     def say_stop(self, transport: Transport) -> None:
         """Tell the vehicle to stop, without waiting for it."""

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from mission.link.ending import Ending
+from mission.monitor.coverage import Covered, covered_values
 from mission.monitor.gaps import Gap
 from mission.monitor.monitor import Violation
 from mission.monitor.stage import Stage
@@ -73,6 +74,7 @@ class FlightResult:
         word: The letters that were flown.
         laps: How often the loop of a recurrent run was flown.
         gaps: Where nothing was known of the position, or the trajectory paused; the reason names them.
+        covered: What was covered of the regions that were to be, visit by visit.
         pictures: The numbers of the pictures that the vehicle told of, in the order in which it did.
         violations: Departures from the domain and entries into restricted regions.
         behind_s: How far this computer was behind what the vehicle said, at most, by its time; 0 where it kept up.
@@ -94,7 +96,26 @@ class FlightResult:
     gaps: tuple[Gap, ...]
     violations: tuple[Violation, ...]
     behind_s: float = 0.0
+    covered: tuple[Covered, ...] = ()
     pictures: tuple[int, ...] = ()
+
+    def values(self) -> dict[str, object]:
+        """The verdict as values for a record."""
+        return {
+            "achieved": self.achieved,
+            "reason": self.reason,
+            "ending": self.ending.name.lower(),
+            "interrupted": self.interrupted,
+            "largest_error_m": self.largest_error_m,
+            "largest_distance_m": self.largest_distance_m,
+            "beyond_tube_s": self.beyond_tube_s,
+            "behind_s": self.behind_s,
+            "covered": [covered_values(visit) for visit in self.covered],
+            "pictures": len(self.pictures),
+            "pictures_planned": self.plan.planned_pictures,
+            "word": [sorted(letter) for letter in self.word],
+            "laps": self.laps,
+        }
 
     @property
     def exit_code(self) -> int:

@@ -22,6 +22,7 @@ from mission.link.events import (
     VersionTold,
 )
 from mission.link.session import Session
+from mission.monitor.coverage import CoverageWatch, Covered
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.gaps import GAP_S, Gap, Missing
 from mission.monitor.stage import WATCHED, Stage
@@ -39,6 +40,7 @@ class FlightWatch:
         largest_distance_m: Largest horizontal distance from the trajectory.
         beyond_tube_s: Longest time without a break that the vehicle was beyond the certified tube.
         began_s: Vehicle time at which the trajectory began; None before.
+        coverage: What was covered.
         vehicle: Name of the autopilot; empty before it is known.
         gaps: Where nothing was known of the position, or the trajectory paused, from its start on.
         pictures: The numbers of the pictures that were told of.
@@ -55,6 +57,7 @@ class FlightWatch:
         self.beyond_tube_s = 0.0
         self.began_s: float | None = None
         self.vehicle = ""
+        self.coverage = CoverageWatch(plan)
         self.returning = False
         self.gaps: list[Gap] = []
         self.pictures: list[int] = []
@@ -117,6 +120,10 @@ class FlightWatch:
             behind_s=listening.behind_s if listening.is_behind else 0.0,
         )
 
+    def covered(self, laps: int | None) -> tuple[Covered, ...]:
+        """What was covered, of so many laps."""
+        return self.coverage.covered(replace(self.plan.trajectory, laps=laps))
+
     def violation(self) -> str:
         """What has happened that must not, in plain words; empty where nothing has."""
         violations = self.monitor.violations
@@ -138,6 +145,7 @@ class FlightWatch:
         if event.trajectory_s is not None:
             planned = (event.planned_m[0], event.planned_m[1])
             self.tracking.observe(event.t_s, place, planned)
+            self.coverage.report(event.t_s, event.trajectory_s, place)
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
         if self.began_s is not None and self._stage in WATCHED:

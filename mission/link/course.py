@@ -57,6 +57,10 @@ class Flown(Protocol):
         """When the last lap is over; infinite where nobody has said how many there are, 0 where there is none."""
         ...
 
+    def first_lap_s(self, t_s: float, /) -> float:
+        """A time in a lap as that in the first lap."""
+        ...
+
     def ended_after(self, t_s: float, /) -> Self:
         """The same up to the end of the lap that is flown at a time, then what comes after the laps."""
         ...
@@ -90,6 +94,10 @@ class Course:
     def laps(self) -> int | None:
         """How often the lap is flown; None where nobody has said."""
         return self._trajectory.laps
+
+    def first_lap_s(self, t_s: float) -> float:
+        """A time in a lap as that in the first lap."""
+        return self._trajectory.first_lap_s(t_s)
 
     def end_laps(self, t_s: float) -> bool:
         """Let the lap that is flown at a time be the last; nothing changes before its end.

@@ -138,6 +138,7 @@ class Session:
         trajectory_s = None
         if self.stage is Stage.FLY and guidance is not None and vehicle_s is not None:
             trajectory_s = guidance.trajectory_s(vehicle_s)
+            trajectory_s = None if trajectory_s is None else guidance.course.first_lap_s(trajectory_s)
         self.contact.switch_camera(trajectory_s, now_s)
 
     def depart(self, course: Course, anchoring: Anchoring, photographs: tuple[Photographs, ...] = ()) -> None:

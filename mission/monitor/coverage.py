@@ -9,6 +9,7 @@ import shapely
 from mission.coverage.flown import swath, uncovered
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.monitor.gaps import GAP_S
+from mission.monitor.monitor import Outcome
 from mission.plan import CoveredVisit, FlightPlan
 from mission.spec.model import Point
 from mission.steering.trajectory import Trajectory
@@ -76,15 +77,31 @@ class CoverageWatch:
         return tuple(visit for visit in found if visit is not None)
 
 
-def coverage_text(visits: Sequence[Covered]) -> str:
-    """What was covered too little, in plain words; empty where nothing was."""
+def judged(outcome: Outcome, visits: Sequence[Covered]) -> Outcome:
+    """The verdict of a flight that had regions to cover: it achieves nothing where one was covered too little."""
     short = [visit for visit in visits if not visit.enough]
-    if not short:
-        return ""
+    if not (outcome.achieved and short):
+        return outcome
     worst = min(short, key=lambda visit: visit.share - visit.asked)
-    more = f", and {len(short) - 1} more covered too little" if len(short) > 1 else ""
-    lap = f" in lap {worst.lap}" if worst.lap else ""
-    return f"{worst.region} was covered to {worst.share:.1%} only{lap} ({worst.asked:.1%} asked for){more}"
+    more = f"; so were {len(short) - 1} more" if len(short) > 1 else ""
+    return Outcome(achieved=False, reason=f"too little of {worst.region} was covered, {worst.asked:.1%} is asked{more}")
+
+
+def coverage_text(visits: Sequence[Covered]) -> str:
+    """What was covered, in plain words; of laps the least of each region; empty where nothing was to be."""
+    least: dict[str, Covered] = {}
+    for visit in visits:
+        if visit.region not in least or visit.share < least[visit.region].share:
+            least[visit.region] = visit
+    return ", ".join(
+        f"{visit.region} covered to {visit.share:.1%}{f' in lap {visit.lap}' if visit.lap else ''}"
+        for visit in least.values()
+    )
+
+
+def covered_values(visit: Covered) -> dict[str, object]:
+    """A visit as values for a record."""
+    return {"region": visit.region, "lap": visit.lap, "share": visit.share, "asked": visit.asked}
 
 
 def on_lanes(visit: CoveredVisit, s: FloatArray) -> BoolArray:

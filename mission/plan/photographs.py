@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from mission.plan.covering import CoveredVisit
 from mission.steering.trajectory import Trajectory
 
 _STEP_S: Final = 0.1
@@ -18,7 +19,7 @@ class Photographs:
     """One stretch.
 
     Attributes:
-        begin_s: Time on the trajectory at which the first picture is taken.
+        begin_s: Time on the trajectory at which the first picture is taken; of a lap, in the first one.
         end_s: Time on the trajectory after which none is.
         distance_m: Level distance from one picture to the next; None for a single one.
 
@@ -37,6 +38,16 @@ class Photographs:
             raise ValueError(f"photographs are {self.distance_m} m apart, which is no distance")
 
 
+def along_lanes(trajectory: Trajectory, visits: Iterable[CoveredVisit]) -> tuple[Photographs, ...]:
+    """A stretch for each lane of the regions of which images are taken."""
+    found = []
+    for visit in visits:
+        if visit.trigger_m is not None:
+            times = trajectory.time_at(visit.lanes_s.ravel()).reshape(-1, 2).tolist()
+            found += [Photographs(begin, end, visit.trigger_m) for begin, end in times if begin < end]
+    return in_order(found)
+
+
 def in_order(stretches: Iterable[Photographs]) -> tuple[Photographs, ...]:
     """The same stretches.
 
@@ -51,15 +62,19 @@ def in_order(stretches: Iterable[Photographs]) -> tuple[Photographs, ...]:
 
 
 def planned_pictures(trajectory: Trajectory, stretches: Iterable[Photographs]) -> int:
-    """How many pictures a flight takes that keeps to the trajectory: the first of each stretch, and those after it."""
+    """How many pictures a flight takes that keeps to the trajectory: the first of each stretch, and those after it.
+
+    Of laps without a number one is counted.
+    """
     count = 0
     for stretch in stretches:
-        count += 1
+        laps = (trajectory.laps or 1) if trajectory.lap_at([stretch.begin_s])[0] else 1
+        count += laps
         if stretch.distance_m is None:
             continue
         times = np.linspace(stretch.begin_s, stretch.end_s, 2 + int((stretch.end_s - stretch.begin_s) / _STEP_S))
         steps = np.diff(trajectory.state(times)[0], axis=0)
-        count += int(float(np.hypot(steps[:, 0], steps[:, 1]).sum()) / stretch.distance_m)
+        count += laps * int(float(np.hypot(steps[:, 0], steps[:, 1]).sum()) / stretch.distance_m)
     return count
 
 

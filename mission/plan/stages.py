@@ -16,6 +16,7 @@ from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.narrows import closed_by_clearances
+from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner, trajectory_of
 from mission.plan.proved_run import ProvedRun, proved_run
 from mission.plan.specification import Specification, deterministic_of, of_mission
@@ -113,6 +114,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         if back is not None:
             homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
     stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
+    trajectory, covers = trajectory_of(spec, curve, stops, path.repeated_leg), covering.visits(path)
     return FlightPlan(
         spec=spec,
         start_m=start,
@@ -127,12 +129,13 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         run=chosen,
         path=path,
         stops=stops,
-        trajectory=trajectory_of(spec, curve, stops, path.repeated_leg),
+        trajectory=trajectory,
         certificate=proved.certificate,
         dropped=dropped,
         homeward=homeward,
         passed_over=flown.passed_over,
-        covers=covering.visits(path),
+        covers=covers,
+        photographs=along_lanes(trajectory, covers),
         avoidance=Avoidance(flown.avoided, run_costs(weights, runs[0], spec.search.cost)) if flown.avoided else None,
     )
 

@@ -220,6 +220,7 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
         ("Length flown", _number(flown["length_m"], "m", 2)),
         ("Time on the trajectory", _number(flown["duration_s"], "s", 1)),
         *_gaps(flown["gaps"]),
+        *_covered(flown["covered"]),
         *_photographs(flown["photographs"]),
         ("Largest speed", _number(flown["largest_speed_m_s"], "m/s", 2)),
         ("Largest tilt", _number(flown["largest_tilt_deg"], "°", 1)),
@@ -339,6 +340,17 @@ def _text(value: object) -> str:
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_text(part)}" for name, part in value.items())
     return "not known" if value is None else str(value)
+
+
+def _covered(visits: Sequence[Mapping[str, Any]]) -> list[tuple[str, str]]:
+    """A row for each visit of a region that was to be covered."""
+    return [
+        (
+            f"Covered of {visit['region']}" + (f" in lap {visit['lap']}" if visit["lap"] else ""),
+            f"{visit['share']:.1%}, and {visit['asked']:.1%} was asked",
+        )
+        for visit in visits
+    ]
 
 
 def _photographs(counts: Mapping[str, int]) -> list[tuple[str, str]]:

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import shapely
 
+from mission.monitor.coverage import covered_values
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan
+from mission.report.coverage import covered_again
 from mission.report.reading import Record, Visit
 from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, tilt, tracking_of
@@ -66,6 +68,16 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "altitude_m": plan.trajectory.altitude_m,
         "clearances_m": clearances_by_name(plan.spec),
+        "covers": [
+            {
+                "region": visit.region,
+                "lanes": len(visit.lanes_m),
+                "lanes_length_m": visit.lanes_length_m,
+                "ways_length_m": visit.ways_m,
+                "share": visit.planned_share,
+            }
+            for visit in plan.covers
+        ],
     }
 
 
@@ -97,6 +109,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
     return {
         "record_is_cut": record.cut,
         "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == "gap"],
+        "covered": [covered_values(visit) for visit in covered_again(plan, record)],
         "photographs": _photographs(plan, record),
         "reports": len(record.track.t_s),
         "reports_on_trajectory": len(distance),

@@ -106,6 +106,23 @@ class Trajectory:
             places[which == number] = self.legs[number].law.parameter(own_s[which == number])
         return np.asarray(places + self.curve.starts_s[which])
 
+    def first_lap_s(self, t_s: float) -> float:
+        """A time in a lap as that in the first lap, a time after the laps as after one; shape as given."""
+        which, own_s, _ = self._placed(t_s)
+        begins = np.concatenate(([0.0], np.cumsum([leg.duration_s for leg in self.legs])))
+        return float(begins[which[0]] + own_s[0])
+
+    def time_at(self, s: ArrayLike) -> FloatArray:
+        """The first time at which each place of the curve (P,) is reached, as if there were one lap, shape (P,)."""
+        asked = np.atleast_1d(np.asarray(s, dtype=np.float64))
+        which = np.clip(np.searchsorted(self.curve.starts_s, asked, side="right") - 1, 0, len(self.legs) - 1)
+        begins = np.concatenate(([0.0], np.cumsum([leg.duration_s for leg in self.legs])))
+        times = begins[which]
+        for number in np.unique(which).tolist():
+            own = which == number
+            times[own] += self.legs[number].law.time_at(asked[own] - self.curve.starts_s[number])
+        return times
+
     def lap_at(self, t_s: ArrayLike) -> IntArray:
         """Which lap, from 1, is flown at the times ``t_s`` (P,); 0 before and after the laps; shape (P,)."""
         which, _, begun = self._placed(t_s)

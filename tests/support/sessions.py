@@ -28,6 +28,9 @@ class Straight:
     laps: int | None = 1
     laps_end_s = 0.0
 
+    def first_lap_s(self, t_s: float) -> float:
+        return t_s
+
     def ended_after(self, _t_s: float) -> Self:
         return self
 

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from mission.plan import FlightPlan
 from mission.report.figures.automaton import automaton
 from mission.report.figures.canvas import to_png
+from mission.report.figures.coverage import coverage
 from mission.report.figures.histories import control_signals, time_histories, tracked_states
 from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path
@@ -44,7 +45,15 @@ class _OfFlight:
     draw: Callable[[FlightPlan, Record], Figure]
 
 
-PICTURES: tuple[_OfPlan | _OfFlight, ...] = (
+@dataclass(frozen=True)
+class _OfCoverage:
+    """Drawn where a plan covers regions, with its flight where there is one."""
+
+    picture: Picture
+    draw: Callable[[FlightPlan, Record | None], Figure]
+
+
+PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
     _OfPlan(
         Picture(
             "02_partition.png",
@@ -122,6 +131,15 @@ PICTURES: tuple[_OfPlan | _OfFlight, ...] = (
         ),
         flown_path,
     ),
+    _OfCoverage(
+        Picture(
+            "11_coverage.png",
+            "Coverage",
+            "The lanes of the regions that are to be covered. After a flight also what was farther than half the "
+            "distance between lanes from where the vehicle reported to be on them, and where images were taken.",
+        ),
+        coverage,
+    ),
 )
 
 
@@ -136,6 +154,10 @@ def save_all(plan: FlightPlan, record: Record | None, folder: Path) -> tuple[Pic
     for entry in PICTURES:
         if isinstance(entry, _OfPlan):
             figure = entry.draw(plan)
+        elif isinstance(entry, _OfCoverage):
+            if not plan.covers:
+                continue
+            figure = entry.draw(plan, record)
         elif record is not None:
             figure = entry.draw(plan, record)
         else:

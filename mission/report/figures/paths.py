@@ -55,7 +55,7 @@ def planned_path(plan: FlightPlan) -> Figure:
         axes.plot(*position.T, color=PLANNED, lw=1.3, zorder=3, gid="planned")
         _draw_arrows(axes, position, chart.em_m, PLANNED)
         _draw_ends(axes, position)
-        _draw_region_names(axes, chart, [position], numbers=sorted(set(states)))
+        draw_region_names(axes, chart, [position], numbers=sorted(set(states)))
     return figure
 
 
@@ -83,7 +83,7 @@ def smoothed_path(plan: FlightPlan) -> Figure:
         axes.plot(*position.T, color=SMOOTHED, lw=1.8, zorder=3, gid="smoothed")
         _draw_arrows(axes, position, chart.em_m, SMOOTHED)
         _draw_ends(axes, position)
-        _draw_region_names(axes, chart, [position], tube=list(tube))
+        draw_region_names(axes, chart, [position], tube=list(tube))
     return figure
 
 
@@ -105,7 +105,7 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
         if len(flown):
             _draw_arrows(axes, flown, chart.em_m, FLOWN)
             _draw_ends(axes, flown)
-        _draw_region_names(axes, chart, [planned, flown] if len(flown) else [planned])
+        draw_region_names(axes, chart, [planned, flown] if len(flown) else [planned])
     return figure
 
 
@@ -137,7 +137,7 @@ def _shortened(words: list[str], most: int = 22) -> str:
     return " ".join(words[: most - 8]) + " … " + " ".join(words[-7:])
 
 
-def _draw_region_names(
+def draw_region_names(
     axes: Axes,
     chart: Chart,
     lines: list[FloatArray],

@@ -20,6 +20,9 @@ class Circle:
     laps: int | None = 1
     laps_end_s = 0.0
 
+    def first_lap_s(self, t_s: float) -> float:
+        return t_s
+
     def ended_after(self, _t_s: float) -> Self:
         return self
 
@@ -82,6 +85,9 @@ class Rounds:
     @property
     def duration_s(self) -> float:
         return self.laps_end_s + 4.0
+
+    def first_lap_s(self, t_s: float) -> float:
+        return t_s
 
     def ended_after(self, t_s: float) -> "Rounds":
         return Rounds(max(1, int((t_s - 5.0) // 10.0) + 1))

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from mission.geometry.arrays import FloatArray
-from mission.monitor.coverage import CoverageWatch, Covered, coverage_text, on_lanes
+from mission.monitor.coverage import CoverageWatch, Covered, coverage_text, judged, on_lanes
+from mission.monitor.monitor import Outcome
 from mission.plan import FlightPlan
 from tests.support.fields import FIELD_WITH_A_BARN, TWO_FIELDS
 from tests.support.small_missions import plan_of
+
+LANDED = Outcome(achieved=True, reason="the word that was flown satisfies the specification")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +36,8 @@ def test_a_flight_on_the_trajectory_covers_what_was_planned(farm: FlightPlan) ->
     assert seen.lap == 0
     assert seen.share == pytest.approx(visit.planned_share, abs=2e-3)
     assert seen.enough
-    assert coverage_text([seen]) == ""
+    assert coverage_text([seen]) == f"field covered to {seen.share:.1%}"
+    assert judged(LANDED, [seen]) is LANDED
     assert seen.left_out.area == pytest.approx((1.0 - seen.share) * farm.area_of("field").area)
 
 
@@ -52,7 +56,7 @@ def test_a_lane_that_was_not_told_of_is_not_covered(farm: FlightPlan) -> None:
     assert 0.4 * lost < visit.planned_share - seen.share < 1.1 * lost
     asked = replace(seen, asked=0.99)
     assert not asked.enough
-    assert coverage_text([asked]) == f"field was covered to {seen.share:.1%} only (99.0% asked for)"
+    assert judged(LANDED, [asked]) == Outcome(achieved=False, reason="too little of field was covered, 99.0% is asked")
 
 
 def test_what_is_flown_between_lanes_does_not_count(farm: FlightPlan) -> None:
@@ -74,6 +78,5 @@ def test_each_lap_is_judged_for_itself() -> None:
     second = watched(plan, times[plan.trajectory.lap_at(times) != 1])
     assert {seen.lap for seen in second} == {2}
     poor = [replace(seen, share=0.5) for seen in second]
-    assert coverage_text(poor) == (
-        f"{poor[0].region} was covered to 50.0% only in lap 2 (98.0% asked for), and 1 more covered too little"
-    )
+    assert coverage_text(poor) == ", ".join(f"{seen.region} covered to 50.0% in lap 2" for seen in poor)
+    assert judged(LANDED, poor).reason == f"too little of {poor[0].region} was covered, 98.0% is asked; so were 1 more"
