@@ -28,3 +28,19 @@ mission: {formula: "G F west & G F east", laps: 2}
 start: {position_m: [START]}
 flight: {disturbance_m_s2: 0.1, speed_m_s: 4}
 """
+
+SMALL_FIELD = """
+domain:
+  boundary: [[0, 0], [50, 0], [50, 30], [0, 30]]
+  mesh: {}
+regions:
+  home: {kind: home, polygon: [[2, 2], [12, 2], [12, 12], [2, 12]]}
+  field:
+    kind: survey
+    polygon: [[20, 4], [46, 4], [46, 26], [34, 26], [34, 16], [20, 16]]
+    cover: {camera: {field_of_view_deg: [60, 45], overlap: 0.5, sidelap: 0.4}}
+mission: {formula: F (field & F home)}
+start: {position_m: [7, 7]}
+flight: {disturbance_m_s2: 0.5, time_constant_s: 1, speed_m_s: 4, altitude_m: 8}
+limits: {acceleration_m_s2: 2}
+"""
