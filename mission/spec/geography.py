@@ -94,6 +94,30 @@ def beyond_the_plane(origin: LatLon, places_deg: FloatArray, path: Path) -> Iter
     yield Finding(path if len(places_deg) == 1 else (*path, worst), message, hint)
 
 
+def far_from_origin(data: Any) -> Finding | None:  # noqa: ANN401 - any JSON value
+    """Of a domain in metres that lies beyond the plane of its origin, as eastings and northings do; None of others."""
+    if not isinstance(data, dict) or in_degrees(data) or origin_of(data) is None:
+        return None
+    try:
+        drawn = [found for path, value in _shapes(data) for found in _lists(value, path) if path[0] == "domain"]
+    except OverflowError:
+        return None  # no number for an array, and a fault of its own
+    reach = max((float(np.hypot(*places.T).max()) for _, places in drawn), default=0.0)
+    if not PLANE_M < reach < np.inf:
+        return None
+    points = np.concatenate([places for _, places in drawn])
+    zero = np.floor(points.min(axis=0))
+    message = (
+        f"the domain reaches {reach / 1000.0:.0f} km from the origin; the plane of a mission ends at "
+        f"{PLANE_M / 1000.0:.0f} km"
+    )
+    hint = (
+        f"if these are eastings and northings, leave `origin` out; or let it be the place at {pair(zero)} and subtract "
+        f"that from every point of the file, {pair(points[0])} is then {pair(points[0] - zero)}"
+    )
+    return Finding(drawn[0][0], message, hint)
+
+
 def _shapes(data: Data) -> Iterator[tuple[Path, Any]]:
     """Whatever has points, with its path."""
     domain, regions, start = (data.get(key) for key in ("domain", "regions", "start"))

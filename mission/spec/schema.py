@@ -14,7 +14,8 @@ from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
 Schema = dict[str, Any]
 
-MAX_COORDINATE_M: Final = 1.0e6
+MAX_COORDINATE_M: Final = 2.0e7
+"""Eastings and northings of the map projections in use are less than half the Earth's circumference."""
 
 OPERATOR_NAMES: Final = "^([FGX]+|U|W|M|V|true|false|xor)$"
 """Names that a region may not have: operators and constants. R is one, too, but the paper's home has that name, and no

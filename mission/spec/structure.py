@@ -12,11 +12,10 @@ from jsonschema.validators import extend
 
 from mission.decimals import decimal
 from mission.spec.finding import Finding, Path, dotted, listed, nearest, shortened
+from mission.spec.geography import far_from_origin
 from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
 from mission.spec.scalars import Oddity, number_hint, plain_value
-from mission.spec.scale import projected_finding
 from mission.spec.schema import (
-    COORDINATE,
     MAX_COORDINATE_M,
     NEEDLESS_KEYS,
     POINT_REFERENCE,
@@ -91,11 +90,10 @@ def _plain(node: Node, path: Path, findings: list[Finding]) -> Any:  # noqa: ANN
 
 def structure_findings(data: Any, tree: Node) -> list[Finding]:  # noqa: ANN401 - any JSON value
     """Everything in which the data departs from the schema, as far as the first ``MOST_ERRORS`` of the validator."""
-    projected = projected_finding(data)
-    findings: list[Finding] = [projected] if projected else []
+    far = far_from_origin(data)
+    findings: list[Finding] = [far] if far else []
     for error in islice(_validator().iter_errors(data), MOST_ERRORS):
-        if not (projected and (error.schema == COORDINATE or tuple(error.absolute_path) == projected.path)):
-            findings.extend(_worded(error, tree))
+        findings.extend(_worded(error, tree))
     return list(dict.fromkeys(findings))
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from mission.errors import SpecError
 from mission.geometry.geodesy import LatLon, enu_offset_m
+from mission.plan import certify_again, plan_mission
 from mission.spec.loader import parse_mission
 
 BROKEN = Path(__file__).parents[3] / "missions" / "broken"
@@ -57,6 +58,20 @@ def test_a_small_domain_that_is_not_in_degrees_is_refused_too() -> None:
 
 
 def test_one_point_far_away_is_a_slip_of_its_own() -> None:
-    text = (BROKEN / "projected_coordinates.yaml").read_text(encoding="utf-8")
+    text = (BROKEN / "projected_coordinates.yaml").read_text(encoding="utf-8").replace("origin", "# origin")
     text = converted(text, lambda x, y: (x - 500123, y - 5412345)).replace("[0.410000000", "[5412345.0", 1)
-    assert "write a number from -1000000 to 1000000" in hint_of(text)
+    assert "correct the point that is far off" in hint_of(text)
+
+
+def test_eastings_and_northings_are_metres_like_any_other_and_lose_nothing() -> None:
+    text = (BROKEN / "projected_coordinates.yaml").read_text(encoding="utf-8").replace("origin", "# origin")
+    far, near = (
+        plan_mission(parse_mission(each.encode()))
+        for each in (text, converted(text, lambda x, y: (x - 500123.41, y - 5412345.67)))
+    )
+    assert certify_again(far).holds
+    assert far.partition.size == near.partition.size
+    for name in ("a", "home", "k"):
+        areas = [plan.partition.areas_m2[plan.labelling.triangles_of(name)].sum() for plan in (far, near)]
+        assert areas[0] == pytest.approx(areas[1], rel=1e-7)
+    assert far.certificate.clearance_m == pytest.approx(near.certificate.clearance_m, rel=1e-3)

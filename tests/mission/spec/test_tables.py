@@ -171,14 +171,14 @@ def grid(side: int) -> list[list[float]]:
 
 def test_a_fault_within_a_table_has_its_place() -> None:
     rows = ["[0, 0]"] + [f"[{x}, {x * x % 97}]" for x in range(1, 90)]
-    rows[77] = "[77, 1e7]"
+    rows[77] = "[77, 1e8]"
     for separator in (", ", ",\n    "):
         text = mission(f"[{separator.join(rows)}]")
         with pytest.raises(SpecError) as caught:
             parse_mission(text.encode())
         (fault,) = caught.value.faults
-        assert (fault.path, fault.message) == ("domain.nodes[77][1]", "10000000.0 is more than 1000000")
-        assert text.split("\n")[fault.line - 1][fault.column - 1 :].startswith("1e7]")
+        assert (fault.path, fault.message) == ("domain.nodes[77][1]", "100000000.0 is more than 20000000")
+        assert text.split("\n")[fault.line - 1][fault.column - 1 :].startswith("1e8]")
 
 
 @pytest.mark.parametrize("written", [str, lambda rows: "".join(f"\n  - [{x}, {y}]" for x, y in rows)])
