@@ -13,7 +13,7 @@ from mission.geometry.arrays import FloatArray
 from mission.geometry.rings import edge_crossings, ring_edges
 from mission.geometry.shapes import Area, shrunk
 from mission.geometry.simplices import ROUNDING
-from mission.spec.areas import Ground, area_ground, boundary_ground
+from mission.spec.areas import Ground, area_ground, boundary_ground, clearance_of
 from mission.spec.clearances import BOUNDARY_CLEARANCE, largest_m
 from mission.spec.drawn_rings import DrawnRing, drawn_rings, extent_points, ring_findings
 from mission.spec.finding import Finding, Path
@@ -59,7 +59,9 @@ class Outlines:
 def sound_outlines(domain: NodesDomain | BoundaryDomain, regions: Sequence[Region]) -> tuple[Outlines, list[Finding]]:
     """The outlines that can be meshed, and what is wrong with the domain's points and the others."""
     drawn = [(region, region.shape) for region in regions if not isinstance(region.shape, TriangleShape | PointShape)]
-    return _over_nodes(domain, drawn) if isinstance(domain, NodesDomain) else _within(domain, drawn)
+    bare = [region for region in regions if isinstance(region.shape, TriangleShape | PointShape)]
+    outlines, findings = _over_nodes(domain, drawn) if isinstance(domain, NodesDomain) else _within(domain, drawn)
+    return outlines, [*findings, *(_no_outline(region) for region in bare if clearance_of(region, domain) > 0.0)]
 
 
 def extent_of(area: Area) -> float:
@@ -151,6 +153,13 @@ def _outside(name: str, ground: Ground, rings: Sequence[DrawnRing], fence: Area)
     nearest = f"the nearest of its corners, {place(corners[index])}, is {measure(distances[index])} m from it"
     message = f"{name} lies wholly outside the boundary: {nearest}"
     return [Finding(paths[index], message, "move its corners inside, or widen domain.boundary")]
+
+
+def _no_outline(region: Region) -> Finding:
+    """Of a clearance around a triangle of the mesh, which is where the mesh happens to have it."""
+    message = f"{region.name} is one triangle of the mesh, which has no clearance"
+    hint = "draw it as a polygon, a circle or a strip, or give it `clearance_m: 0`"
+    return Finding(("regions", region.name), message, hint, at_key=True)
 
 
 def _needs_boundary(region: Region) -> list[Finding]:
