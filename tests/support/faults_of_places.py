@@ -71,7 +71,7 @@ FAULTS_OF_PLACES = [
         4,
         21,
         "domain.mesh.largest_m",
-        "with edges of 0.01 m the mesh would have more than 400,000 vertices",
+        "with edges of 0.01 m the mesh would have more than 200,000 vertices",
     ),
     ("missing_kind", 5, 3, "regions.Field.kind", "`kind` is missing in `regions.Field`"),
     ("missing_section", 2, 1, "start", "`start` is missing"),
