@@ -67,7 +67,7 @@ def _say(placed: PlacedPlan, file: Path) -> None:
     )
     if route.deviation_m < tube_m:
         _print(f"               {measure(tube_m - route.deviation_m)} m per axis of the proved tube are left")
-    _print(f"               they spell {placed.word_text}")
+    _print(f"               they spell {placed.word_text}{', the lap once' if route.lap is not None else ''}")
     warnings = []
     if route.deviation_m > tube_m:
         warnings.append(
@@ -85,8 +85,8 @@ def _say(placed: PlacedPlan, file: Path) -> None:
 
 
 def _say_uploaded(placed: PlacedPlan, upload: AutopilotPlan, *, fenced: bool) -> None:
-    home, stops = upload.home, [waypoint.hold_s for waypoint in placed.route.once if waypoint.hold_s > 0.0]
-    held = f", {count(len(stops), 'stop')} of {sum(stops):g} s in all" if stops else ""
+    home, stops = upload.home, [item.params[0] for item in upload.items if item.command is Command.WAYPOINT]
+    held = f", {count(sum(map(bool, stops)), 'stop')} of {sum(stops):g} s in all"
     _print(f"Mission        {count(len(upload.items), 'item')}, {upload.speed_m_s:g} m/s over ground{held}")
     for number, item in enumerate(upload.items, start=1):
         if item.command is Command.JUMP:

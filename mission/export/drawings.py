@@ -1,6 +1,7 @@
 """A placed plan as what a map shows: regions, triangles with their labels, the path, and where it stands still."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -11,8 +12,9 @@ from mission.export.placed_plan import PlacedPlan
 from mission.geometry.arrays import FloatArray
 from mission.geometry.places import places_at_offsets
 from mission.interchange.map_features import Json, MapFeature, continuous
-from mission.report.palette import BLACK, KIND_COLOUR, MESH, PLANNED, SMOOTHED
-from mission.spec.model import RegionKind
+from mission.report.palette import BLACK, KIND_COLOUR, MESH, PLANNED, QUIET, SMOOTHED
+from mission.spec.areas import Ground, boundary_ground, region_ground
+from mission.spec.model import BoundaryDomain, RegionKind
 
 REGIONS: Final = "Regions"
 TRIANGLES: Final = "Triangles"
@@ -20,21 +22,35 @@ FLIGHT: Final = "Flight"
 
 
 def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
-    """The boundary and the regions as they are flown, clearances included; what is restricted stands up to the path."""
-    plan = placed.plan
-    yield MapFeature("boundary", "boundary", REGIONS, _on_earth(placed, domain_shape(plan)), BLACK, filled=False)
+    """The boundary and the regions as they are drawn, and where their clearances end; restricted ones stand up."""
+    plan, domain = placed.plan, placed.plan.spec.domain
+    ground = boundary_ground(domain) if isinstance(domain, BoundaryDomain) else None
+    yield from _area(
+        placed, MapFeature("boundary", "boundary", REGIONS, domain_shape(plan), BLACK, filled=False), ground
+    )
     for region in plan.spec.regions:
         shape = region_shape(plan, region.name)
         if not shape.is_empty:
-            yield MapFeature(
+            drawn = MapFeature(
                 name=region.name,
                 kind=region.kind.value,
                 group=REGIONS,
-                geometry=_on_earth(placed, shape),
+                geometry=shape,
                 colour=KIND_COLOUR[region.kind],
                 height_m=plan.trajectory.altitude_m if region.kind is RegionKind.RESTRICTED else None,
                 properties={"loiter_s": region.loiter_s} if region.loiter_s else {},
             )
+            yield from _area(placed, drawn, region_ground(region, domain))
+
+
+def _area(placed: PlacedPlan, meshed: MapFeature, ground: Ground | None) -> Iterator[MapFeature]:
+    """An area as it is drawn, if it is not one of triangles; and as the mesh has it, where it keeps a clearance."""
+    told, drawn = meshed.properties, meshed.geometry if ground is None else ground.drawn
+    if ground is not None and ground.clearance_m > 0.0:
+        told = {**told, "clearance_m": ground.clearance_m}
+        kept = _on_earth(placed, meshed.geometry)
+        yield MapFeature(f"{meshed.name}: clearance", "clearance", REGIONS, kept, QUIET, filled=False)
+    yield replace(meshed, geometry=_on_earth(placed, drawn), properties=told)
 
 
 def triangles(placed: PlacedPlan) -> Iterator[MapFeature]:

@@ -7,6 +7,7 @@ mean to one autopilot to stay in each, to another one to stay in some: there is 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import shapely
 from shapely.geometry.polygon import orient
@@ -14,7 +15,8 @@ from shapely.ops import polylabel
 
 from mission.geometry.arrays import FloatArray
 from mission.plan.flight_plan import FlightPlan
-from mission.spec.model import Point, RegionKind
+from mission.spec.areas import clearance_of
+from mission.spec.model import BoundaryDomain, CircleShape, Point, RegionKind
 
 _STRAIGHT_M = 1e-3
 """Vertices of the mesh on a straight outline are no corners of it, for all that rounding did to them."""
@@ -22,17 +24,40 @@ _STRAIGHT_M = 1e-3
 _NEAR_THE_MIDDLE = 0.01  # of an area's size
 
 
+@dataclass(frozen=True)
+class Circle:
+    """A circle, ENU in the domain."""
+
+    centre_m: Point
+    radius_m: float
+
+
+Rim = FloatArray | Circle
+"""Corners of a polygon, shape (K, 2), counter-clockwise, the last one joined to the first; or a circle."""
+
+
+class Fenced(NamedTuple):
+    """An area as the mesh has it, and the circle that it stands for, if it was drawn as one."""
+
+    area: shapely.Geometry
+    circle: Circle | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Fence:
-    """A geofence, ENU in the domain; corners of shape (K, 2), counter-clockwise, the last one joined to the first.
+    """A geofence, ENU in the domain.
 
     Attributes:
-        inclusion_m: Where the vehicle is to stay.
-        exclusions_m: Polygons that it is to stay out of, which may overlap each other and the rim of the inclusion.
+        inclusion: Where the vehicle is to stay.
+        exclusions: What it is to stay out of; they may overlap each other and the rim of the inclusion.
     """
 
-    inclusion_m: FloatArray
-    exclusions_m: tuple[FloatArray, ...]
+    inclusion: Rim
+    exclusions: tuple[Rim, ...]
+
+    def distance_m(self, line: shapely.LineString) -> float:
+        """How far a line is from the fence at its nearest."""
+        return min(_distance_m(rim, line) for rim in (self.inclusion, *self.exclusions))
 
 
 def domain_shape(plan: FlightPlan) -> shapely.Geometry:
@@ -47,28 +72,38 @@ def region_shape(plan: FlightPlan, name: str) -> shapely.Geometry:
 
 def fence_of(plan: FlightPlan) -> Fence:
     """The geofence of a plan: its domain, and out of what is restricted."""
-    restricted = [region.name for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED]
-    return fence_around(plan.start_m, domain_shape(plan), [region_shape(plan, name) for name in restricted])
+    domain = plan.spec.domain
+    around = _circle(domain.boundary, -domain.clearance_m) if isinstance(domain, BoundaryDomain) else None
+    restricted = [
+        Fenced(region_shape(plan, region.name), _circle(region.shape, clearance_of(region, domain)))
+        for region in plan.spec.regions
+        if region.kind is RegionKind.RESTRICTED
+    ]
+    return fence_around(plan.start_m, Fenced(domain_shape(plan), around), restricted)
 
 
-def fence_around(start_m: Point, domain: shapely.Geometry, restricted: Sequence[shapely.Geometry]) -> Fence:
+def fence_around(start_m: Point, domain: Fenced, restricted: Sequence[Fenced]) -> Fence:
     """The geofence of a flight from a place: in that part of the domain, and out of what is restricted.
 
     What encloses the flight cannot be a polygon to stay out of: there the inclusion ends at it. Holes of other
     restricted areas are out of reach, and no part of the fence.
     """
-    start = shapely.Point(start_m)
-    inside = _part_around(start, domain)
-    exclusions = [shapely.Polygon(hole) for hole in inside.interiors]
-    for part in shapely.get_parts(restricted):
-        around = next((hole for hole in map(shapely.Polygon, part.interiors) if hole.contains(start)), None)
-        if around is None:
-            exclusions.append(shapely.Polygon(part.exterior))
-        else:
-            inside = _part_around(start, inside.intersection(around))
+    start, circle = shapely.Point(start_m), domain.circle
+    inside = _part_around(start, domain.area)
+    exclusions = [Fenced(shapely.Polygon(hole)) for hole in inside.interiors]
+    for fenced in restricted:
+        for part in shapely.get_parts(fenced.area):
+            around = next((hole for hole in map(shapely.Polygon, part.interiors) if hole.contains(start)), None)
+            if around is None:
+                exclusions.append(Fenced(shapely.Polygon(part.exterior), fenced.circle))
+            else:
+                inside, circle = _part_around(start, inside.intersection(around)), None
     outline = shapely.Polygon(inside.exterior)
-    reached = [area for area in exclusions if area.intersection(outline).area > 0.0]
-    return Fence(_corners(outline), tuple(_corners(area) for area in reached))
+    reached = [fenced for fenced in exclusions if fenced.area.intersection(outline).area > 0.0]
+    # A circle that something cuts in two is one circle.
+    circles = dict.fromkeys(fenced.circle for fenced in reached if fenced.circle is not None)
+    polygons = [_corners(fenced.area) for fenced in reached if fenced.circle is None]
+    return Fence(_corners(outline) if circle is None else circle, (*polygons, *circles))
 
 
 def rally_points(plan: FlightPlan) -> tuple[Point, ...]:
@@ -86,7 +121,22 @@ def rally_points(plan: FlightPlan) -> tuple[Point, ...]:
 
 def _outlined(corners_m: FloatArray) -> shapely.Geometry:
     """The union of triangles of the mesh, shape (M, 3, 2), without vertices on straight edges."""
-    return shapely.coverage_union_all(shapely.polygons(corners_m)).simplify(_STRAIGHT_M)
+    # The first vertex of a ring is kept, so it must be a corner, as the leftmost one is.
+    return shapely.coverage_union_all(shapely.polygons(corners_m)).normalize().simplify(_STRAIGHT_M)
+
+
+def _circle(shape: object, grown_by_m: float) -> Circle | None:
+    """A shape with its clearance, where it is a circle."""
+    return Circle(shape.centre_m, shape.radius_m + grown_by_m) if isinstance(shape, CircleShape) else None
+
+
+def _distance_m(rim: Rim, line: shapely.LineString) -> float:
+    if not isinstance(rim, Circle):
+        return float(shapely.distance(shapely.LinearRing(rim), line))
+    centre = shapely.Point(rim.centre_m)
+    nearest = float(shapely.distance(centre, line))
+    farthest = float(shapely.distance(centre, shapely.points(shapely.get_coordinates(line))).max())
+    return max(nearest - rim.radius_m, rim.radius_m - farthest, 0.0)
 
 
 def _middle(area: shapely.Geometry) -> shapely.Point:

@@ -54,8 +54,7 @@ class PlacedPlan:
     def clearance_m(self) -> float:
         """How far the legs are from the rim of the fence, at their nearest."""
         legs = shapely.LineString([waypoint.place_m for waypoint in self.route.once])
-        rims = [self.fence.inclusion_m, *self.fence.exclusions_m]
-        return min(float(shapely.distance(shapely.LinearRing(rim), legs)) for rim in rims)
+        return self.fence.distance_m(legs)
 
     def places(self, points_m: FloatArray) -> list[LatLon]:
         """Places on Earth of points of the domain, shape (P, 2)."""

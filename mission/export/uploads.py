@@ -1,10 +1,10 @@
 """A placed plan as what a ground station uploads: take-off, waypoints, landing; fence; rally points."""
 
-import math
 from typing import Final
 
 import numpy as np
 
+from mission.export.fence import Circle, Rim
 from mission.export.placed_plan import PlacedPlan
 from mission.export.route import Waypoint
 from mission.interchange.autopilot_plan import (
@@ -12,6 +12,7 @@ from mission.interchange.autopilot_plan import (
     EVER_AGAIN,
     AutopilotPlan,
     Command,
+    FenceCircle,
     FencePolygon,
     Item,
 )
@@ -21,15 +22,17 @@ _SAME_THROTTLE: Final = -1.0
 _ACCEPT_M: Final = (0.5, 2.0)
 """A vehicle that must come nearer than the first may miss it; the second is what autopilots take by themselves."""
 
+_SHORTEST_STOP_S: Final = 1.0
+
 
 def autopilot_plan(placed: PlacedPlan) -> AutopilotPlan:
     """Everything that an autopilot needs to fly a plan by itself."""
     plan = placed.plan
-    rings = [(True, placed.fence.inclusion_m), *((False, ring) for ring in placed.fence.exclusions_m)]
+    rims = [(True, placed.fence.inclusion), *((False, rim) for rim in placed.fence.exclusions)]
     return AutopilotPlan(
         home=placed.places(np.array([plan.start_m]))[0],
         items=_items(placed),
-        fence=tuple(FencePolygon(inclusion, tuple(placed.places(ring))) for inclusion, ring in rings),
+        fence=tuple(_fenced(placed, rim, inclusion=inclusion) for inclusion, rim in rims),
         rally=tuple((place, plan.trajectory.altitude_m) for place in placed.places(placed.rally_m)),
         speed_m_s=speed_m_s(placed),
     )
@@ -38,6 +41,12 @@ def autopilot_plan(placed: PlacedPlan) -> AutopilotPlan:
 def speed_m_s(placed: PlacedPlan) -> float:
     """The speed over ground that is asked of the autopilot: the plan's reference speed, within the vehicle's limit."""
     return min(placed.plan.spec.flight.speed_m_s, placed.plan.spec.limits.speed_m_s)
+
+
+def _fenced(placed: PlacedPlan, rim: Rim, *, inclusion: bool) -> FencePolygon | FenceCircle:
+    if isinstance(rim, Circle):
+        return FenceCircle(inclusion, placed.places(np.array([rim.centre_m]))[0], rim.radius_m)
+    return FencePolygon(inclusion, tuple(placed.places(rim)))
 
 
 def _items(placed: PlacedPlan) -> tuple[Item, ...]:
@@ -51,8 +60,8 @@ def _items(placed: PlacedPlan) -> tuple[Item, ...]:
         begins = len(items)
         # Each part begins where the vehicle is: at the take-off, or at the end of the part before.
         places = placed.places(np.array([waypoint.place_m for waypoint in part[1:]]))
-        for waypoint, place in zip(part[1:], places, strict=True):
-            params = (_whole(waypoint), _accept_m(placed), 0.0, AS_IT_IS)
+        for waypoint, place, held in zip(part[1:], places, _held(placed, part), strict=True):
+            params = (held, _accept_m(placed), 0.0, AS_IT_IS)
             items += [Item(Command.WAYPOINT, params, place, height_m), *_images(waypoint)]
         if number == route.lap and route.laps != 1:
             again = EVER_AGAIN if route.laps is None else route.laps - 1
@@ -68,9 +77,26 @@ def _images(waypoint: Waypoint) -> tuple[Item, ...]:
     return (Item(Command.TRIGGER_CAMERA, (distance_m, 0.0, float(distance_m > 0.0), 0.0)),)
 
 
-def _whole(waypoint: Waypoint) -> float:
-    """Seconds to stand still, never less than asked: ArduPilot counts whole ones."""
-    return float(math.ceil(waypoint.hold_s))
+def _held(placed: PlacedPlan, part: tuple[Waypoint, ...]) -> list[float]:
+    """Seconds to stand still at each waypoint of a part but its first, never less than the plan asks for.
+
+    Where it need not stand still, an autopilot goes round the corner on an arc that touches both legs at the distance d
+    from it, the acceptance radius or half a leg, and passes it d tan(theta / 4) away when it turns by theta. Where this
+    is more than may be missing it stops, and so it does where the plan rests, at the end of a part.
+    """
+    legs = np.diff([waypoint.place_m for waypoint in part], axis=0)
+    lengths = np.hypot(*legs.T)
+    before, after = legs[:-1], legs[1:]
+    crosses = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    turns = np.abs(np.arctan2(crosses, (before * after).sum(axis=1)))
+    reach_m = np.minimum(_ACCEPT_M[1], 0.5 * np.minimum(lengths[:-1], lengths[1:]))
+    deviation_m = placed.route.deviation_m
+    missing_m = max(placed.plan.certificate.tube_m - deviation_m, deviation_m)
+    stops = np.append(reach_m * np.tan(0.25 * turns) > missing_m, True)
+    # ArduPilot counts whole seconds.
+    asked = np.ceil([waypoint.hold_s for waypoint in part[1:]])
+    held: list[float] = np.maximum(asked, stops * _SHORTEST_STOP_S).tolist()
+    return held
 
 
 def _accept_m(placed: PlacedPlan) -> float:

@@ -8,7 +8,7 @@ from mission.errors import Fault, SpecError
 Point = tuple[float, float]
 """Longitude and latitude in degrees (WGS 84), or east and north in metres, as the drawing says."""
 
-OF_A_FLIGHT = frozenset({"path", "triangle", "stop", "take-off", "landing"})
+OF_A_FLIGHT = frozenset({"clearance", "path", "triangle", "stop", "take-off", "landing"})
 """Values of the property ``kind`` with which an exported plan shows more than its areas: nothing to plan with."""
 
 

@@ -9,7 +9,9 @@ import shapely
 from mission.errors import SpecError
 from mission.export.placed_plan import placed_plan
 from mission.export.route import LEAST_TOLERANCE_M, route_of, usual_tolerance
+from mission.export.uploads import autopilot_plan
 from mission.geometry.geodesy import LatLon
+from mission.interchange.autopilot_plan import Command
 from mission.plan import FlightPlan
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
@@ -48,7 +50,7 @@ def test_the_vehicle_stops_where_the_plan_stops(plan: FlightPlan) -> None:
     ((s, seconds),) = plan.stops
     (stop,) = [waypoint for waypoint in route_of(plan, 1.0).once if waypoint.hold_s]
     assert stop.hold_s == seconds == 2.0
-    assert stop.place_m == tuple(plan.curve.position([s])[0])
+    assert stop.place_m == pytest.approx(tuple(plan.curve.position([s])[0]), abs=1e-9)
 
 
 def test_laps_are_parts_that_close() -> None:
@@ -75,3 +77,24 @@ def test_what_the_legs_spell_is_the_word_of_the_plan(plan: FlightPlan) -> None:
     assert placed.word == plan.certificate.word
     assert placed.word_text == "{home} {} {goal} {} {home}"
     assert placed.clearance_m > plan.certificate.tube_m
+
+
+def test_the_vehicle_stops_where_it_would_cut_off_more_of_a_corner_than_the_tube_has_left() -> None:
+    placed = placed_plan(plan_of(ROUNDS), PLACE, 0.2)
+    items = [item for item in autopilot_plan(placed).items if item.command is Command.WAYPOINT]
+    route = placed.route
+    waypoints = [waypoint for part in route.parts for waypoint in part[1:]]
+    legs = np.diff([route.once[0].place_m, *(waypoint.place_m for waypoint in waypoints)], axis=0)
+    ends = np.cumsum([len(part) - 1 for part in route.parts]) - 1
+    for i, item in enumerate(items):
+        if i in ends:
+            assert item.params[0] == 1.0
+            continue
+        a, b = legs[i], legs[i + 1]
+        turn = np.arccos(np.clip(a @ b / np.hypot(*a) / np.hypot(*b), -1.0, 1.0))
+        reach = min(2.0, 0.5 * np.hypot(*a), 0.5 * np.hypot(*b))
+        # An arc that touches both legs has its centre on the bisector of the corner.
+        radius = reach / np.tan(0.5 * turn) if turn > 0.0 else 0.0
+        cut = np.hypot(reach, radius) - radius if turn > 0.0 else 0.0
+        assert item.params[0] == (1.0 if cut > 0.4 - route.deviation_m else 0.0)
+    assert sum(item.params[0] for item in items) > len(ends)
