@@ -17,6 +17,8 @@ def lattice(domain: shapely.Geometry, spacing_m: float) -> FloatArray:
         (np.broadcast_to([left, right], (len(heights), 2)), np.repeat(heights[:, None], 2, axis=1)), axis=-1
     )
     parts, row = shapely.get_parts(shapely.intersection(shapely.linestrings(ends), domain), return_index=True)
+    # Between islands there are rows without a part.
+    parts, row = parts[~shapely.is_empty(parts)], row[~shapely.is_empty(parts)]
     begins, _, finishes, _ = shapely.bounds(parts).T
     shift = left + np.where(row % 2, spacing_m / 2.0, 0.0)
     first = np.ceil((begins - shift) / spacing_m)

@@ -27,3 +27,10 @@ def test_a_long_and_narrow_domain_has_the_points_of_its_area() -> None:
 def test_a_domain_between_two_rows_has_points_of_one_or_none() -> None:
     assert len(lattice(shapely.box(0.0, 0.0, 10.0, 1.0), 5.0)) == 3
     assert len(lattice(shapely.box(0.0, 0.0, 1.0, 1.0), 5.0)) == 1
+
+
+def test_rows_between_islands_are_empty() -> None:
+    islands = shapely.MultiPolygon([shapely.box(0.0, 0.0, 10.0, 10.0), shapely.box(0.0, 30.0, 10.0, 40.0)])
+    heights = lattice(islands, 2.0)[:, 1]
+    assert ((heights <= 10.0) | (heights >= 30.0)).all()
+    assert (heights >= 30.0).any()
