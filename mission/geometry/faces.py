@@ -42,20 +42,15 @@ class FacedMesh:
         inside[inside] = shapely.contains_xy(area, centres[inside, 0], centres[inside, 1])
         return inside[self.face_of]
 
-    def moved(self, by_m: FloatArray) -> "FacedMesh":
-        """The same elsewhere."""
-        mesh = self.partition
-        there = Partition(mesh.vertices_m + by_m, mesh.triangles, mesh.neighbours)
-        return FacedMesh(there, self.face_of, self.inside_m + by_m)
 
-
-def faces_of(mesh: Triangulation, walls: BoolArray, domain: shapely.Geometry) -> FacedMesh:
+def faces_of(mesh: Triangulation, walls: BoolArray, domain: shapely.Geometry, origin_m: FloatArray) -> FacedMesh:
     """The faces in a domain; a face is judged by its widest triangle.
 
     Args:
         mesh: The triangles, those around the domain included.
         walls: Which sides of the triangles part faces, shape (M, 3); the domain's rim is among them.
         domain: The part of the plane that is kept.
+        origin_m: Where the origin of both is, shape (2,): the faces come out there.
 
     Raises:
         GeometryError: No triangle lies in it.
@@ -71,6 +66,5 @@ def faces_of(mesh: Triangulation, walls: BoolArray, domain: shapely.Geometry) ->
     used = np.zeros(len(mesh.vertices), dtype=np.bool_)
     used[triangles[keep]] = True
     number = np.cumsum(used) - 1
-    kept = selected(mesh.vertices, triangles, neighbours, keep)
-    partition = Partition(mesh.vertices[used], number[kept.triangles], kept.neighbours)
-    return FacedMesh(partition, (np.cumsum(inside) - 1)[face_of[keep]], centres[inside])
+    partition = selected(mesh.vertices[used] + origin_m, number[triangles], neighbours, keep)
+    return FacedMesh(partition, (np.cumsum(inside) - 1)[face_of[keep]], centres[inside] + origin_m)

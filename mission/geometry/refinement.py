@@ -72,7 +72,7 @@ def refined(
             if limit == MOST_VERTICES or (gap and gap.vertices > MOST_VERTICES):
                 raise GeometryError(_too_many(gap, work.mesh.vertices[-1], origin_m))
             limit = MOST_VERTICES
-    return faces_of(work.mesh, work.pieces.sides[: len(work.mesh.triangles)] >= 0, domain).moved(origin_m)
+    return faces_of(work.mesh, work.pieces.sides[: len(work.mesh.triangles)] >= 0, domain, origin_m)
 
 
 def finest_m(area_m2: float) -> float:
