@@ -18,8 +18,9 @@ def cut_off(spec: MissionSpec) -> tuple[str, ...]:
     """Warnings for the regions of which something lies outside a boundary that cuts them off, or no part is left."""
     if not isinstance(spec.domain, BoundaryDomain):
         return ()
-    fence = boundary_ground(spec.domain)
-    return tuple(f"regions.{name}: {loss}" for name, ground in _grounds(spec).items() if (loss := _lost(ground, fence)))
+    fence, forbidden = boundary_ground(spec.domain), _forbidden(spec)
+    lost = {name: _lost(ground, fence, wanted=name not in forbidden) for name, ground in _grounds(spec).items()}
+    return tuple(f"regions.{name}: {loss}" for name, loss in lost.items() if loss)
 
 
 def out_of_reach(spec: MissionSpec, start_m: Point) -> tuple[str, ...]:
@@ -31,7 +32,7 @@ def out_of_reach(spec: MissionSpec, start_m: Point) -> tuple[str, ...]:
     if len(parts) == 1:
         return ()
     own = parts[int(shapely.distance(parts, shapely.Point(start_m)).argmin())]
-    forbidden = {region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED}
+    forbidden = _forbidden(spec)
     elsewhere = [
         name
         for name, ground in _grounds(spec).items()
@@ -52,9 +53,13 @@ def _grounds(spec: MissionSpec) -> dict[str, Ground]:
     return {name: ground for name, ground in grounds.items() if ground is not None}
 
 
-def _lost(ground: Ground, fence: Ground) -> str:
+def _forbidden(spec: MissionSpec) -> frozenset[str]:
+    return frozenset(region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED)
+
+
+def _lost(ground: Ground, fence: Ground, *, wanted: bool) -> str:
     """What of an area is lost, in words; empty where that is not worth saying."""
-    if shapely.intersection(ground.kept, fence.kept).area == 0.0:
+    if wanted and shapely.intersection(ground.kept, fence.kept).area == 0.0:
         return "clearances leave nothing of it"
     share = 1.0 - shapely.intersection(ground.drawn, fence.drawn).area / ground.drawn.area
     return f"{share:.1%} of it lies outside the boundary and is cut off" if share > _WORTH_SAYING else ""

@@ -27,6 +27,8 @@ NECK = (
     "[[0, 0], [40, 0], [40, 8], [60, 8], [60, 0], [80, 0], [80, 20], [60, 20], [60, 12], [40, 12], [40, 20], [0, 20]]"
 )
 
+IN_MARGIN = "restricted, polygon: [[79, 5], [80, 5], [80, 15], [79, 15]]"
+
 
 def site(boundary: str, visited: str, clearance_m: float = 0.0) -> MissionSpec:
     return parse_mission((SITE % (boundary, clearance_m, visited)).encode())
@@ -58,3 +60,5 @@ def test_a_region_of_which_clearances_leave_nothing_is_told_of_where_it_is_not_n
     text = (SITE % (NECK, 0.0, "near")).replace("[65, 15]]", "[65, 15]], clearance_m: 6")
     plan = plan_mission(parse_mission(text.encode()))
     assert plan.warnings == ("regions.far: clearances leave nothing of it",)
+    text = (SITE % (NECK, 1.5, "near")).replace("survey, polygon: [[65, 5], [75, 5], [75, 15], [65, 15]]", IN_MARGIN)
+    assert plan_mission(parse_mission(text.encode())).warnings == ()

@@ -91,6 +91,8 @@ def test_a_boundary_has_holes_and_parts_and_what_is_round_lies_in_it() -> None:
     assert isinstance(round_one.domain, BoundaryDomain)
     ground = boundary_ground(round_one.domain)
     assert shapely.hausdorff_distance(ground.drawn.boundary, shapely.Point(50, 40)) == pytest.approx(60.0)
+    again = parse_mission(json.dumps(document_of(round_one)).encode())
+    assert again.domain == round_one.domain
     partition, _ = build_domain(round_one)
     assert partition.areas_m2.sum() == pytest.approx(ground.drawn.area)
 
