@@ -63,7 +63,8 @@ def _run(arguments: Sequence[str]) -> int:
         parser.print_help(sys.stderr)
         return BAD_INPUT
     try:
-        return int(import_module(f"mission.cli.{options.command}").run(options))
+        module = getattr(options, "module", options.command)  # a keyword of Python cannot name one
+        return int(import_module(f"mission.cli.{module}").run(options))
     except MissionError as error:
         from mission.cli.screen import print_error  # noqa: PLC0415 - the terminal library is loaded when it is needed
 

@@ -40,6 +40,10 @@ and, as the first line of a mission file beside it, for editors that use the YAM
 
   # yaml-language-server: $schema=mission.schema.json
 """
+_IMPORT = """\
+Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, plans of QGroundControl, waypoint and
+fence files of ArduPilot's ground stations. The file plans as it is; its comments ask what the drawing does not tell.
+"""
 _FLY = """\
 Fly a mission. Without --connect, the bundled vehicle is started on loopback and stopped again.
 
@@ -122,6 +126,18 @@ def build_parser() -> argparse.ArgumentParser:
     )
     automaton.set_defaults(form="table")
     automaton.add_argument("--picture", metavar="FILE", help="draw it into a file (.png, .svg, .pdf), too")
+
+    draft = commands.add_parser(
+        "import",
+        help="write a mission file from areas that other programs have drawn",
+        description=_IMPORT,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    draft.add_argument("files", nargs="+", metavar="FILE", help="one file or several, all for one mission")
+    draft.add_argument("--out", metavar="MISSION.yaml", help="where to write it (default: standard output)")
+    draft.add_argument("--force", action="store_true", help="write over a file that is there already")
+    draft.add_argument("--metres", action="store_true", help="coordinates of GeoJSON are metres, whatever it says")
+    draft.set_defaults(module="importing")
 
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")

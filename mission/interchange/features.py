@@ -65,7 +65,7 @@ class Feature:
         name: As the file has it, empty where it has none.
         shapes: Its parts, at least one.
         role: What it is for; None where the file does not tell.
-        reason: What tells that, for people: ``its name``.
+        reason: What tells that, for people: ``told by its name``.
         height_m: How high it reaches, or is flown over; None where the file does not tell.
         lanes: Of a survey that was planned already.
     """

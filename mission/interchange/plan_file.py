@@ -1,6 +1,6 @@
 """QGroundControl's plans: geofence, survey and corridor items, waypoints, planned home and rally points."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any, Final
 
@@ -28,7 +28,7 @@ def drawing_of_plan(data: Json) -> Drawing:
     for i, item in enumerate(member(mission, "items", list, "mission")):
         path = f"mission.items[{i}]"
         if member(item, "type", str, path) == "ComplexItem":
-            features.extend(_complex(item, path, len(features), altitudes, remarks))
+            features.extend(_complex(item, path, features, altitudes, remarks))
             continue
         command, params = item.get("command"), item.get("params")
         values = [number(value) for value in params] if isinstance(params, list) else []
@@ -73,7 +73,7 @@ def _fenced(entry: dict[str, Any], shape: Shape, kind: str, index: int) -> Featu
 
 
 def _complex(
-    item: dict[str, Any], path: str, index: int, altitudes: list[float], remarks: list[str]
+    item: dict[str, Any], path: str, before: Sequence[Feature], altitudes: list[float], remarks: list[str]
 ) -> Iterator[Feature]:
     kind = member(item, "complexItemType", str, path)
     camera = item.get("TransectStyleComplexItem", item)
@@ -88,17 +88,23 @@ def _complex(
         corners = points(member(item, "polygon", list, path), f"{path}.polygon", latitude_first=True)
         shape = polygon(corners, [], refuse)
         if kind == "survey":
-            yield Feature(f"survey_{index + 1}", (shape,), Role.SURVEY, "a survey", lanes=lanes)
+            yield Feature(_numbered("survey", before), (shape,), Role.SURVEY, "a survey", lanes=lanes)
         else:
             height_m = number(item.get("StructureHeight"))
-            yield Feature(f"structure_{index + 1}", (shape,), Role.RESTRICTED, "a structure that is scanned", height_m)
+            yield Feature(
+                _numbered("structure", before), (shape,), Role.RESTRICTED, "a structure that is scanned", height_m
+            )
     elif kind == "CorridorScan":
         corners = points(member(item, "polyline", list, path), f"{path}.polyline", latitude_first=True)
         width = number(item.get("CorridorWidth"))
         strip = line(corners, width if width and width > 0.0 else None, refuse)
-        yield Feature(f"corridor_{index + 1}", (strip,), Role.SURVEY, "a corridor scan", lanes=lanes)
+        yield Feature(_numbered("corridor", before), (strip,), Role.SURVEY, "a corridor scan", lanes=lanes)
     else:
         remarks.append(f"{path} is left out: nothing is known of a {kind[:40]}")
+
+
+def _numbered(kind: str, before: Sequence[Feature]) -> str:
+    return f"{kind}_{1 + sum(feature.name.startswith(kind) for feature in before)}"
 
 
 def _homes(data: dict[str, Any], mission: dict[str, Any]) -> Iterator[Feature]:

@@ -48,17 +48,21 @@ def role_of(
     """
     for key, value in properties.items():
         if key.lower() == "inclusion" and value.lower() in _TRUE | _FALSE:
-            return (Role.BOUNDARY if value.lower() in _TRUE else Role.RESTRICTED), f"its property {key}"
+            return (Role.BOUNDARY if value.lower() in _TRUE else Role.RESTRICTED), f"told by its property {key}"
         if _SPEAKING_KEYS.fullmatch(key) and value.lower() not in _FALSE:
             role = _in_words(key if value.lower() in _TRUE else value) or _in_words(f"{key} {value}")
             if role:
-                return role, f"its property {key}"
-    texts = [(name, "its name"), *((folder, "its folder") for folder in reversed(list(folders))), (style, "its style")]
+                return role, f"told by its property {key}"
+    texts = [
+        (name, "told by its name"),
+        *((folder, "told by its folder") for folder in reversed(list(folders))),
+        (style, "told by its style"),
+    ]
     for text, told_by in texts:
         role = _in_words(text)
         if role:
             return role, told_by
-    return (Role.RESTRICTED, "its red fill") if _is_red(fill) else (None, "")
+    return (Role.RESTRICTED, "told by its red fill") if _is_red(fill) else (None, "")
 
 
 def _in_words(text: str) -> Role | None:

@@ -50,6 +50,7 @@ def drawing_of_waypoints(text: str) -> Drawing:
     waypoints: list[Point] = []
     altitudes: list[float] = []
     speeds: list[float] = []
+    remarks: list[str] = []
     pending = list(reversed(items))
     while pending:
         item = pending.pop()
@@ -58,6 +59,8 @@ def drawing_of_waypoints(text: str) -> Drawing:
             features.append(feature)
         elif item.command in FLOWN_THROUGH and item.at != (0.0, 0.0):
             waypoints.append(item.at)
+        elif item.command >= RETURN_POINT:
+            remarks.append(f"line {item.line} is left out: nothing is known of a fence by command {item.command}")
         if item.command == SPEED:
             speeds.append(item.params[1])
         if item.command in FLOWN_THROUGH | {TAKEOFF} and item.frame != _ABSOLUTE:
@@ -65,6 +68,7 @@ def drawing_of_waypoints(text: str) -> Drawing:
     return Drawing(
         "waypoint file",
         (*features, *route(waypoints)),
+        remarks=tuple(remarks),
         altitude_m=max((altitude for altitude in altitudes if altitude > 0.0), default=None),
         speed_m_s=max((speed for speed in speeds if speed > 0.0), default=None),
     )

@@ -16,6 +16,7 @@ Schema = dict[str, Any]
 
 MAX_COORDINATE_M: Final = 2.0e7
 """Eastings and northings of the map projections in use are less than half the Earth's circumference."""
+MOST_REGIONS: Final = 1_000
 
 OPERATOR_NAMES: Final = "^([FGX]+|U|W|M|V|true|false|xor)$"
 """Names that a region may not have: operators and constants. R is one, too, but the paper's home has that name, and no
@@ -96,15 +97,35 @@ _AREA_SHAPES: Final[Schema] = {
         "examples": [[[0, 0], [20, 0], [20, 10]]],
     },
     "width_m": _number("Width of the strip from side to side, m.", 0.1, 10_000.0, examples=[8.0]),
+    "file": {
+        "description": "A file that draws the shape: its path, relative to this file. GeoJSON, KML, KMZ, a plan of "
+        "QGroundControl, waypoints or a fence; in degrees, or in metres of the domain.",
+        "type": "string",
+        "minLength": 1,
+        "maxLength": 1_000,
+        "examples": ["farm.geojson"],
+    },
+    "feature": {
+        "description": "Which feature of the file: its name, or its index from 0. One alone need not be named.",
+        "anyOf": [{"type": "string", "minLength": 1, "maxLength": 1_000}, {"type": "integer", "minimum": 0}],
+        "examples": ["north", 0],
+    },
 }
 _GO_TOGETHER: Final[Schema] = {
-    "holes": ["polygon"],
-    "centre": ["radius_m"],
-    "radius_m": ["centre"],
-    "line": ["width_m"],
-    "width_m": ["line"],
+    "dependentRequired": {"feature": ["file"]},
+    # A line or a place in a file may take its width or radius from here.
+    "if": {"not": {"required": ["file"]}},
+    "then": {
+        "dependentRequired": {
+            "holes": ["polygon"],
+            "centre": ["radius_m"],
+            "radius_m": ["centre"],
+            "line": ["width_m"],
+            "width_m": ["line"],
+        }
+    },
 }
-_AREAS: Final = ("polygon", "polygons", "centre", "line")
+_AREAS: Final = ("polygon", "polygons", "centre", "line", "file")
 
 
 def _clearance(description: str, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
@@ -142,7 +163,7 @@ _DOMAIN: Final = _object(
             "or a shape with the keys of a region's.",
             "anyOf": [
                 _RING,
-                _object("A shape.", (), _AREA_SHAPES, oneOf=_one_of(*_AREAS), dependentRequired=_GO_TOGETHER),
+                _object("A shape.", (), _AREA_SHAPES, oneOf=_one_of(*_AREAS), **_GO_TOGETHER),
             ],
             "examples": [[[0, 0], [20, 0], [20, 10]]],
         },
@@ -199,7 +220,7 @@ _REGION: Final = _object(
         "cover": COVER,
     },
     oneOf=_one_of("triangle", "at", *_AREAS),
-    dependentRequired=_GO_TOGETHER,
+    **_GO_TOGETHER,
     examples=[{"kind": "survey", "at": [12.5, 40.0]}],
 )
 
@@ -211,7 +232,7 @@ _REGIONS: Final[Schema] = {
     "description": "The regions by name. A formula speaks of them by these names.",
     "type": "object",
     "minProperties": 1,
-    "maxProperties": 1_000,
+    "maxProperties": MOST_REGIONS,
     "propertyNames": {
         "pattern": "^[A-Za-z_][A-Za-z0-9_]*$",
         "maxLength": 60,

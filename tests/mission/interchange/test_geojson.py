@@ -76,7 +76,7 @@ def test_as_qgis_writes_it() -> None:
     )
     drawing = read(parcels)
     (meadow,) = drawing.features
-    assert (meadow.name, meadow.role, meadow.reason) == ("8", Role.SURVEY, "its property landuse")
+    assert (meadow.name, meadow.role, meadow.reason) == ("8", Role.SURVEY, "told by its property landuse")
     assert drawing.remarks == ("features[0] has no geometry",)
 
 
@@ -86,7 +86,7 @@ def test_as_geojson_io_writes_it() -> None:
     (red, plain) = read(
         collection({"id": 0, **feature(geometry, **simplestyle)}, {"id": 1, **feature(geometry)})
     ).features
-    assert (red.role, red.reason) == (Role.RESTRICTED, "its red fill")
+    assert (red.role, red.reason) == (Role.RESTRICTED, "told by its red fill")
     assert (plain.role, plain.reason) == (None, "")
 
 

@@ -86,7 +86,7 @@ def archive(files: dict[str, str]) -> bytes:
 
 def test_as_google_earth_writes_it() -> None:
     fields, red, path, launch = read_drawing(GOOGLE_EARTH.encode()).features
-    assert (fields.name, fields.role, fields.reason) == ("North & west", Role.SURVEY, "its folder")
+    assert (fields.name, fields.role, fields.reason) == ("North & west", Role.SURVEY, "told by its folder")
     assert fields.shapes == (
         Polygon(
             ((6.54, 51.89), (6.541, 51.89), (6.541, 51.891), (6.54, 51.891)),
@@ -94,7 +94,7 @@ def test_as_google_earth_writes_it() -> None:
         ),
     )
     assert fields.height_m is None
-    assert (red.role, red.reason, red.height_m) == (Role.RESTRICTED, "its red fill", 12.5)
+    assert (red.role, red.reason, red.height_m) == (Role.RESTRICTED, "told by its red fill", 12.5)
     assert (path.role, path.shapes) == (None, (Line(((6.54, 51.89), (6.541, 51.892))),))
     assert (launch.role, launch.shapes) == (Role.HOME, (Spot((6.5405, 51.8895)),))
 
@@ -102,7 +102,7 @@ def test_as_google_earth_writes_it() -> None:
 def test_as_qgis_writes_it() -> None:
     (house,) = read_drawing(QGIS.encode()).features
     assert (house.name, house.height_m, len(house.shapes)) == ("No. 3", 7.5, 2)
-    assert (house.role, house.reason) == (Role.RESTRICTED, "its folder")
+    assert (house.role, house.reason) == (Role.RESTRICTED, "told by its folder")
 
 
 def test_tracks_data_and_prefixes() -> None:
@@ -114,7 +114,7 @@ def test_tracks_data_and_prefixes() -> None:
 </kml:Placemark></kml:kml>"""
     (track,) = read_drawing(text.encode()).features
     assert track.shapes == (Line(((7.0, 51.0), (7.001, 51.0)), 8.0),)
-    assert (track.name, track.role, track.reason) == ("", Role.BOUNDARY, "its property kind")
+    assert (track.name, track.role, track.reason) == ("", Role.BOUNDARY, "told by its property kind")
 
 
 def test_white_space_behind_commas_and_other_encodings() -> None:

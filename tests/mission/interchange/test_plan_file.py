@@ -89,7 +89,7 @@ def test_survey_and_corridor_items_are_regions_with_their_lanes() -> None:
     (area, strip, _) = drawing.features
     assert (area.name, area.role, area.lanes) == ("survey_1", Role.SURVEY, Lanes(18.5, 30.0))
     assert (strip.name, strip.role, strip.shapes) == (
-        "corridor_2",
+        "corridor_1",
         Role.SURVEY,
         (Line(((144.989, -37.752), (144.989, -37.754)), 50.0),),
     )

@@ -30,6 +30,7 @@ OLD_FENCE = """\
 -35.358738 149.165070
 -35.359295 149.154434
 -35.372292 149.157135
+-35.368290 149.166809
 -35.358738 149.165070
 """
 
@@ -60,11 +61,22 @@ def test_a_fence_is_boundary_restricted_areas_and_a_return_point() -> None:
     assert features[2].shapes == (Spot((149.165, -35.363), 20.0),)
 
 
+def test_a_fence_about_a_home_that_is_not_in_the_file_is_left_out_and_said_so() -> None:
+    text = MAVPROXY_FENCE + "8\t0\t0\t5005\t50.0\t0.0\t0.0\t0.0\t0.0\t0.0\t0.0\t0\n"
+    drawing = read_drawing(text.encode())
+    assert len(drawing.features) == 4
+    assert drawing.remarks == ("line 10 is left out: nothing is known of a fence by command 5005",)
+
+
 def test_an_older_fence_returns_to_its_first_point_and_is_closed_by_its_last() -> None:
     fence, home = read_drawing(OLD_FENCE.encode()).features
     assert (fence.role, fence.shapes) == (
         Role.BOUNDARY,
-        (Polygon(((149.165070, -35.358738), (149.154434, -35.359295), (149.157135, -35.372292))),),
+        (
+            Polygon(
+                ((149.165070, -35.358738), (149.154434, -35.359295), (149.157135, -35.372292), (149.166809, -35.368290))
+            ),
+        ),
     )
     assert (home.role, home.shapes) == (Role.HOME, (Spot((149.163651, -35.363720)),))
 

@@ -1,0 +1,1 @@
+"""Mission files drafted from what other programs draw."""

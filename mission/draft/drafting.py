@@ -1,0 +1,151 @@
+"""A commented mission file of what other programs have drawn, which plans as it is."""
+
+import json
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Final
+
+from mission.decimals import decimal
+from mission.draft.frame import frame_of
+from mission.draft.layout import Layout, laid_out
+from mission.draft.pieces import Piece, pieces_of
+from mission.errors import Fault, SpecError
+from mission.interchange.features import Drawing, Feature
+from mission.interchange.roles import role_of
+from mission.printable import printable
+from mission.spec.schema import default_of
+
+_WIDTH: Final = 118
+_SPEED_M_S: Final = 5.0
+_ALTITUDE_M: Final = 30.0
+_NEVER: Final = "restricted ones are never entered, whatever the formula says"
+_MOST_IN_ANY_ORDER: Final = 5
+"""Of more regions, the orders would be too many to search: they are visited in a row, each time the nearest."""
+
+
+def draft_mission(drawings: Sequence[tuple[str, Drawing]], name: str) -> str:
+    """The text of a mission file.
+
+    Args:
+        drawings: One at least, each with the name of its file without its ending.
+        name: Of the mission.
+
+    Raises:
+        SpecError: Some drawings are in degrees and others in metres, or they reach farther than a mission can.
+    """
+    if len({drawing.in_degrees for _, drawing in drawings}) > 1:
+        metres = ", ".join(file for file, drawing in drawings if not drawing.in_degrees)
+        message = f"the coordinates of {metres} are metres, those of the other files are degrees"
+        raise SpecError((Fault(0, 0, "", message, "import files of one kind together"),))
+    in_degrees = drawings[0][1].in_degrees
+    frame = frame_of((point for _, drawing in drawings for point in drawing.points()), in_degrees=in_degrees)
+    alone = len(drawings) == 1
+    features = [feature for file, drawing in drawings for feature in _told(drawing, file, alone=alone)]
+    layout = laid_out(pieces_of(features, frame), frame)
+    remarks = [remark for _, drawing in drawings for remark in drawing.remarks] + list(layout.remarks)
+    sources = ", ".join(f"{file} ({drawing.format})" for file, drawing in drawings)
+    lines = list(_comment(f"Drafted from {sources}. Questions are about what the drawing does not tell."))
+    lines += [line for remark in remarks for line in _comment(f"Note: {remark}.")]
+    lines.append(f"name: {json.dumps(printable(name), ensure_ascii=False)}")
+    if frame.origin:
+        place = (
+            f"latitude_deg: {decimal(frame.origin.latitude_deg)}, longitude_deg: {decimal(frame.origin.longitude_deg)}"
+        )
+        lines += ["", f"origin: {{{place}}}"]
+    elif frame.shift_m != (0.0, 0.0):
+        shift = f"[{decimal(frame.shift_m[0])}, {decimal(frame.shift_m[1])}]"
+        lines += ["", *_comment(f"{shift} is taken from all coordinates of the file. Where on Earth is [0, 0]?")]
+    lines += ["", "domain:", *(["  corners: latitude_longitude"] if frame.origin else [])]
+    lines += [*_comments(layout.boundary, "  "), *_boundary(layout.boundary), "", "regions:"]
+    lines += [line for piece in layout.regions for line in _region(piece, layout)]
+    lines += ["", *_mission(layout), "", "start:", f"  position_m: {layout.start}", "", *_flight(drawings, layout)]
+    return "\n".join(lines) + "\n"
+
+
+def _told(drawing: Drawing, file: str, *, alone: bool) -> Iterator[Feature]:
+    """Features; the file's name is that of those without one, and beside other files it may tell what they are."""
+    for feature in drawing.features:
+        named = replace(feature, name=feature.name or file)
+        role, _ = (None, "") if alone or feature.role else role_of({}, file, ())
+        yield replace(named, role=role, reason="told by its file's name") if role else named
+
+
+def _boundary(piece: Piece) -> Iterator[str]:
+    if len(piece.keys) == 1 and piece.keys[0][0] == "polygon":
+        yield from _entry("  boundary", piece.keys[0][1])
+        return
+    yield "  boundary:"
+    for key, value in piece.keys:
+        yield from _entry(f"    {key}", value)
+
+
+def _region(piece: Piece, layout: Layout) -> Iterator[str]:
+    yield from _comments(piece, "  ")
+    yield f"  {piece.name}:"
+    yield f"    kind: {piece.role}"
+    for key, value in piece.keys:
+        yield from _entry(f"    {key}", value)
+    if piece.name not in layout.covered:
+        return
+    heading = "auto"
+    if piece.lanes:
+        yield "    # as it was planned before"
+        heading = heading if piece.lanes.heading_deg is None else decimal(piece.lanes.heading_deg)
+    else:
+        yield "    # how far apart are the lanes to be?"
+    yield f"    cover: {{spacing_m: {decimal(layout.covered[piece.name])}, heading_deg: {heading}}}"
+
+
+def _mission(layout: Layout) -> Iterator[str]:
+    homes = " | ".join(layout.homes)
+    end = f"F G ({homes})" if len(layout.homes) > 1 else f"F G {homes}"
+    visits = layout.visited
+    if not visits:
+        yield from _comment("Nothing is there to be surveyed: the vehicle starts and lands. What should it visit?")
+        formula = end
+    elif len(visits) <= _MOST_IN_ANY_ORDER:
+        yield from _comment(f"Every region to survey, in any order, then home; {_NEVER}.")
+        formula = " & ".join([*(f"F {visit}" for visit in visits), end])
+    else:
+        yield from _comment(f"Every region to survey, one after the other, then home; {_NEVER}.")
+        formula = end
+        for visit in reversed(visits):
+            formula = f"F ({visit} & {formula})"
+    yield "mission:"
+    yield from _entry("  formula", formula)
+
+
+def _flight(drawings: Sequence[tuple[str, Drawing]], layout: Layout) -> Iterator[str]:
+    altitude = max((drawing.altitude_m for _, drawing in drawings if drawing.altitude_m), default=None)
+    speed = max((drawing.speed_m_s for _, drawing in drawings if drawing.speed_m_s), default=None)
+    asked = [what for what, value in (("high", altitude), ("fast", speed)) if value is None]
+    if asked:
+        yield from _comment(f"How {' and how '.join(asked)} is it to be flown?")
+    speed_m_s = min(max(speed or _SPEED_M_S, 0.5), 20.0)
+    yield "flight:"
+    yield f"  speed_m_s: {decimal(speed_m_s)}"
+    yield f"  altitude_m: {decimal(min(max(altitude or _ALTITUDE_M, 2.0), 500.0))}"
+    yield f"  disturbance_m_s2: {decimal(layout.tube_m)}"
+    if speed_m_s > default_of("limits", "speed_m_s"):
+        yield from ("", "limits:", f"  speed_m_s: {decimal(speed_m_s)}")
+
+
+def _comments(piece: Piece, indent: str) -> Iterator[str]:
+    for comment in piece.comments:
+        yield from _comment(comment, indent)
+
+
+def _comment(text: str, indent: str = "") -> Iterator[str]:
+    # What a file brings along is on one line here, and shows.
+    shown = re.sub("[^\t -~\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", printable(" ".join(text.split())))
+    yield from textwrap.wrap(shown, _WIDTH, initial_indent=f"{indent}# ", subsequent_indent=f"{indent}# ")
+
+
+def _entry(key: str, value: str) -> Iterator[str]:
+    """A key and its value, on as many lines as it takes."""
+    indent = " " * (len(key) - len(key.lstrip()) + 2)
+    yield from textwrap.wrap(
+        f"{key}: {value}", _WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )

@@ -1,0 +1,158 @@
+"""The features of drawings as pieces of a mission: each with a name, a shape in metres, and what is written of it."""
+
+import itertools
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+import shapely
+from shapely.validation import explain_validity
+
+from mission.decimals import decimal, measure
+from mission.draft.frame import Frame
+from mission.errors import Fault, SpecError
+from mission.geometry.shapes import disc, strip, united
+from mission.interchange.features import Feature, Lanes, Line, Point, Polygon, Role, Shape, Spot
+from mission.printable import printable
+from mission.spec.schema import MOST_REGIONS, OPERATOR_NAMES
+
+WIDTH_M: Final = 10.0
+RADIUS_M: Final = 5.0
+"""Of lines and places whose file gives none."""
+
+_LONGEST_NAME: Final = 50
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A part of a mission that is drawn.
+
+    Attributes:
+        name: That a region can have.
+        role: What it is for; None while that is not known.
+        area: Its shape in metres of the plane.
+        keys: Keys of the mission file and their values, as text.
+        comments: What the file should say of it.
+        shapes: As it was drawn.
+        lanes: Of a survey that was planned already.
+    """
+
+    name: str
+    role: Role | None
+    area: Any
+    keys: tuple[tuple[str, str], ...]
+    comments: tuple[str, ...]
+    shapes: tuple[Shape, ...] = ()
+    lanes: Lanes | None = None
+
+    def also(self, *comments: str, role: Role | None = None) -> "Piece":
+        """The piece with further comments, and with a role if one is given."""
+        return replace(self, comments=self.comments + comments, role=role or self.role)
+
+
+def pieces_of(features: Iterable[Feature], frame: Frame) -> list[Piece]:
+    """The pieces of features, in their order; polygons of a feature are one piece, lines and places one each.
+
+    Raises:
+        SpecError: They are more than a mission can have regions.
+    """
+    pieces: list[Piece] = []
+    for feature in features:
+        for piece in _pieces(feature, frame):
+            if len(pieces) == MOST_REGIONS:
+                message = f"more than {MOST_REGIONS} areas are drawn"
+                raise SpecError((Fault(0, 0, "", message, "put those of a kind into one feature of several parts"),))
+            name = unused(_plain(piece.name, piece.role), (each.name for each in pieces))
+            pieces.append(replace(piece, name=name))
+    return pieces
+
+
+def polygon_piece(name: str, role: Role, polygons: Sequence[Polygon], frame: Frame, *comments: str) -> Piece:
+    """A piece of polygons.
+
+    Raises:
+        SpecError: A ring of one crosses itself.
+    """
+    for ring in (ring for each in polygons for ring in (each.outline, *each.holes)):
+        outline = shapely.Polygon(frame.metres(ring))
+        if not outline.is_valid:
+            place = re.findall(r"-?[0-9.]+(?:e-?[0-9]+)?", explain_validity(outline))[:2]
+            near = f" near {frame.as_made(np.array(place, dtype=np.float64))}" if len(place) > 1 else ""
+            message = f'an outline of "{printable(name)}" crosses itself or has no width{near}'
+            raise SpecError((Fault(0, 0, "", message, "correct it in the program that drew it"),))
+    area = united((frame.metres(each.outline), [frame.metres(hole) for hole in each.holes]) for each in polygons)
+    drawn = [_polygon_keys(each, frame) for each in polygons]
+    if len(drawn) == 1:
+        keys = drawn[0]
+    else:
+        parts = ", ".join("{" + ", ".join(f"{key}: {value}" for key, value in part) + "}" for part in drawn)
+        keys = (("polygons", f"[{parts}]"),)
+    return Piece(name, role, area, keys, comments, tuple(polygons))
+
+
+def circle_keys(centre: str, radius_m: float) -> tuple[tuple[str, str], ...]:
+    """The keys of a circle."""
+    return ("centre", centre), ("radius_m", decimal(round(radius_m, 2)))
+
+
+def _pieces(feature: Feature, frame: Frame) -> Iterator[Piece]:
+    comments = [": ".join(part for part in (f'"{feature.name}"', feature.reason) if part)]
+    if feature.height_m:
+        comments.append(f"{measure(feature.height_m)} m high, says the file")
+    polygons = [shape for shape in feature.shapes if isinstance(shape, Polygon)]
+    if polygons:
+        piece = polygon_piece(feature.name, Role.AREA, polygons, frame, *comments)
+        yield replace(piece, role=feature.role, lanes=feature.lanes)
+    for shape in feature.shapes:
+        if isinstance(shape, Line):
+            yield _strip(feature, shape, frame, comments)
+        elif isinstance(shape, Spot):
+            radius_m = shape.radius_m or RADIUS_M
+            of_place = [] if shape.radius_m else ["a place in the file; the circle about it is this draft's"]
+            yield Piece(
+                feature.name,
+                feature.role,
+                disc(frame.metres([shape.centre])[0], radius_m, outside=feature.role is Role.RESTRICTED),
+                circle_keys(frame.as_drawn(shape.centre), radius_m),
+                (*comments, *of_place),
+                (shape,),
+            )
+
+
+def _strip(feature: Feature, line: Line, frame: Frame, comments: list[str]) -> Piece:
+    width_m = line.width_m or WIDTH_M
+    asked = [] if line.width_m else ["the file gives the line no width: is this one right?"]
+    area = strip(frame.metres(line.points), width_m, outside=feature.role is Role.RESTRICTED)
+    keys = (("line", _list(line.points, frame)), ("width_m", decimal(width_m)))
+    return Piece(feature.name, feature.role, area, keys, (*comments, *asked), (line,), feature.lanes)
+
+
+def _polygon_keys(polygon: Polygon, frame: Frame) -> tuple[tuple[str, str], ...]:
+    holes = ", ".join(_list(hole, frame) for hole in polygon.holes)
+    return (("polygon", _list(polygon.outline, frame)), *((("holes", f"[{holes}]"),) if holes else ()))
+
+
+def _list(points: Sequence[Point], frame: Frame) -> str:
+    return f"[{', '.join(map(frame.as_drawn, points))}]"
+
+
+def unused(name: str, taken: Iterable[str]) -> str:
+    """The name, with a number where it is taken."""
+    names = set(taken)
+    numbered = (f"{name}_{number}" for number in itertools.count(2))
+    return next(each for each in itertools.chain([name], numbered) if each not in names)
+
+
+def _plain(name: str, role: Role | None) -> str:
+    """A name that a region can have."""
+    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss")).encode("ascii", "ignore").decode()
+    words = re.sub(r"\W+", "_", plain, flags=re.ASCII).strip("_")[:_LONGEST_NAME] or (role or "region")
+    return f"region_{words}" if words[0].isdigit() or re.fullmatch(OPERATOR_NAMES, words) else words
+
+
+def together(pieces: Iterable[Piece]) -> Any:  # noqa: ANN401 - shapely has no types
+    """The ground that pieces cover."""
+    return shapely.union_all([piece.area for piece in pieces])
