@@ -1,20 +1,22 @@
 """Mission files, read strictly: every fault of a file is reported, all at once, each with its line and path.
 
 The way of a file: bytes -> text -> tree with positions (``yaml_tree``) -> plain data -> against the schema
-(``structure``) -> degrees as metres (``geography``) -> its meaning, where the structure is sound (``check``),
-and that of the automaton that it may name (``named_automaton``) -> frozen values (``values``).
+(``structure``) -> shapes that files draw written out (``drawn_files``) -> degrees as metres (``geography``) -> its
+meaning, where the structure is sound (``check``), and that of the automaton that it may name (``named_automaton``)
+-> frozen values (``values``).
 """
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from mission.errors import Fault, SpecError
 from mission.spec.check import is_clean, meaning_findings
+from mission.spec.drawn_files import with_drawn_shapes
 from mission.spec.finding import Finding, shortened
 from mission.spec.geography import in_degrees, in_metres
 from mission.spec.model import MissionSpec, NamedAutomaton
 from mission.spec.named_automaton import AUTOMATON, named_automaton
+from mission.spec.named_files import Reader, UnreadableError, nothing_beside
 from mission.spec.placing import placed
 from mission.spec.structure import MOST_ERRORS, plain_data, structure_findings
 from mission.spec.values import mission_of
@@ -25,21 +27,6 @@ MAX_AUTOMATON_BYTES = 1 << 20
 
 MOST_FAULTS = 100
 """As many faults are listed; the rest is counted."""
-
-
-class UnreadableError(Exception):
-    """A file that cannot be read: why, and what to do about it."""
-
-    def __init__(self, message: str, hint: str) -> None:
-        self.message, self.hint = message, hint
-        super().__init__(message)
-
-
-Reader = Callable[[str], bytes]
-"""From a file that a mission names, as it names it, to its content, a byte more than ``MAX_BYTES`` at most.
-
-It raises UnreadableError.
-"""
 
 
 def load_mission(path: str | Path) -> MissionSpec:
@@ -56,7 +43,7 @@ def load_mission(path: str | Path) -> MissionSpec:
     return parse_mission(content, source, lambda name: _content(Path(path).parent / name))
 
 
-def parse_mission(content: bytes, source: str = "", read: Reader | None = None) -> MissionSpec:
+def parse_mission(content: bytes, source: str = "", read: Reader = nothing_beside) -> MissionSpec:
     """Read the content of a mission file.
 
     Args:
@@ -74,13 +61,16 @@ def parse_mission(content: bytes, source: str = "", read: Reader | None = None) 
         raise SpecError(error.faults, source) from None
     data, findings = plain_data(tree)
     findings.extend(structure_findings(data, tree))
+    if isinstance(data, dict):
+        data, found = with_drawn_shapes(data, read)
+        findings.extend(found)
     if in_degrees(data):
         data, found = in_metres(data)
         findings.extend(found)
     automaton = None
     if len(findings) < MOST_ERRORS:
         meant = meaning_findings(data, findings)
-        automaton, unsound = _automaton(data, findings, read or _nothing_beside)
+        automaton, unsound = _automaton(data, findings, read)
         findings += [*meant, *unsound]
     faults.extend(placed(finding, tree, text) for finding in findings)
     if faults:
@@ -117,10 +107,6 @@ def _content(path: Path) -> bytes:
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise UnreadableError(f"the file cannot be read: {reason}", "check the path and its permissions") from None
-
-
-def _nothing_beside(_: str) -> bytes:
-    raise UnreadableError("there is no such file", "name a file in the mission file that is read")
 
 
 def _decoded(content: bytes) -> str:

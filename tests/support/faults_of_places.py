@@ -135,7 +135,7 @@ FAULTS_OF_PLACES = [
         5,
         3,
         "regions.Field",
-        "one of triangle, at, polygon, polygons, centre or line is missing in `regions.Field`",
+        "one of triangle, at, polygon, polygons, centre, line or file is missing in `regions.Field`",
     ),
     ("repeated_region", 7, 3, "regions.Home", "the key `Home` is repeated; it stands on line 6 already"),
     (
