@@ -13,7 +13,7 @@ from mission.interchange.reading import read_drawing
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.geography import Data, beyond_the_plane, in_degrees, origin_of
 from mission.spec.named_files import Reader, UnreadableError
-from mission.spec.schema import MAX_COORDINATE_M
+from mission.spec.shape_schema import MAX_COORDINATE_M, MOST_CORNERS, MOST_PARTS
 
 MOST_FILES: Final = 50
 
@@ -109,6 +109,9 @@ class _Drawings:
     def _keys(self, feature: Feature, given: Data, drawing: Drawing) -> Data:
         """The keys of a feature's shape; a width or a radius that the mission gives goes before that of the file."""
         shapes = feature.shapes
+        if max(len(shapes), *(len(shape.holes) for shape in shapes if isinstance(shape, Polygon)), 0) > MOST_PARTS:
+            message = f"the feature has more than {MOST_PARTS} parts, or holes in one"
+            raise _Refused("feature", message, "make several features of it in the file")
         if all(isinstance(shape, Polygon) for shape in shapes):
             if given.keys() & {"width_m", "radius_m"}:
                 raise _Refused(
@@ -132,6 +135,9 @@ class _Drawings:
         return {"polygon": self._places(polygon.outline, drawing), **({"holes": holes} if holes else {})}
 
     def _places(self, points: Sequence[Point], drawing: Drawing) -> list[list[float]]:
+        if len(points) > MOST_CORNERS:
+            message = f"an outline of the feature has {len(points)} corners, more than {MOST_CORNERS}"
+            raise _Refused("feature", message, "simplify it in the program that drew it")
         places = np.array(points, dtype=np.float64)
         if drawing.in_degrees:
             places = places[:, ::-1]

@@ -10,12 +10,20 @@ from typing import Any, Final
 from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.cover_schema import COVER
 from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost, RegionKind
+from mission.spec.shape_schema import (
+    AREA_SHAPES,
+    AREAS,
+    GO_TOGETHER,
+    POINT,
+    POINT_REFERENCE,
+    RING,
+    Schema,
+    mapping,
+    number,
+    one_of,
+)
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 
-Schema = dict[str, Any]
-
-MAX_COORDINATE_M: Final = 2.0e7
-"""Eastings and northings of the map projections in use are less than half the Earth's circumference."""
 MOST_REGIONS: Final = 1_000
 
 OPERATOR_NAMES: Final = "^([FGX]+|U|W|M|V|true|false|xor)$"
@@ -23,129 +31,24 @@ OPERATOR_NAMES: Final = "^([FGX]+|U|W|M|V|true|false|xor)$"
 formula can mean both by it, for the operator stands after an operand and the region never does."""
 
 
-def _number(description: str, low: float, high: float, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
-    return {"description": description, "type": "number", "minimum": low, "maximum": high, **more}
-
-
-def _object(description: str, required: tuple[str, ...], properties: Schema, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
-    schema = {"description": description, "type": "object", "additionalProperties": False, "properties": properties}
-    return schema | ({"required": list(required)} if required else {}) | more
-
-
-def _one_of(*keys: str) -> list[Schema]:
-    return [{"required": [key]} for key in keys]
-
-
-COORDINATE: Final[Schema] = {"type": "number", "minimum": -MAX_COORDINATE_M, "maximum": MAX_COORDINATE_M}
-_POINT: Final[Schema] = {
-    "description": "A place in the domain, [east, north] in metres, or [latitude, longitude] where `corners` says so.",
-    "type": "array",
-    "items": COORDINATE,
-    "minItems": 2,
-    "maxItems": 2,
-    "examples": [[12.5, 40.0]],
-}
-
-POINT_REFERENCE: Final[Schema] = {"$ref": "#/$defs/point"}
-_RING: Final[Schema] = {
-    "type": "array",
-    "items": POINT_REFERENCE,
-    "minItems": 3,
-    "maxItems": 10_000,
-    "examples": [[[0, 0], [20, 0], [20, 10]]],
-}
-
-_HOLES: Final[Schema] = {
-    "description": "Rings of corners, each a hole in the polygon.",
-    "type": "array",
-    "items": _RING | {"description": "Corners of a hole, in order."},
-    "maxItems": 1_000,
-    "examples": [[[[5, 2], [15, 2], [15, 5]]]],
-}
-
-_AREA_SHAPES: Final[Schema] = {
-    "polygon": _RING
-    | {
-        "description": "Corners of a simple polygon, in order. Within a boundary it may lie anywhere; over nodes, "
-        "each of its edges must be an edge of the mesh."
-    },
-    "holes": _HOLES,
-    "polygons": {
-        "description": "Several polygons, each with its holes if it has some.",
-        "type": "array",
-        "items": _object(
-            "One part.",
-            ("polygon",),
-            {"polygon": _RING | {"description": "Corners of a simple polygon, in order."}, "holes": _HOLES},
-        ),
-        "minItems": 1,
-        "maxItems": 1_000,
-        "examples": [[{"polygon": [[0, 0], [20, 0], [20, 10]]}]],
-    },
-    "centre": {
-        "description": "Centre of a circle, [east, north] in metres.",
-        "$ref": "#/$defs/point",
-        "examples": [[12.5, 40.0]],
-    },
-    "radius_m": _number("Radius of the circle, m.", 0.1, 100_000.0, examples=[12.0]),
-    "line": {
-        "description": "Corners of a line, in order: the middle of a strip, which is flat at its ends.",
-        "type": "array",
-        "items": POINT_REFERENCE,
-        "minItems": 2,
-        "maxItems": 10_000,
-        "examples": [[[0, 0], [20, 0], [20, 10]]],
-    },
-    "width_m": _number("Width of the strip from side to side, m.", 0.1, 10_000.0, examples=[8.0]),
-    "file": {
-        "description": "A file that draws the shape: its path, relative to this file. GeoJSON, KML, KMZ, a plan of "
-        "QGroundControl, waypoints or a fence; in degrees, or in metres of the domain.",
-        "type": "string",
-        "minLength": 1,
-        "maxLength": 1_000,
-        "examples": ["farm.geojson"],
-    },
-    "feature": {
-        "description": "Which feature of the file: its name, or its index from 0. One alone need not be named.",
-        "anyOf": [{"type": "string", "minLength": 1, "maxLength": 1_000}, {"type": "integer", "minimum": 0}],
-        "examples": ["north", 0],
-    },
-}
-_GO_TOGETHER: Final[Schema] = {
-    "dependentRequired": {"feature": ["file"]},
-    # A line or a place in a file may take its width or radius from here.
-    "if": {"not": {"required": ["file"]}},
-    "then": {
-        "dependentRequired": {
-            "holes": ["polygon"],
-            "centre": ["radius_m"],
-            "radius_m": ["centre"],
-            "line": ["width_m"],
-            "width_m": ["line"],
-        }
-    },
-}
-_AREAS: Final = ("polygon", "polygons", "centre", "line", "file")
-
-
 def _clearance(description: str, **more: Any) -> Schema:  # noqa: ANN401 - any JSON value
-    return _number(description, 0.0, 1_000.0, **more)
+    return number(description, 0.0, 1_000.0, **more)
 
 
-_MESH: Final = _object(
+_MESH: Final = mapping(
     "How fine the mesh of a boundary is. Its points are placed by the program; outlines may cross each other and the "
     "boundary, and are joined where they nearly meet.",
     (),
     {
-        "smallest_angle_deg": _number(
+        "smallest_angle_deg": number(
             "No angle of a triangle is smaller, but where the outlines have one.", 1.0, 28.0, default=20.0
         ),
-        "largest_m": _number("No edge is longer, m; without it, edges are as long as angles allow.", 0.01, 1.0e6),
+        "largest_m": number("No edge is longer, m; without it, edges are as long as angles allow.", 0.01, 1.0e6),
     },
     examples=[{"smallest_angle_deg": 20.0}, {"largest_m": 15.0}],
 )
 
-_DOMAIN: Final = _object(
+_DOMAIN: Final = mapping(
     "Where the vehicle may fly: nodes, or a boundary.",
     (),
     {
@@ -162,8 +65,8 @@ _DOMAIN: Final = _object(
             "description": "Corners of a simple polygon, in order, which need not be convex and is closed by itself; "
             "or a shape with the keys of a region's.",
             "anyOf": [
-                _RING,
-                _object("A shape.", (), _AREA_SHAPES, oneOf=_one_of(*_AREAS), **_GO_TOGETHER),
+                RING,
+                mapping("A shape.", (), AREA_SHAPES, oneOf=one_of(*AREAS), **GO_TOGETHER),
             ],
             "examples": [[[0, 0], [20, 0], [20, 10]]],
         },
@@ -179,7 +82,7 @@ _DOMAIN: Final = _object(
             "default": "metres",
         },
     },
-    oneOf=_one_of("nodes", "boundary"),
+    oneOf=one_of("nodes", "boundary"),
     dependentRequired={key: ["boundary"] for key in ("mesh", "clearance_m", "restricted_clearance_m")},
     examples=[{"boundary": [[0, 0], [150, 0], [150, 100], [0, 100]]}],
 )
@@ -187,7 +90,7 @@ _DOMAIN: Final = _object(
 NEEDLESS_KEYS: Final = {("domain", "points"): "the mesh places its own points"}
 """Keys that somebody may expect, and why there are none: whoever has one is told to delete it."""
 
-_REGION: Final = _object(
+_REGION: Final = mapping(
     "A named part of the domain: one triangle of the mesh, or an area of several.",
     ("kind",),
     {
@@ -205,13 +108,13 @@ _REGION: Final = _object(
             "uniqueItems": True,
             "examples": [[7, 4, 1]],
         },
-        "at": _POINT | {"description": "The triangle with this point inside."},
-        **_AREA_SHAPES,
+        "at": POINT | {"description": "The triangle with this point inside."},
+        **AREA_SHAPES,
         "clearance_m": _clearance(
             "By how much a restricted region is larger than it is drawn, or another one smaller, m; without it that is "
             "`restricted_clearance_m` of the domain, or 0."
         ),
-        "loiter_s": _number(
+        "loiter_s": number(
             "How long to stand still on entering the region, s; to start inside is not to enter.",
             0.0,
             86_400.0,
@@ -219,12 +122,12 @@ _REGION: Final = _object(
         ),
         "cover": COVER,
     },
-    oneOf=_one_of("triangle", "at", *_AREAS),
-    **_GO_TOGETHER,
+    oneOf=one_of("triangle", "at", *AREAS),
+    **GO_TOGETHER,
     examples=[{"kind": "survey", "at": [12.5, 40.0]}],
 )
 
-SHAPE_KEYS: Final = ("triangle", "at", *_AREA_SHAPES, "clearance_m")
+SHAPE_KEYS: Final = ("triangle", "at", *AREA_SHAPES, "clearance_m")
 """The keys of a region that say where it is."""
 DOMAIN_KEYS: Final = tuple(_DOMAIN["properties"])
 
@@ -245,7 +148,7 @@ _REGIONS: Final[Schema] = {
 _FORMULAS: Final = ["F (S1 & F Home) & G !K1"]
 _MISSIONS: Final = [{"formula": "F S1 & G !K1"}]
 
-_MISSION: Final = _object(
+_MISSION: Final = mapping(
     "What must be true of the flight.",
     (),
     {
@@ -288,7 +191,7 @@ _MISSION: Final = _object(
     examples=_MISSIONS,
 )
 
-_START: Final = _object(
+_START: Final = mapping(
     "Where the flight begins, and how fast.",
     ("position_m",),
     {
@@ -306,25 +209,25 @@ _START: Final = _object(
     examples=[{"position_m": [12.5, 40.0]}],
 )
 
-_ORIGIN: Final = _object(
+_ORIGIN: Final = mapping(
     "Where on Earth (WGS 84) the domain's [0, 0] lies. Without it the domain lies so that the vehicle is at the start.",
     ("latitude_deg", "longitude_deg"),
     {
-        "latitude_deg": _number("Degrees north.", -89.9, 89.9, examples=[47.3977]),
-        "longitude_deg": _number("Degrees east.", -180.0, 180.0, examples=[8.5456]),
+        "latitude_deg": number("Degrees north.", -89.9, 89.9, examples=[47.3977]),
+        "longitude_deg": number("Degrees east.", -180.0, 180.0, examples=[8.5456]),
     },
     examples=[{"latitude_deg": 47.3977, "longitude_deg": 8.5456}],
 )
 
-_FLIGHT: Final = _object(
+_FLIGHT: Final = mapping(
     "How it is flown.",
     (),
     {
-        "speed_m_s": _number("Reference speed, c of the paper, m/s.", 0.001, 100.0, default=3.0),
-        "altitude_m": _number("Height above the take-off point, m.", 0.5, 5_000.0, default=10.0),
-        "final_stay_s": _number("How long to stay in the last triangle before landing, s.", 0.1, 86_400.0, default=5.0),
-        "time_constant_s": _number("Time constant tau of the tracking law, s.", 0.05, 100.0, default=1.0),
-        "disturbance_m_s2": _number(
+        "speed_m_s": number("Reference speed, c of the paper, m/s.", 0.001, 100.0, default=3.0),
+        "altitude_m": number("Height above the take-off point, m.", 0.5, 5_000.0, default=10.0),
+        "final_stay_s": number("How long to stay in the last triangle before landing, s.", 0.1, 86_400.0, default=5.0),
+        "time_constant_s": number("Time constant tau of the tracking law, s.", 0.05, 100.0, default=1.0),
+        "disturbance_m_s2": number(
             "Bound on each axis of the acceleration that tracking does not know of, m/s2; the certificate widens the "
             "path by it.",
             0.0,
@@ -349,7 +252,7 @@ def _weight(part: str, default: int | str) -> Schema:
     return {"description": f"How much a unit of the {part} weighs.", "default": default} | whole
 
 
-_SEARCH: Final = _object(
+_SEARCH: Final = mapping(
     "Which runs are best: those with the least cost.",
     (),
     {
@@ -365,7 +268,7 @@ _SEARCH: Final = _object(
     examples=[{"cost": "distance"}],
 )
 
-_SMOOTHING: Final = _object(
+_SMOOTHING: Final = mapping(
     "The Fourier series that smooths the planned path.",
     (),
     {
@@ -384,13 +287,13 @@ _SMOOTHING: Final = _object(
     examples=[{"extension": "odd", "frequencies": "auto"}],
 )
 
-_LIMITS: Final = _object(
+_LIMITS: Final = mapping(
     "What the vehicle can do; the trajectory slows down where it would exceed them.",
     (),
     {
-        "speed_m_s": _number("Largest horizontal speed, m/s.", 0.001, 100.0, default=5.0),
-        "acceleration_m_s2": _number("Largest horizontal acceleration, m/s2.", 0.001, 50.0, default=2.5),
-        "tilt_deg": _number("Largest tilt, degrees.", 1.0, 80.0, default=25.0),
+        "speed_m_s": number("Largest horizontal speed, m/s.", 0.001, 100.0, default=5.0),
+        "acceleration_m_s2": number("Largest horizontal acceleration, m/s2.", 0.001, 50.0, default=2.5),
+        "tilt_deg": number("Largest tilt, degrees.", 1.0, 80.0, default=25.0),
     },
     examples=[{"speed_m_s": 5.0, "acceleration_m_s2": 2.5, "tilt_deg": 25.0}],
 )
@@ -398,8 +301,8 @@ _LIMITS: Final = _object(
 _SCHEMA: Final[Schema] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "Mission file of ltl-mission",
-    "$defs": {"point": _POINT, "region": _REGION, "task": TASK, "region_name": REGION_NAME},
-} | _object(
+    "$defs": {"point": POINT, "region": _REGION, "task": TASK, "region_name": REGION_NAME},
+} | mapping(
     "A drone mission written in linear temporal logic. ENU; units stand in the names of the keys.",
     ("domain", "regions", "start"),
     {

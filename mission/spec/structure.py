@@ -15,13 +15,8 @@ from mission.spec.finding import Finding, Path, dotted, listed, nearest, shorten
 from mission.spec.geography import far_from_origin
 from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
 from mission.spec.scalars import Oddity, number_hint, plain_value
-from mission.spec.schema import (
-    MAX_COORDINATE_M,
-    NEEDLESS_KEYS,
-    POINT_REFERENCE,
-    Schema,
-    mission_schema,
-)
+from mission.spec.schema import NEEDLESS_KEYS, mission_schema
+from mission.spec.shape_schema import MAX_COORDINATE_M, POINT_REFERENCE, Schema
 
 MOST_ERRORS: Final = 1_000
 

@@ -132,6 +132,24 @@ def test_a_feature_that_cannot_be_had_is_told_of(keys: str, path: str, message: 
     assert finding.hint.startswith(hint)
 
 
+@pytest.mark.parametrize(
+    ("coordinates", "message"),
+    [
+        (
+            [[[[i, 0], [i + 1, 0], [i, 1]]] for i in range(1001)],
+            "the feature has more than 1000 parts, or holes in one",
+        ),
+        ([[[[i, i * i] for i in range(10_001)]]], "an outline of the feature has 10001 corners, more than 10000"),
+        ([[[[3e7, 0], [3e7, 1], [0, 1]]]], "coordinates are farther than 20000000 m from [0, 0]"),
+    ],
+)
+def test_what_no_mission_file_could_hold_is_refused(coordinates: Any, message: str) -> None:  # noqa: ANN401 - any JSON value
+    content = json.dumps({"type": "MultiPolygon", "coordinates": coordinates}).encode()
+    data = {"origin": ORIGIN_KEYS, "domain": {}, "regions": {"north": {"file": "a"}}}
+    _, (finding,) = with_drawn_shapes(data, lambda _: content)
+    assert finding.message.startswith(message)
+
+
 def test_keys_of_files_go_together_and_exclude_other_shapes() -> None:
     regions = {
         "north": "kind: survey, polygon: [[1, 2], [3, 4], [2, 9]], feature: north",
