@@ -26,6 +26,8 @@ _WITH_POINTS: Final = ("polygon", "polygons", "holes", "line", "centre", "at")
 
 _POLE_DEG: Final = 89.9
 _AROUND_DEG: Final = 180.0
+_LARGEST: Final = 1e9
+"""Larger numbers are a fault of their own."""
 
 
 def in_degrees(data: Any) -> bool:  # noqa: ANN401 - any JSON value
@@ -121,7 +123,7 @@ def far_from_origin(data: Any) -> Finding | None:  # noqa: ANN401 - any JSON val
 def _shapes(data: Data) -> Iterator[tuple[Path, Any]]:
     """Whatever has points, with its path."""
     domain, regions, start = (data.get(key) for key in ("domain", "regions", "start"))
-    for key in ("boundary", "nodes", "points"):
+    for key in ("boundary", "nodes"):
         if isinstance(domain, dict) and key in domain:
             yield ("domain", key), domain[key]
     for name, region in regions.items() if isinstance(regions, dict) else ():
@@ -143,7 +145,11 @@ def _lists(value: Any, path: Path) -> Iterator[tuple[Path, FloatArray]]:  # noqa
 
 
 def _is_point(value: Any) -> bool:  # noqa: ANN401 - any JSON value
-    return isinstance(value, list) and len(value) == 2 and all(type(each) in (int, float) for each in value)  # noqa: PLR2004
+    return (
+        isinstance(value, list)
+        and len(value) == 2  # noqa: PLR2004 - the plane
+        and all(type(each) in (int, float) and abs(each) <= _LARGEST for each in value)
+    )
 
 
 def _off_the_globe(path: Path, places: FloatArray) -> Iterator[Finding]:
@@ -167,10 +173,7 @@ def _converted(data: Data, metres: Callable[[FloatArray], FloatArray]) -> Data:
             return metres(np.array(value, dtype=np.float64)).tolist()
         return [value_of(item) for item in value] if isinstance(value, list) else value
 
-    domain = {
-        key: value_of(value) if key in ("boundary", "nodes", "points") else value
-        for key, value in data["domain"].items()
-    }
+    domain = {key: value_of(value) if key in ("boundary", "nodes") else value for key, value in data["domain"].items()}
     changed = {**data, "domain": {key: value for key, value in domain.items() if key != "corners"}}
     if isinstance(data.get("regions"), dict):
         changed["regions"] = {name: value_of(region) for name, region in data["regions"].items()}

@@ -115,3 +115,10 @@ def test_many_offsets_are_the_same_as_each_alone() -> None:
         alone = enu_offset_m(origin, LatLon(*map(float, place)))
         assert offset == pytest.approx(alone, abs=1e-8)
         assert distance == pytest.approx(float(np.hypot(*alone)), rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("point", ["[1" + "0" * 400 + ", 2]", "[.inf, 2]", "[51, [1, 2]]", "[51]", "51", "{a: [1, 2]}"])
+@pytest.mark.parametrize("key", ["position_m: ", "boundary: "])
+def test_whatever_stands_for_a_point_is_a_fault_of_its_own(key: str, point: str) -> None:
+    text = re.sub(f"{key}.*", lambda _: key + point, degrees(LatLon(51.896772, 6.54038)))
+    assert faults(text)
