@@ -15,6 +15,7 @@ from mission.geometry.arrays import FloatArray
 INSET: Final = 1.0 / 400.0
 """Of the spacing: how far within the ground lanes and ways are, between half of it and five halves."""
 MOST_LINES: Final = 2_000
+_BESIDE: Final = 20.0
 _EXCESS: Final = INSET / 100.0
 
 
@@ -50,6 +51,18 @@ class Area:
     def everywhere(self) -> Network:
         """What sees what in free space."""
         return Network(self.free, _EXCESS * self.spacing_m)
+
+    def in_free(self, place_m: FloatArray) -> FloatArray:
+        """The place that is nearest in free space, shape (2,).
+
+        Raises:
+            GeometryError: It is farther than free space was made smaller.
+        """
+        place = shapely.points(place_m)
+        nearest: FloatArray = shapely.get_coordinates(shapely.shortest_line(self.free, place))[0]
+        if np.linalg.norm(nearest - place_m) > _BESIDE * INSET * self.spacing_m:
+            raise GeometryError("the place that ways lead from, or to, is not in free space")
+        return nearest
 
     @cached_property
     def arms(self) -> list[list[list[FloatArray]]]:

@@ -13,7 +13,7 @@ from mission.coverage.headings import candidates
 from mission.coverage.rims import needless, rim_lanes
 from mission.coverage.sequence import Lanes, sequence
 from mission.coverage.sweeps import Sweep, axes, sweep
-from mission.geometry.arrays import frozen_floats, frozen_ints
+from mission.geometry.arrays import FloatArray, frozen_floats, frozen_ints
 
 TOLERANCE: Final = 0.05
 """Of the spacing: how much farther than half a spacing a place on the ground may be from a lane."""
@@ -22,10 +22,11 @@ SPARED: Final = 0.005
 _MOST_TRIED: Final = 4
 _NEAR: Final = 1.15
 """Headings are tried in full whose guessed time is at most so many times the least."""
-_CLOSE: Final = 1.05
+_CLOSE: Final = 1.03
 """The orders of these are improved before the best is taken."""
 
 
+@np.errstate(divide="ignore", invalid="ignore")  # older versions of GEOS set these flags with valid shapes
 def cover(
     region: shapely.Geometry,
     ground: shapely.Geometry,
@@ -60,8 +61,8 @@ def cover(
     origin = np.floor(shapely.get_coordinates(shapely.centroid(ground))[0]) if not ground.is_empty else np.zeros(2)
     region, ground, free = (shapely.transform(shape, lambda xy: xy - origin) for shape in (region, ground, free))
     area = area_of(region, ground, free, spacing_m)
-    entry = np.asarray(entry_m, dtype=np.float64) - origin
-    leave = None if exit_m is None else np.asarray(exit_m, dtype=np.float64) - origin
+    entry = area.in_free(np.asarray(entry_m, dtype=np.float64) - origin)
+    leave = None if exit_m is None else area.in_free(np.asarray(exit_m, dtype=np.float64) - origin)
     if heading_deg is None and area.fields:
         swept = {heading: _swept(area, heading) for heading in candidates(area.parts)}
         guesses = {
@@ -90,11 +91,18 @@ def cover(
         lanes_m=frozen_floats(line.lanes_m + origin),
         cell_of=frozen_ints(lanes.cell_of[order.flights // 2]),
         ways_m=tuple(frozen_floats(way + origin) for way in line.ways_m[1 : len(line.lanes_m)]),
-        approach_m=frozen_floats(line.ways_m[0] + origin),
-        leaving_m=frozen_floats(np.empty((0, 2)) if leave is None else line.ways_m[-1] + origin),
+        approach_m=frozen_floats(_ended(line.ways_m[0] + origin, 0, entry_m)),
+        leaving_m=frozen_floats(np.empty((0, 2)) if leave is None else _ended(line.ways_m[-1] + origin, -1, exit_m)),
         exact=order.exact,
         duration_s=pace.duration_s(line.whole_m),
     )
+
+
+def _ended(way: FloatArray, end: int, place_m: ArrayLike | None) -> FloatArray:
+    """A way with an end, 0 or -1, put at the place that was asked for, a little beside."""
+    ended = way.copy()
+    ended[end] = place_m
+    return ended
 
 
 def _swept(area: Area, heading_deg: float) -> list[Sweep]:

@@ -77,6 +77,8 @@ class Network:
     def sees(self, begins_m: FloatArray, ends_m: FloatArray) -> BoolArray:
         """Whether the straight way between the points beside each other, shapes (N, 2), is free; shape (N,)."""
         seen: BoolArray = shapely.covers(self._room, shapely.linestrings(np.stack((begins_m, ends_m), axis=1)))
+        # Older versions of GEOS do not find a line of no length anywhere.
+        seen |= (begins_m == ends_m).all(axis=1)
         return seen
 
     def ways(self, points_m: FloatArray, wanted: BoolArray) -> Ways:
@@ -96,7 +98,8 @@ class Network:
         )
         nodes = np.concatenate((self._corners, points_m))
         lengths = np.maximum(np.linalg.norm(nodes[ends[:, 0]] - nodes[ends[:, 1]], axis=1), _NO_LENGTH)
-        graph = csr_array((lengths, (ends[:, 0], ends[:, 1])), shape=(count, count))
+        rows, columns = ends.T.astype(np.int32)  # all that dijkstra of older versions of scipy takes
+        graph = csr_array((lengths, (rows, columns)), shape=(count, count))
         found, before = dijkstra(graph, directed=False, indices=np.arange(offset, count), return_predecessors=True)
         return Ways(found[:, offset:], nodes, before.astype(np.int64))
 
