@@ -2,26 +2,32 @@
 
 import json
 from argparse import Namespace
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeVar
 
-from mission.cli.inputs import bad_file, reason, write_named
+from mission.cli.inputs import bad_file, write_named
 from mission.cli.screen import count, out
-from mission.errors import Fault, SpecError
+from mission.errors import AutomatonSizeError, Fault, SpecError, reason
 from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.automata.conversion import with_accepting_states
 from mission.logic.automata.equivalence import Language, telling_word
-from mission.logic.automata.translate import translate, translate_generalised
+from mission.logic.automata.translate import SHOWN, Bounds, translate, translate_generalised
+from mission.logic.formula.conjuncts import separated
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import Formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.logic.hoa.text import parse_generalised, to_hoa
 from mission.logic.hoa.tokens import MAX_LENGTH
+from mission.spec.finding import shortened
 
 _PICTURES = (".pdf", ".png", ".svg")
 _FILES = ".hoa"
 _PAIR = 2
+
+_Automaton = TypeVar("_Automaton", BuchiAutomaton, GeneralisedBuchi)
 
 
 @dataclass(frozen=True)
@@ -39,12 +45,16 @@ class _Named:
     @cached_property
     def automaton(self) -> BuchiAutomaton:
         """An automaton of it with accepting states."""
-        return translate(self.meaning) if isinstance(self.meaning, Formula) else with_accepting_states(self.meaning)
+        if isinstance(self.meaning, Formula):
+            return _smaller_asked_for(translate, self.meaning)
+        return with_accepting_states(self.meaning)
 
     @property
     def generalised(self) -> GeneralisedBuchi:
         """One with accepting transitions; a file's is as it stands there."""
-        return translate_generalised(self.meaning) if isinstance(self.meaning, Formula) else self.meaning
+        if isinstance(self.meaning, Formula):
+            return _smaller_asked_for(translate_generalised, self.meaning)
+        return self.meaning
 
     @property
     def language(self) -> Language:
@@ -56,6 +66,20 @@ class _Named:
     def accepts(self, word: LassoWord) -> bool:
         """Whether a word is one of its words: of a formula, by the definition."""
         return satisfies(word, self.meaning) if isinstance(self.meaning, Formula) else self.automaton.accepts(word)
+
+
+def _smaller_asked_for(make: Callable[[Formula, Bounds], _Automaton], formula: Formula) -> _Automaton:
+    """An automaton within the bounds of what is shown; where it is not, what can be shown instead is said."""
+    try:
+        return make(formula, SHOWN)
+    except AutomatonSizeError as error:
+        parts = separated(formula)
+        cure = "give a smaller formula"
+        if len(parts) > 1:
+            cure = (
+                f"it is a conjunction of {len(parts)} formulas: give one of them, such as `{shortened(str(parts[0]))}`"
+            )
+        raise AutomatonSizeError(f"{error}; {cure}") from error
 
 
 def run(arguments: Namespace) -> int:

@@ -44,11 +44,11 @@ class Tableau:
         self._satisfied = diagrams.leaf(((0, 0),))
         self._refused = diagrams.leaf(())
 
-    def structure(self, formula: Formula, limit: int) -> Structure:
+    def structure(self, formula: Formula, states: int, edges: int) -> Structure:
         """The automaton of ``formula``.
 
         Raises:
-            TooLargeError: It has more than ``limit`` states.
+            TooLargeError: It has more states or edges than that.
         """
         start = self._obligations(formula)
         numbers = {start: 0}
@@ -57,12 +57,14 @@ class Tableau:
         for state in queue:
             row = self._row(state)
             rows.append(row)
-            for leaf in self._diagrams.leaves(row):
-                for target, _ in self._diagrams.value[leaf]:
-                    if target not in numbers:
-                        numbers[target] = len(queue)
-                        queue.append(target)
-            if len(queue) > limit:
+            leaves = self._diagrams.leaves(row)
+            targets = dict.fromkeys(target for leaf in leaves for target, _ in self._diagrams.value[leaf])
+            for target in targets:
+                if target not in numbers:
+                    numbers[target] = len(queue)
+                    queue.append(target)
+            edges -= len(targets)
+            if len(queue) > states or edges < 0:
                 raise TooLargeError
         promises = len(self._promise)
         everything = (1 << promises) - 1

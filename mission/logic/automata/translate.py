@@ -9,7 +9,7 @@ time.
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice, permutations
 from typing import Final, TypeVar
 
@@ -54,19 +54,24 @@ class Bounds:
 
     Attributes:
         states: States of an automaton under construction.
+        edges: Pairs of states with a transition from the one to the other, likewise.
         growth: Nodes of diagrams for what is necessary.
         work: Comparisons of clauses in a tableau that is necessary.
     """
 
     states: int
+    edges: int
     growth: int
     work: int
 
 
-FULL: Final = Bounds(MAX_STATES, 1_000_000, 20_000_000)
+FULL: Final = Bounds(MAX_STATES, 1_000_000, 1_000_000, 20_000_000)
 """For an automaton that is needed."""
 
-GLANCE: Final = Bounds(200, 20_000, 300_000)
+SHOWN: Final = replace(FULL, edges=50_000, growth=300_000)
+"""For one that a person waits for."""
+
+GLANCE: Final = Bounds(200, 10_000, 20_000, 300_000)
 """For one that is good to have where it costs little."""
 
 
@@ -79,13 +84,13 @@ def translate(formula: Formula, bounds: Bounds = FULL) -> BuchiAutomaton:
     return _Translation(formula, bounds).state_based()
 
 
-def translate_generalised(formula: Formula) -> GeneralisedBuchi:
+def translate_generalised(formula: Formula, bounds: Bounds = FULL) -> GeneralisedBuchi:
     """The same as a generalised Büchi automaton with marked transitions, often much smaller.
 
     Raises:
         AutomatonSizeError: The formula or its automaton is too large to be built.
     """
-    return _Translation(formula).generalised()
+    return _Translation(formula, bounds).generalised()
 
 
 @dataclass
@@ -110,7 +115,7 @@ class _Translation:
                 continue
             candidate.diagrams.allow(self.bounds.growth)
             with suppress(TooLargeError):
-                for form in _state_based_forms(candidate):
+                for form in _state_based_forms(candidate, self.bounds.edges):
                     rank = (form.size, not form.deterministic, form.edge_count)
                     if best is None or rank < best[0]:
                         best = rank, form
@@ -134,9 +139,8 @@ class _Translation:
             raise self._too_large() from error
 
     def _too_large(self) -> AutomatonSizeError:
-        return AutomatonSizeError(
-            f"the automaton of the formula has more than {self.bounds.states} states or too many letters"
-        )
+        most = f"{self.bounds.states:,} states, {self.bounds.edges:,} edges or too many letters"
+        return AutomatonSizeError(f"the automaton of the formula has more than {most}")
 
     def _candidates(self) -> list[Structure]:
         """Small generalised automata of the formula, smallest first; none where all would be too large."""
@@ -173,7 +177,7 @@ class _Translation:
                     yield deterministic
 
     def _tableau(self, diagrams: Diagrams, formula: Formula, limit: int, work: int) -> Structure:
-        found = reduced(Tableau(diagrams, self._names, work).structure(formula, limit))
+        found = reduced(Tableau(diagrams, self._names, work).structure(formula, limit, self.bounds.edges))
         changed = anticipated(found)
         if changed.moves == found.moves:
             return found
@@ -234,9 +238,19 @@ def _spread(values: Sequence[_T], number: int) -> list[_T]:
     return list(values[::step])
 
 
-def _state_based_forms(structure: Structure) -> Iterator[Structure]:
-    """Equivalent structures whose states accept, found in several ways."""
-    if structure.accepting_by_state:
+def _bounded(structure: Structure, edges: int) -> Structure:
+    if structure.edge_count > edges:
+        raise TooLargeError
+    return structure
+
+
+def _state_based_forms(structure: Structure, edges: int) -> Iterator[Structure]:
+    """Equivalent structures whose states accept, found in several ways.
+
+    Raises:
+        TooLargeError: One has more than ``edges`` edges.
+    """
+    if _bounded(structure, edges).accepting_by_state:
         yield structure
         if structure.deterministic:
             return
@@ -247,7 +261,7 @@ def _state_based_forms(structure: Structure) -> Iterator[Structure]:
     for order in orders:
         current = structure
         if structure.sets != 1:
-            current = reduced(degeneralised(structure, order))
+            current = reduced(_bounded(degeneralised(structure, order), edges))
             yield current
         if current.sets == 1:
             states = range(current.size)

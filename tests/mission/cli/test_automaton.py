@@ -184,3 +184,16 @@ def test_two_are_compared(
 def test_what_cannot_be_compared(capsys: pytest.CaptureFixture[str], more: tuple[str, ...]) -> None:
     assert main(["automaton", "F a", "G a", *more]) == 2
     assert "two are compared at a time" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("form", [(), ("--generalised",)])
+@pytest.mark.parametrize("number", [8, 12])
+def test_an_automaton_that_nobody_can_read_is_refused_with_what_can_be_shown(
+    capsys: pytest.CaptureFixture[str], number: int, form: tuple[str, ...]
+) -> None:
+    formula = " & ".join(f"G (a{i} -> F b{i})" for i in range(number))
+    assert main(["automaton", formula, *form]) == 2
+    printed = capsys.readouterr()
+    assert not printed.out
+    assert "more than 20,000 states, 50,000 edges" in printed.err
+    assert f"a conjunction of {number} formulas: give one of them, such as `G (a0 -> F b0)`" in printed.err

@@ -18,7 +18,7 @@ from tests.support.small_missions import SMALL
 @pytest.fixture(scope="module", autouse=True)
 def bounded() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(specification, "GLANCE", Bounds(1, 10, 10))
+        patched.setattr(specification, "GLANCE", Bounds(1, 10, 10, 10))
         yield
 
 
