@@ -3,6 +3,7 @@
 Only the command line turns them into text and an exit code: 2 bad input, 3 no plan exists, 4 link or vehicle failure.
 """
 
+import os
 from dataclasses import dataclass
 
 
@@ -144,3 +145,12 @@ class RecordError(MissionError):
     def __init__(self, message: str, *, line: int) -> None:
         self.line = line
         super().__init__(message)
+
+
+def reason(error: Exception) -> str:
+    """Why something failed: of what the system refused, its words alone, without number and name."""
+    if not isinstance(error, OSError):
+        return str(error)
+    if error.errno is not None and error.errno > 0:
+        return os.strerror(error.errno).lower()
+    return error.strerror or str(error)

@@ -9,13 +9,13 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from mission.cli.extent import extent, without
-from mission.cli.inputs import planned, reason, unwritable
+from mission.cli.inputs import planned, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
 from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.cli.signals import EndingSignals
 from mission.clock import Clock, WallClock
-from mission.errors import Fault, LinkError, MissionError, SpecError
+from mission.errors import Fault, LinkError, MissionError, SpecError, reason
 from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
 from mission.link.address import parse_address
 from mission.link.contact import LinkOptions
@@ -234,7 +234,7 @@ def _keep_plan(folder: Path, plan: FlightPlan) -> None:
     try:
         write_whole(folder / PLAN_FILE, plan_to_json(plan))
     except OSError as error:
-        err.print(f"the plan that was flown could not be written: {error}", markup=False)
+        err.print(f"the plan that was flown could not be written: {reason(error)}", markup=False)
 
 
 def _report(folder: Path, *, pictures: bool, hurried: bool) -> None:

@@ -1,12 +1,11 @@
 """What commands read and write: mission files, plans, and files that a user names; each failure says which."""
 
-import os
 import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
-from mission.errors import Fault, SpecError
+from mission.errors import Fault, SpecError, reason
 from mission.plan import FlightPlan, plan_from_json, plan_mission
 from mission.spec.loader import load_mission
 from mission.whole_file import write_whole
@@ -58,8 +57,6 @@ def read_plan(file: Path) -> tuple[FlightPlan, str]:
             raise bad_file(file, "is too large for a plan", "name a file that 'mission plan --out' wrote")
         text = content.decode("utf-8")
         return plan_from_json(text), text
-    except (AttributeError, OverflowError) as error:
-        raise bad_file(file, f"is not a plan: {error}", "name a file that 'mission plan --out' wrote") from error
     except UnicodeDecodeError as error:
         raise bad_file(file, "is not a plan: it is not text", "name a file that 'mission plan --out' wrote") from error
     except OSError as error:
@@ -96,10 +93,3 @@ def unwritable(option: str, place: Path, error: OSError) -> SpecError:
 def bad_file(file: Path, message: str, hint: str) -> SpecError:
     """The failure of a file as a whole."""
     return SpecError((Fault(0, 0, "", message, hint),), str(file))
-
-
-def reason(error: OSError) -> str:
-    """Why, without number and name."""
-    if error.errno is not None and error.errno > 0:
-        return os.strerror(error.errno).lower()
-    return error.strerror or str(error)

@@ -3,9 +3,9 @@
 from argparse import Namespace
 from pathlib import Path
 
-from mission.cli.inputs import bad_file, read_plan, reason
+from mission.cli.inputs import bad_file, read_plan
 from mission.cli.screen import out
-from mission.errors import RecordError
+from mission.errors import RecordError, reason
 from mission.plan import FlightPlan, plan_mission
 from mission.report.reading import Record, read_record
 from mission.report.record import RECORD_FILE

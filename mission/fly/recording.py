@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Protocol
 
+from mission.errors import reason
+
 
 class RecordWriter(Protocol):
     """Where the flight is written down, a line at a time."""
@@ -44,4 +46,4 @@ class Recording:
         except (OSError, ValueError) as error:  # the second: the file was closed
             self.lost += 1
             if self.lost == 1:
-                self.warn(f"the record cannot be written: {error}; the flight goes on without it")
+                self.warn(f"the record cannot be written: {reason(error)}; the flight goes on without it")

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import IO, Final, Self
 
-from mission.errors import Fault, LinkError, SpecError
+from mission.errors import Fault, LinkError, SpecError, reason
 from mission.geometry.geodesy import LatLon, place_at_offset
 from mission.spec.model import MissionSpec
 
@@ -96,7 +96,13 @@ class BundledVehicle:
         Raises:
             LinkError: It did not start; with what it said.
         """
-        self._words = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the vehicle
+        try:
+            self._words = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the vehicle
+        except OSError as error:
+            raise LinkError(
+                "the bundled vehicle cannot be started: no folder for temporary files can be written to; make room on "
+                "the disk, or name another folder in TMPDIR"
+            ) from error
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._process: subprocess.Popen[bytes] | None = None
         self.address = ""
@@ -113,7 +119,7 @@ class BundledVehicle:
             self.address = self._await_address()
         except OSError as error:
             self.close()
-            raise LinkError(f"the bundled vehicle cannot be started: {error}") from error
+            raise LinkError(f"the bundled vehicle cannot be started: {reason(error)}") from error
         except BaseException:  # also Ctrl-C: nothing may stay behind
             self.close()
             raise

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from mission.errors import Fault, SpecError
+from mission.errors import Fault, SpecError, reason
 from mission.link.signing import EPOCH_UNIX_S, TICKS_PER_S, Signatures
 from mission.whole_file import write_whole
 
@@ -41,7 +41,7 @@ def open_signatures(path: Path, who: tuple[int, int], warn: Callable[[str], None
                 warn(f"others can read the signing key; chmod 600 {path}")
             key = _key(path, file.read(_MOST_BYTES))
     except OSError as error:
-        raise _fault(f"{path} cannot be read: {error.strerror or error}", _FORMS) from error
+        raise _fault(f"{path} cannot be read: {reason(error)}", _FORMS) from error
     stamps = path.with_name(f"{path.name}.timestamp.{who[0]}.{who[1]}")
     begin = _kept(stamps)
     _keep(stamps, begin)
@@ -115,7 +115,7 @@ def _keep(path: Path, stamp: int) -> None:
         write_whole(path, f"{stamp}\n", private=True, durable=False)  # in flight, nothing waits for a disk
     except OSError as error:
         hint = "timestamps are kept beside the key: put it into a folder that can be written"
-        raise _fault(f"{path} cannot be written: {error.strerror or error}", hint) from error
+        raise _fault(f"{path} cannot be written: {reason(error)}", hint) from error
 
 
 def _fault(message: str, hint: str) -> SpecError:

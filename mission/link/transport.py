@@ -15,7 +15,7 @@ from typing import Final, Protocol
 
 import serial
 
-from mission.errors import LinkError
+from mission.errors import LinkError, reason
 from mission.link.address import Address, Scheme, parse_address
 from mission.link.framing import Stream
 from mission.link.peers import Peers
@@ -87,7 +87,7 @@ class LinkTransport:
         except ConnectionRefusedError:
             return  # a datagram to a vehicle that does not listen yet, or no longer: silence will tell
         except (OSError, serial.SerialException) as error:
-            raise LinkError(f"cannot send over {self.address}: {error}") from error
+            raise LinkError(f"cannot send over {self.address}: {reason(error)}") from error
 
     def receive(self, within_s: float) -> list[bytes]:
         """Take what has arrived.
@@ -122,7 +122,7 @@ class LinkTransport:
             except ConnectionRefusedError:
                 continue  # the answer to a datagram that nobody was there to take
             except (OSError, serial.SerialException) as error:
-                failure = f"{self.address} failed: {error}"
+                failure = f"{self.address} failed: {reason(error)}"
             if data is None:
                 failure = f"the other side closed {self.address}"
             if data or failure:
@@ -278,7 +278,7 @@ def open_transport(address: str, is_genuine: Callable[[bytes], bool] | None = No
     try:
         line = _UdpIn(parsed, is_genuine) if parsed.scheme is Scheme.UDP_IN else _LINES[parsed.scheme](parsed)
     except (OSError, serial.SerialException, OverflowError, UnicodeError) as error:
-        raise LinkError(f"cannot open {parsed}: {error}") from error
+        raise LinkError(f"cannot open {parsed}: {reason(error)}") from error
     if isinstance(line, (_UdpIn, _TcpIn)):
         parsed = Address(parsed.scheme, parsed.host, line.port)
     return LinkTransport(line, parsed)

@@ -6,8 +6,10 @@ proof from the file rests on these and not on what somebody wrote beside them.
 """
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict
-from typing import Any
+from functools import partial
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
@@ -36,6 +38,9 @@ from mission.steering.trajectory import Trajectory
 
 FORMAT = "ltl-mission plan 3"
 _NAMED = "mission_automaton"
+_OPTIONAL: Final[dict[str, Any]] = {_NAMED: "", "dropped": [], "passed_over": [], "avoidance": None, "photographs": []}
+
+_Value = TypeVar("_Value")
 
 
 def plan_to_json(plan: FlightPlan) -> str:
@@ -102,53 +107,91 @@ def plan_from_json(text: str) -> FlightPlan:
         SpecError: If the text is not such a plan, or its mission has faults.
     """
     try:
-        return _plan(json.loads(text))
-    except (GeometryError, ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
-        hint = "name a file that 'mission plan --out' wrote"
-        raise SpecError((Fault(0, 0, "", f"this is not a plan: {error}", hint),)) from error
+        document = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise _no_plan(f"JSON ends at line {error.lineno}, column {error.colno}") from error
+    except (RecursionError, ValueError) as error:
+        raise _no_plan("it is nested too deep, or has too long a number") from error
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise _no_plan(f"its format is not {FORMAT!r}")
+    return _plan({**_OPTIONAL, **document})
+
+
+def _no_plan(why: str) -> SpecError:
+    return SpecError((Fault(0, 0, "", f"this is not a plan: {why}", "name a file that 'mission plan --out' wrote"),))
+
+
+def _part(document: dict[str, Any], key: str, made: Callable[[Any], _Value]) -> _Value:
+    """What is made of a part of the document.
+
+    Raises:
+        SpecError: It is missing, or nothing can be made of it.
+    """
+    if key not in document:
+        raise _no_plan(f"it has no `{key}`")
+    try:
+        return made(document[key])
+    except GeometryError as error:
+        raise _no_plan(f"`{key}` is not as it was written: {error}") from error
+    except (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+        # In the words of Python, which are not about the plan.
+        raise _no_plan(f"`{key}` is not as it was written") from error
 
 
 def _plan(document: dict[str, Any]) -> FlightPlan:
-    if document["format"] != FORMAT:
-        raise ValueError(f"the format is not {FORMAT!r}")
-    named = str(document.get(_NAMED, "")).encode()
-    spec = parse_mission(json.dumps(document["mission"]).encode(), read=lambda _: named)
-    dropped = tuple(_dropped(spec, task) for task in document.get("dropped", []))
-    labels, path, homeward = document["labels"], document["path"], document["homeward"]
-    labelling = Labelling(tuple(frozenset(letter) for letter in labels["letters"]), _whole(labels["letter_of"]))
-    start = document["start_m"]
+    part = partial(_part, document)
+    named = str(document[_NAMED]).encode()
+    spec = part("mission", lambda data: parse_mission(json.dumps(data).encode(), read=lambda _: named))
+    labelling = part("labels", _labelling)
+    dropped = part("dropped", lambda tasks: tuple(_dropped(spec, task) for task in tasks))
     return FlightPlan(
         spec=spec,
-        start_m=(float(start[0]), float(start[1])),
-        partition=Partition(
-            np.array(document["partition"]["vertices_m"]),
-            _whole(document["partition"]["triangles"]),
-            _whole(document["partition"]["neighbours"]),
-        ),
+        start_m=part("start_m", _point),
+        partition=part("partition", _partition),
         labelling=labelling,
-        required=of_mission(spec, labelling.letters, (task.number for task in dropped)),
-        product_states=int(document["product_states"]),
-        product_states_reachable=int(document["product_states_reachable"]),
-        shortest_runs=int(document["shortest_runs"]),
-        best_in_any_order=bool(document["best_in_any_order"]),
-        run_index=int(document["run_index"]),
-        passed_over=tuple(PassedOver(int(run["index"]), str(run["reason"])) for run in document.get("passed_over", [])),
-        avoidance=_avoidance(document.get("avoidance")),
-        run=_run(document["run"]),
-        path=SteeringPath(
-            tuple(_segment(segment) for segment in path["segments"]),
-            None if path["lap"] is None else (int(path["lap"][0]), int(path["lap"][1])),
+        required=part("labels", lambda _: of_mission(spec, labelling.letters, (task.number for task in dropped))),
+        product_states=part("product_states", int),
+        product_states_reachable=part("product_states_reachable", int),
+        shortest_runs=part("shortest_runs", int),
+        best_in_any_order=part("best_in_any_order", bool),
+        run_index=part("run_index", int),
+        passed_over=part(
+            "passed_over", lambda runs: tuple(PassedOver(int(run["index"]), str(run["reason"])) for run in runs)
         ),
-        stops=tuple((float(place), float(seconds)) for place, seconds in document["stops"]),
-        trajectory=Trajectory.from_json(document["trajectory"]),
-        certificate=Certificate.from_json(document["certificate"]),
-        photographs=photographs_from_json(document.get("photographs", [])),
+        avoidance=part("avoidance", _avoidance),
+        run=part("run", _run),
+        path=part("path", _path),
+        stops=part("stops", lambda stops: tuple((float(place), float(seconds)) for place, seconds in stops)),
+        trajectory=part("trajectory", Trajectory.from_json),
+        certificate=part("certificate", Certificate.from_json),
+        photographs=part("photographs", photographs_from_json),
         dropped=dropped,
-        covers=tuple(CoveredVisit.from_json(visit) for visit in document["covers"]),
-        homeward=None
-        if homeward is None
-        else Homeward(_run(homeward["run"]), Certificate.from_json(homeward["certificate"])),
+        covers=part("covers", lambda visits: tuple(CoveredVisit.from_json(visit) for visit in visits)),
+        homeward=part("homeward", _homeward),
     )
+
+
+def _point(data: list[Any]) -> tuple[float, float]:
+    return float(data[0]), float(data[1])
+
+
+def _partition(data: dict[str, Any]) -> Partition:
+    return Partition(np.array(data["vertices_m"]), _whole(data["triangles"]), _whole(data["neighbours"]))
+
+
+def _labelling(data: dict[str, Any]) -> Labelling:
+    return Labelling(tuple(frozenset(letter) for letter in data["letters"]), _whole(data["letter_of"]))
+
+
+def _path(data: dict[str, Any]) -> SteeringPath:
+    lap = data["lap"]
+    return SteeringPath(
+        tuple(_segment(segment) for segment in data["segments"]), None if lap is None else (int(lap[0]), int(lap[1]))
+    )
+
+
+def _homeward(data: dict[str, Any] | None) -> Homeward | None:
+    return None if data is None else Homeward(_run(data["run"]), Certificate.from_json(data["certificate"]))
 
 
 def _named(spec: MissionSpec) -> dict[str, str]:
@@ -160,7 +203,7 @@ def _whole(rows: Any) -> IntArray:  # noqa: ANN401 - any JSON value
     """Whole numbers, not only numbers that could be cast to some."""
     values = np.array(rows)
     if values.dtype.kind != "i":
-        raise ValueError("whole numbers are expected here")
+        raise GeometryError("whole numbers are expected here")
     return values.astype(np.int64)
 
 
@@ -177,7 +220,7 @@ def _dropped(spec: MissionSpec, data: dict[str, Any]) -> DroppedTask:
     number = int(data["number"])
     task = spec.tasks[number] if 0 <= number < len(spec.tasks) else None
     if task is None or task.weight is None:
-        raise ValueError(f"there is no task {number} that may be dropped")
+        raise _no_plan(f"there is no task {number} that may be dropped")
     return DroppedTask(number, task_text(task), task.weight, str(data["reason"]))
 
 
@@ -195,7 +238,7 @@ def _segment(data: dict[str, Any]) -> Segment:
         control=int(data["control"]),
         F=np.array(data["F"], dtype=np.float64),
         g=np.array(data["g"], dtype=np.float64),
-        entry_m=(float(data["entry_m"][0]), float(data["entry_m"][1])),
+        entry_m=_point(data["entry_m"]),
         start_s=float(data["start_s"]),
         duration_s=float(data["duration_s"]),
         lanes=RoundedPolyline.from_json(data["lanes"]) if "lanes" in data else None,

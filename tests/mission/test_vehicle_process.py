@@ -3,6 +3,7 @@
 import os
 import signal
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -73,8 +74,16 @@ def test_one_that_does_not_start_is_a_link_failure_with_its_words(text: str, wor
 
 
 def test_a_program_that_is_not_there_is_a_link_failure(tmp_path: Path) -> None:
-    with pytest.raises(LinkError, match="cannot be started"):
+    with pytest.raises(LinkError, match=r"cannot be started: no such file or directory$"):
         BundledVehicle(VehicleOptions(), (str(tmp_path / "none"),))
+
+
+def test_where_no_file_can_be_written_it_is_a_link_failure_that_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "none"))
+    with pytest.raises(LinkError, match=r"no folder for temporary files can be written to; .* TMPDIR"):
+        BundledVehicle(VehicleOptions(), program(LISTENS))
 
 
 def test_its_death_is_noticed() -> None:

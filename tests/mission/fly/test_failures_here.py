@@ -154,8 +154,6 @@ def test_a_record_that_cannot_be_written_costs_a_warning_and_not_the_flight(plan
     result = flight.run()
     assert result.achieved
     assert result.reason.endswith(" lines of the record could not be written")
-    assert flight.warnings == [
-        "the record cannot be written: [Errno 28] No space left on device; the flight goes on without it"
-    ]
+    assert flight.warnings == ["the record cannot be written: no space left on device; the flight goes on without it"]
     lost = [event.values["lines"] for event in flight.record.events if event.text == "lines lost"]
     assert lost == ([501] if last == 800 else [])

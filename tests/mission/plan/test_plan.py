@@ -118,6 +118,47 @@ def test_what_is_no_plan_is_refused(text: str) -> None:
         plan_from_json(text)
 
 
+@pytest.mark.parametrize(
+    ("part", "value", "says"),
+    [
+        ("path", ..., "it has no `path`"),
+        ("path", 7, "`path` is not as it was written"),
+        ("labels", {"letters": []}, "`labels` is not as it was written"),
+        ("stops", [["a", "b"]], "`stops` is not as it was written"),
+        ("partition", {"vertices_m": [], "triangles": [0.5], "neighbours": []}, "whole numbers are expected here"),
+        ("run_index", 1e999, "`run_index` is not as it was written"),
+        ("certificate", None, "`certificate` is not as it was written"),
+    ],
+)
+def test_what_is_damaged_is_named_and_not_in_the_words_of_python(
+    paper: FlightPlan, part: str, value: object, says: str
+) -> None:
+    document = json.loads(plan_to_json(paper))
+    document[part] = value
+    if value is ...:
+        del document[part]
+    with pytest.raises(SpecError) as refused:
+        plan_from_json(json.dumps(document))
+    (fault,) = refused.value.faults
+    assert fault.message.startswith("this is not a plan: ")
+    assert fault.message.endswith(says)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[3]", "its format is not 'ltl-mission plan 3'"),
+        ("{}", "its format is not 'ltl-mission plan 3'"),
+        ('{"format":', "JSON ends at line 1, column 11"),
+        ("1" * 5000, "it is nested too deep, or has too long a number"),
+    ],
+)
+def test_what_is_no_plan_at_all_is_said_in_plain_words(text: str, says: str) -> None:
+    with pytest.raises(SpecError) as refused:
+        plan_from_json(text)
+    assert refused.value.faults[0].message == f"this is not a plan: {says}"
+
+
 def test_a_plan_from_elsewhere_begins_there(paper: FlightPlan) -> None:
     plan = plan_mission(paper.spec, start_m=(12.0, 3.0))
     assert plan.run.states[0] == 9
