@@ -258,8 +258,9 @@ def _print_transitions(plan: FlightPlan) -> None:
 
 def _print_runs(plan: FlightPlan, most: int) -> None:
     _print()
-    _print(f"The first {min(most, plan.shortest_runs):,} of {count(plan.shortest_runs, 'shortest run')}")
-    for i, found in enumerate(islice(shortest_runs(plan), most)):
+    runs, without = shortest_runs(plan), "" if plan.avoidance is None else f" without {plan.avoidance.listed}"
+    _print(f"The first {min(most, runs.count):,} of {count(runs.count, 'shortest run')}{without}")
+    for i, found in enumerate(islice(runs, most)):
         _print(f"  {i:>4}  {_lasso(found)}")
 
 

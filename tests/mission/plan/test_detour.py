@@ -86,6 +86,15 @@ def test_what_was_avoided_is_written_and_planned_again(
     assert main(["verify", str(written)]) == 0
 
 
+def test_the_runs_that_are_listed_are_those_of_the_map_that_is_left(
+    plan: FlightPlan, file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plan", str(file), "--runs", "3"]) == 0
+    assert plan.avoidance is not None
+    heading = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("The first"))
+    assert heading.endswith(f" without {plan.avoidance.listed}")
+
+
 def test_where_nothing_is_proved_it_is_refused_after_few_tries(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
     smoothed = PathPlanner.smoothed
