@@ -133,9 +133,18 @@ def _unknown_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Itera
         if needless:
             yield Finding((*path, key), f"`{key}` is no key of `{dotted(path)}`: {needless}", "delete it", at_key=True)
             continue
-        close = nearest(key, known)
+        close, elsewhere = nearest(key, known), _places_of(key)
         hint = f"did you mean `{close}`?" if close else f"known keys here: {listed(known)}"
+        if elsewhere:
+            hint = f"it belongs {' or '.join(elsewhere)}"
         yield Finding((*path, key), f"unknown key `{shortened(key)}`", hint, at_key=True)
+
+
+def _places_of(key: str) -> list[str]:
+    """Where in the file a key of this name stands: at its top, or in one of the mappings there."""
+    top = mission_schema()["properties"]
+    within = [f"in `{section}`" for section, schema in top.items() if key in schema.get("properties", ())]
+    return ["at the top of the file"] * (key in top) + within
 
 
 def _missing_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Iterable[Finding]:

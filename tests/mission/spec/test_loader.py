@@ -213,3 +213,20 @@ def test_utf16_is_refused_with_its_place() -> None:
 @pytest.mark.parametrize("text", ["%YAML " + "9" * 5000 + ".1\n---\na: b\n", 'name: "\\UFFFFFFFF"\n', "%TAG ! \n--- a"])
 def test_directives_and_escapes_that_upset_the_parser_are_faults(text: str) -> None:
     assert len(faults_of(text)) == 1
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "place"),
+    [
+        ("mission", "tasks", "at the top of the file"),
+        ("mission", "start", "at the top of the file"),
+        ("flight", "formula", "in `mission`"),
+        ("", "altitude_m", "in `flight`"),
+    ],
+)
+def test_a_key_in_the_wrong_place_is_told_where_it_belongs(section: str, key: str, place: str) -> None:
+    written = f"{section}: {{{key}: 3}}" if section else f"{key}: 3"
+    with pytest.raises(SpecError) as caught:
+        parse_mission(written.encode())
+    fault = next(fault for fault in caught.value.faults if fault.message == f"unknown key `{key}`")
+    assert fault.hint == f"it belongs {place}"
