@@ -77,11 +77,8 @@ def _told(error: OSError) -> int:
     """Say what the system refused, unless it is that nobody reads; the exit code."""
     if isinstance(error, BrokenPipeError):
         return READER_GONE
-    from mission.errors import reason  # noqa: PLC0415 - see above
-    from mission.printable import printable  # noqa: PLC0415
+    from mission.printable import printable  # noqa: PLC0415 - see above
 
     words = f"error: {error.strerror or error}{f': {error.filename}' if error.filename else ''}"
-    if error is output_failure():
-        words = f"error: standard output cannot be written: {reason(error)}"
     print(printable(words), file=sys.stderr)  # noqa: T201 - the program's voice, when its terminal library has failed
     return BAD_INPUT

@@ -3,10 +3,10 @@
 from argparse import Namespace
 from pathlib import Path
 
-from mission.cli.inputs import bad_file, reason, write_named
+from mission.cli.inputs import bad_file, write_named
 from mission.cli.screen import count, out, print_warnings
 from mission.draft.drafting import draft_mission
-from mission.errors import Fault, SpecError
+from mission.errors import Fault, SpecError, reason
 from mission.interchange.features import Drawing
 from mission.interchange.reading import MAX_BYTES, read_drawing
 from mission.printable import printable
