@@ -134,7 +134,7 @@ def _beside(path: FloatArray, width_m: float, *, closed: bool, outside: bool = T
     before = np.roll(along, 1, axis=0)
     turn = np.arctan2(before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0], (before * along).sum(axis=1))
     turn = turn if closed else np.append(0.0, turn[1:])
-    steps = np.ceil(turn / _CORNER_TURN - 1e-9).astype(np.int64)
+    steps = np.maximum(np.ceil(turn / _CORNER_TURN - 1e-9), 1.0).astype(np.int64)
     for count in np.unique(steps[turn > 0.0]).tolist():
         at = np.flatnonzero((steps == count) & (turn > 0.0))
         first, last = np.roll(right, 1, axis=0)[at], right[at]

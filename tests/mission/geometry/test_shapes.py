@@ -87,6 +87,13 @@ def test_a_strip_is_flat_at_its_ends_and_round_at_its_bends() -> None:
     assert around.area - within.area < 1.0
 
 
+def test_a_strip_with_corners_on_a_straight_line_is_that_of_its_bends() -> None:
+    with_more = np.array([[-10.0, 80.0], [30.0, 75.0], [70.0, 70.0], [109.0, 73.0], [148.0, 76.0]])
+    line = strip(with_more, 6.0, outside=True)
+    assert shapely.symmetric_difference(line, strip(with_more[::2], 6.0, outside=True)).area < 1e-6
+    assert shapely.hausdorff_distance(grown(line, 8.0), grown(strip(with_more[::2], 6.0, outside=True), 8.0)) < 1e-6
+
+
 def test_a_strip_that_ends_where_it_begins_is_a_ring() -> None:
     loop = strip(np.concatenate((SQUARE, SQUARE[:1])), 2.0, outside=True)
     assert len(rings_of(loop)) == 2
