@@ -14,9 +14,14 @@ from tests.support.lockstep import LockstepVehicle, vehicle_of
 
 # The paper's mission takes a quarter of an hour of vehicle time and is flown by the closed-loop tests.
 FLOWN = [file for file in sorted(MISSIONS.glob("*.yaml")) if file.stem != "paper"]
+LONG = {"farm", "park", "power_line"}
+"""Over three minutes of vehicle time each; `orchard` is covered in every run of the tests."""
 
 
-@pytest.mark.parametrize("file", FLOWN, ids=lambda file: file.stem)
+@pytest.mark.parametrize(
+    "file",
+    [pytest.param(file, id=file.stem, marks=[pytest.mark.long] * (file.stem in LONG)) for file in FLOWN],
+)
 def test_a_mission_is_achieved(file: Path) -> None:
     plan = plan_mission(load_mission(file))
     home = home_for(plan.spec)

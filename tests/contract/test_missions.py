@@ -20,17 +20,22 @@ WHOLE_FILE = {"empty.yaml", "only_comments.yaml"}
 """Where there is no line to point at."""
 WORDS = {
     "delivery": "base depot clinic farm depot base",
-    "farm": "pad west north west pad",
+    "farm": "pad field field pad",
     "inspection": "pad roof tank pad",
+    "orchard": "shed rows rows rows rows rows rows rows rows rows shed",
     "pairs": "home field depot field depot home",
     "paper": "S2 S1 R",
+    "park": "car_park meadow stage meadow car_park",
     "patrol": "home north east west",
+    "power_line": "yard north south yard",
     "response": "lab well lab pond lab",
     "survey": "home S1 S2 S3 home",
     "tasks_delivery": "base depot clinic farm base",
     "tasks_soft": "home road mast road barn home",
+    "yard": "office gate tank crane stock office",
 }
-"""The regions that each flight enters, in turn; of patrols once round. A tour may be flown the other way about."""
+"""The regions that each flight enters, in turn; of patrols once round. A tour may be flown the other way about.
+A region of several parts is entered as often as lanes lead from one part to the next."""
 
 
 def name_of(file: Path) -> str:
