@@ -107,6 +107,19 @@ class CoveredVisit:
         )
 
 
+@dataclass(frozen=True)
+class Passage:
+    """Where lanes and ways between them may lead while a region is covered, by numbers of letters.
+
+    Attributes:
+        closed: The letters that violate the mission then.
+        idle: Those that change nothing of what is yet to be done.
+    """
+
+    closed: frozenset[int] = frozenset()
+    idle: frozenset[int] = frozenset()
+
+
 @dataclass(frozen=True, eq=False)
 class _Lanes:
     """Lanes as they are flown from one place, and when each begins and ends, as in ``CoveredVisit``."""
@@ -134,17 +147,22 @@ class Covering:
     partition: Partition
     labelling: Labelling
     restricted: BoolArray
-    _found: dict[tuple[str, Point], _Lanes] = field(default_factory=dict, init=False)
+    _found: dict[tuple[str, Passage, Point], _Lanes] = field(default_factory=dict, init=False)
 
-    def lanes(self, region: Region, place_m: Point) -> RoundedPolyline:
+    def lanes(self, region: Region, passage: Passage, place_m: Point) -> RoundedPolyline:
         """The curve that covers a region, from a place inside to that place.
 
+        Args:
+            region: The region.
+            passage: What the mission has against letters at that time.
+            place_m: The place.
+
         Raises:
-            NoPlanError: No lanes fit, or they are too many.
+            NoPlanError: No lanes fit, they are too many, or too few of them can be reached.
         """
-        key = region.name, place_m
+        key = region.name, passage, place_m
         if key not in self._found:
-            self._found[key] = self._lanes(region, place_m)
+            self._found[key] = self._lanes(region, passage, place_m)
         return self._found[key].curve
 
     def visits(self, path: SteeringPath) -> tuple[CoveredVisit, ...]:
@@ -156,7 +174,7 @@ class Covering:
             if segment.lanes is not None
         )
 
-    def _lanes(self, region: Region, place_m: Point) -> _Lanes:
+    def _lanes(self, region: Region, passage: Passage, place_m: Point) -> _Lanes:
         if region.cover is None:
             raise ValueError(f"{region.name} is not to be covered")
         flight, limits = self.spec.flight, self.spec.limits
@@ -165,16 +183,23 @@ class Covering:
         inside[self.labelling.triangles_of(region.name)] = True
         inside &= ~self.restricted
         area = self._union(inside)
-        # Ways between lanes lead over what has no other label than the region itself has.
-        own = set().union(*(self.labelling.letters[i] for i in np.unique(self.labelling.letter_of[inside]).tolist()))
-        plain = np.array([letter <= own for letter in self.labelling.letters])[self.labelling.letter_of]
+        of, letters = self.labelling.letter_of, self.labelling.letters
+        entered = inside & ~np.isin(of, list(passage.closed))
+        # Ways between lanes lead over what has no other label than the region itself has, and what changes nothing.
+        own = set().union(*(letters[i] for i in np.unique(of[entered]).tolist()))
+        stays = {each.name for each in self.spec.regions if each.loiter_s > 0.0} - own
+        plain = [
+            number not in passage.closed and (letter <= own or (number in passage.idle and not letter & stays))
+            for number, letter in enumerate(letters)
+        ]
         tube_m = _ROUNDING * math.sqrt(2.0) * flight.tube_m
         room_m = _ROOM * spacing_m
         narrow_m = min(room_m, _MOST_ROOM_M)
-        free = _shrunk(self._union(plain & ~self.restricted), tube_m)
-        ground = _shrunk(area, tube_m + room_m)
+        free = _shrunk(self._union(np.array(plain)[of] & ~self.restricted), tube_m)
+        ground = _shrunk(self._union(entered), tube_m + room_m)
         place = shapely.Point(place_m)
         ways = shapely.union_all([_shrunk(free, narrow_m), ground, place.buffer(narrow_m).intersection(free)])
+        ground, ways = _reached(region, ground, ways, place)
         acceleration = min(limits.acceleration_m_s2, GRAVITY_M_S2 * math.tan(limits.tilt_rad))
         try:
             coverage = cover(
@@ -228,6 +253,31 @@ def _swath(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> sha
     times = [np.linspace(begin, end, 2 + int((end - begin) / step_s)) for begin, end in lanes_s.tolist()]
     tracks = [shapely.linestrings(curve.position(each)) for each in times]
     return shapely.union_all(shapely.buffer(tracks, spacing_m / 2.0, quad_segs=_QUARTER))
+
+
+def _reached(
+    region: Region, ground: shapely.Geometry, ways: shapely.Geometry, place: shapely.Point
+) -> tuple[shapely.Geometry, shapely.Geometry]:
+    """Of the ground and of where ways may lie, what a place is connected with.
+
+    Raises:
+        NoPlanError: More of the ground is not than the mission leaves uncovered.
+    """
+    parts = shapely.get_parts(ways)
+    if ground.is_empty or len(parts) < 2:  # noqa: PLR2004 - nothing is apart
+        return ground, ways
+    here = parts[np.argmin(shapely.distance(parts, place))]
+    pieces = shapely.get_parts(ground)
+    near = shapely.intersects(pieces, here)
+    lost = shapely.area(pieces[~near])
+    if region.cover is not None and lost.sum() > (1.0 - region.cover.share) * ground.area:
+        x, y = shapely.get_coordinates(shapely.point_on_surface(pieces[~near][np.argmax(lost)]))[0]
+        raise NoPlanError(
+            f"{region.name} cannot be covered: no way leads to {lost.sum() / ground.area:.1%} of it, about "
+            f"({x:.1f}, {y:.1f}), from ({place.x:.1f}, {place.y:.1f}), where its lanes begin and end; leave that out, "
+            f"visit it as a region of its own, or set a lower `regions.{region.name}.cover.share`"
+        )
+    return shapely.union_all(pieces[near]), here
 
 
 def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:

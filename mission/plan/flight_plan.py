@@ -242,7 +242,8 @@ class FlightPlan:
 def _too_little(visit: CoveredVisit) -> str:
     return (
         f"the lanes cover {visit.planned_share:.1%} of {visit.region}, less than the {visit.share:.1%} that "
-        f"`regions.{visit.region}.cover.share` asks for: where the tube and the clearance reach, nothing is covered"
+        f"`regions.{visit.region}.cover.share` asks for: nothing is covered where the tube and the "
+        f"clearance reach, nor where the mission forbids to be"
     )
 
 

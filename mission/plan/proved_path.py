@@ -11,7 +11,7 @@ from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import Rabin
 from mission.plan.covering import Covering
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
-from mission.plan.visits import covered_visits, earnest_visits
+from mission.plan.visits import covered_visits, earnest_visits, passage_at
 from mission.planning.run import Run
 from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
 from mission.steering.certificate import Certificate
@@ -52,9 +52,10 @@ class PathPlanner:
         """
         covers = covered_visits(self.spec, self.partition, self.labelling, automaton, run) if self.covering else {}
         lanes_in = {
-            index: tuple(partial(self.covering.lanes, region) for region in regions)
+            index: tuple(partial(self.covering.lanes, region, passage) for region in regions)
             for index, regions in covers.items()
             if self.covering
+            for passage in (passage_at(self.labelling, automaton, run, self.spec.semantics, index),)
         }
         return build_path(
             self.partition,

@@ -7,9 +7,14 @@ that follows it exactly, and too little for a vehicle that may be a tube's width
 from functools import reduce
 from operator import or_
 
+import numpy as np
+
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
-from mission.logic.automata.rabin import Rabin
+from mission.logic.automata.rabin import DEAD, Rabin
+from mission.logic.formula.syntax import propositions
+from mission.plan.covering import Passage
+from mission.plan.tasks import formula_of
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, Region, RegionKind, Semantics
 
@@ -46,16 +51,20 @@ def earnest_visits(
 def covered_visits(
     spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: Rabin, run: Run
 ) -> dict[int, list[Region]]:
-    """Which regions are covered, by indices into ``run.states``: each visit that moves the automaton on covers.
+    """Which regions are covered, by indices into ``run.states``.
 
-    That is in the roomiest triangle of the visit. A lap that begins and ends in one visit covers once.
+    Of those that the mission names, each visit that moves the automaton on covers, in the roomiest triangle of the
+    visit. A lap that begins and ends in one visit covers once. To enter a region that is everywhere moves no automaton
+    on, and covers all the same.
     """
+    named = propositions(formula_of(spec)) | set(spec.automaton.automaton.propositions if spec.automaton else ())
     moved = _moves_on(labelling, automaton, run, spec.semantics)
     loop, end = len(run.prefix), len(run.states)
     chosen: dict[int, list[Region]] = {}
     for region in spec.regions:
-        if region.cover is None:
+        if region.cover is None or region.name not in named:
             continue
+        everywhere = all(region.name in letter for letter in labelling.letters)
         inside = [region.name in labelling.label(triangle) for triangle in run.states]
         parts = ((0, loop), (loop, end)) if run.recurrent else ((0, end),)
         found = [[(a + p, b + p) for a, b in visits(inside[p:q])] for p, q in parts]
@@ -69,10 +78,23 @@ def covered_visits(
             moved[head[0]] = any(any(moved[a : b + 1]) for a, b in (head, *tails[0], *tails[1]))
             found[1].insert(0, head)
         for first, last in (visit for part in found for visit in part):
-            if any(moved[first : last + 1]):
+            if everywhere or any(moved[first : last + 1]):
                 roomiest = max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]]))
                 chosen.setdefault(roomiest, []).append(region)
     return chosen
+
+
+def passage_at(labelling: Labelling, automaton: Rabin, run: Run, semantics: Semantics, index: int) -> Passage:
+    """Which letters may be read, and which change nothing, once a run has come to one of its states."""
+    state = automaton.initial
+    for triangle in run.states[0 if semantics is Semantics.STANDARD else 1 : index + 1]:
+        state = int(automaton.targets[state, labelling.letter_of[triangle]])
+    after, marks = automaton.targets[state], automaton.marks[state]
+    once = reduce(or_, (fin for fin, _ in automaton.pairs), 0) & ~marks[labelling.letter_of[run.states[index]]]
+    idle = (after == state) & (marks & once == 0)
+    return Passage(
+        closed=frozenset(np.flatnonzero(after == DEAD).tolist()), idle=frozenset(np.flatnonzero(idle).tolist())
+    )
 
 
 def _turns_back(run: Run) -> set[int]:

@@ -122,3 +122,60 @@ def test_a_region_too_narrow_for_its_tube_is_refused_with_the_widths() -> None:
     narrow = strip.replace("disturbance_m_s2: 0.3", "disturbance_m_s2: 5")
     with pytest.raises(NoPlanError, match="field cannot be covered by lanes 8 m apart in a tube of 5 m on each side"):
         plan_of(narrow)
+
+
+@pytest.mark.parametrize("forbidden", ["G !pond", "(!pond U home) & F home", "(field -> !pond) U G home"])
+def test_lanes_keep_out_of_what_the_mission_forbids_at_that_time(forbidden: str) -> None:
+    pond = "pond: {kind: area, polygon: [[40, 21], [48, 21], [48, 29], [40, 29]]}"
+    start = "[60, 5]" if "!pond U" in forbidden else "[12, 12]"
+    text = FIELD_WITH_A_BARN.replace("  barn:", f"  {pond}\n  barn:").replace("[12, 12]", start)
+    plan = plan_of(text.replace("G !barn", forbidden))
+    assert plan.certificate.holds
+    line = flown(plan)
+    assert line.distance(area_of(plan, "pond")) > 0.3
+    assert plan.covers[0].planned_share > 0.9
+
+
+def test_ways_between_the_parts_of_a_field_cross_what_the_mission_leaves_open() -> None:
+    parts = "[{polygon: [[30, 20], [55, 20], [55, 80], [30, 80]]}, {polygon: [[65, 20], [90, 20], [90, 80], [65, 80]]}]"
+    text = f"""
+domain: {{boundary: [[0, 0], [100, 0], [100, 90], [0, 90]]}}
+regions:
+  home: {{kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}}
+  field: {{kind: survey, polygons: {parts}, cover: {{spacing_m: 8}}}}
+  road: {{kind: area, polygon: [[57, 0], [63, 0], [63, ROAD], [57, ROAD]]}}
+mission: {{formula: F (field & F home) & FORBIDDEN}}
+start: {{position_m: [12, 12]}}
+flight: {{disturbance_m_s2: 0.5}}
+"""
+    across = plan_of(text.replace("ROAD", "90").replace("FORBIDDEN", "true"))
+    assert across.covers[0].planned_share > 0.98
+    assert flown(across).intersects(area_of(across, "road"))
+    around = plan_of(text.replace("ROAD", "85").replace("FORBIDDEN", "G !road"))
+    assert around.covers[0].planned_share > 0.98
+    assert flown(around).distance(area_of(around, "road")) > 0.5
+    with pytest.raises(NoPlanError, match=r"no way leads to \d\d\.\d% of it, about \(.*leave that out, visit it as"):
+        plan_of(text.replace("ROAD", "90").replace("FORBIDDEN", "G !road"))
+
+
+def test_a_part_that_cannot_be_reached_is_left_out_where_the_share_allows_it() -> None:
+    fence = "fence: {kind: restricted, polygon: [[0, 84], [150, 84], [150, 86], [0, 86]]}"
+    text = FIELD_WITH_A_BARN.replace("  barn:", f"  {fence}\n  barn:")
+    with pytest.raises(NoPlanError, match=r"set a lower `regions.field.cover.share`"):
+        plan_of(text.replace("spacing_m: 8", "spacing_m: 2"))
+    plan = plan_of(text.replace("spacing_m: 8", "spacing_m: 2, share: 0.9"))
+    assert 0.9 < plan.covers[0].planned_share < 0.99
+
+
+def test_a_field_that_is_all_of_the_domain_is_covered() -> None:
+    outline = "[[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]"
+    whole = FIELD_WITH_A_BARN.replace(outline, "[[0, 0], [150, 0], [150, 100], [0, 100]]")
+    barn = "  barn: {kind: restricted, polygon: [[70, 30], [80, 30], [80, 40], [70, 40]]}\n"
+    [visit] = plan_of(whole.replace(barn, "").replace(" & G !barn", "")).covers
+    assert visit.planned_share > 0.98
+
+
+def test_a_region_that_the_mission_does_not_name_is_not_covered_for_what_lies_inside() -> None:
+    home = FIELD_WITH_A_BARN.replace("[[5, 5], [20, 5], [20, 20], [5, 20]]", "[[50, 30], [60, 30], [60, 40], [50, 40]]")
+    assert not plan_of(home.replace("F (field & F home)", "F home")).covers
+    assert len(plan_of(home.replace("F (field & F home)", "F field & F G home")).covers) == 1
