@@ -4,6 +4,7 @@ import json
 import re
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -38,8 +39,23 @@ WORDS = {
 A region of several parts is entered as often as lanes lead from one part to the next."""
 
 
+GALLERY = (MISSIONS / "README.md").read_text(encoding="utf-8")
+FIGURES = {
+    name: figures.split(" | ") for name, figures in re.findall(r"^\| (\w+) \| (\d.*) \|$", GALLERY, flags=re.MULTILINE)
+}
+"""Of each mission in the gallery's table: triangles, smallest angle, lanes, shares, duration."""
+
+
 def name_of(file: Path) -> str:
     return file.stem
+
+
+def figures_of(plan: dict[str, Any]) -> tuple[list[float], list[float]]:
+    """What the gallery says of a mission: sizes of the mesh, lanes, and seconds; and the shares, in percent."""
+    covers = plan["covers"]
+    lanes = [float(sum(cover["lanes"] for cover in covers))] if covers else []
+    shares = [100.0 * cover["planned_share"] for cover in covers]
+    return [plan["triangles"], plan["smallest_angle_deg"], *lanes, plan["flight_duration_s"]], shares
 
 
 def test_there_are_missions_of_both_sorts() -> None:
@@ -62,6 +78,20 @@ def test_a_sound_mission_is_planned_with_a_proof(file: Path, capsys: pytest.Capt
     assert plan["duration_s"] > 0.0
     visits = [name for letter in plan["certificate"]["word"] for name in letter]
     assert Counter(visits) == Counter(WORDS[file.stem].split())
+    if file.stem in FIGURES:
+        *sizes, shares, seconds = FIGURES[file.stem]
+        figures, covered = figures_of(plan)
+        assert [float(cell) for cell in (*sizes, seconds) if cell != "-"] == pytest.approx(figures, rel=0.01)
+        assert [float(share) for share in shares.split(", ") if share != "-"] == pytest.approx(covered, abs=0.1)
+
+
+def test_the_gallery_has_a_picture_and_figures_of_its_missions() -> None:
+    headings = re.findall(r"^## (\w+)\.yaml$", GALLERY, flags=re.MULTILINE)
+    assert headings == list(FIGURES)
+    assert set(headings) <= {file.stem for file in SOUND}
+    pictures = re.findall(r"^!\[.+\]\((.+)\)$", GALLERY, flags=re.MULTILINE)
+    assert [Path(picture).stem for picture in pictures] == headings
+    assert all((MISSIONS / picture).stat().st_size < 120_000 for picture in pictures)
 
 
 @pytest.mark.parametrize("file", SOUND, ids=name_of)
