@@ -194,7 +194,7 @@ def _print_plan(plan: FlightPlan) -> None:
     loiter = f", {held:g} s of loitering included" if held else ""
     _print(f"Trajectory     {_duration(plan.trajectory)}{loiter}")
     tried = " (as few as the proof needs)" if spec.smoothing.frequencies == "auto" else ""
-    _print(f"Smoothing      {spec.smoothing.extension.value} extension, {plan.curve.frequencies} frequencies{tried}")
+    _print(f"Smoothing      {spec.smoothing.extension.value} extension, frequencies: {plan.curve.frequencies}{tried}")
     _print_certificate(plan)
 
 

@@ -95,3 +95,15 @@ def text_size_em(text: str, weight: str = "normal") -> tuple[float, float]:
     """Width and height of a text of one or more lines, in units of its font size."""
     lines = text.split("\n")
     return max(_width_em(line, weight) for line in lines), LINE_HEIGHT_EM * len(lines)
+
+
+def in_width(text: str, most_em: float) -> str:
+    """The text with line breaks between words, so that no line of several words is wider, in units of its font size."""
+    lines: list[str] = []
+    for word in text.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and text_size_em(longer)[0] <= most_em:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return "\n".join(lines)

@@ -19,7 +19,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.shapes import polygonal
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
-from mission.report.figures.canvas import new_figure, plain, text_size_em, titled
+from mission.report.figures.canvas import NOTE_PT, in_width, new_figure, plain, text_size_em, titled
 from mission.report.figures.fitting import Placed
 from mission.report.palette import (
     BLACK,
@@ -39,6 +39,7 @@ WIDTH_PT = 620.0
 SMALLEST_WIDTH_PT = 430.0
 LARGEST_MAP_HEIGHT_PT = 560.0
 LEFT_PT, RIGHT_PT, BOTTOM_PT, TOP_PT = 54.0, 14.0, 58.0, 32.0
+NOTE_LINE_PT = 11.0
 LEGEND_ROW_PT = 17.0
 PAD_PT = 14.0
 SCALE_STRIP_PT = 26.0
@@ -140,7 +141,8 @@ class Chart:
         width = LEFT_PT + map_width + RIGHT_PT
         rows = _rows(handles, width - 20)
         top = TOP_PT + LEGEND_ROW_PT * len(rows)
-        bottom = BOTTOM_PT if note else BOTTOM_PT - 14
+        note = in_width(note, (width - 24) / NOTE_PT)
+        bottom = BOTTOM_PT + NOTE_LINE_PT * note.count("\n") if note else BOTTOM_PT - 14
         height = bottom + map_height + top
         figure = new_figure(width, height)
         axes = figure.add_axes((LEFT_PT / width, bottom / height, map_width / width, map_height / height))

@@ -114,7 +114,7 @@ def _proof(certificate: Certificate, *, with_clearances: bool) -> str:
     clearance = certificate.clearance_m
     beyond = " and their clearances" * with_clearances
     kept = "" if clearance is None else f"; the path keeps at least {clearance:.3g} m from restricted regions{beyond}"
-    return f"{certificate.frequencies} frequencies; {proved}{kept}."
+    return f"Frequencies of the Fourier series: {certificate.frequencies}; {proved}{kept}."
 
 
 def tube_pieces(position_m: FloatArray, half_m: float) -> GeometryArray:

@@ -26,6 +26,7 @@ from mission.report.figures import PICTURES, save_all
 from mission.report.figures.automaton import automaton, automaton_of_formula, states_along
 from mission.report.figures.automaton_layout import DISC_PT
 from mission.report.figures.canvas import plain, text_size_em, to_png
+from mission.report.figures.chart import chart_of
 from mission.report.figures.histories import control_signals, time_histories, tracked_states
 from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path, tube_pieces
@@ -128,6 +129,19 @@ def test_names_keep_off_the_path_and_off_each_other(tour: Tour) -> None:
             west, south, east, north = axes.transData.inverted().transform(box).ravel()
             assert not path.intersects(shapely.box(west, south, east, north))
         assert overlaps(shown) == 0
+
+
+def test_a_long_note_is_broken_into_lines_between_the_map_and_the_edges_of_the_picture() -> None:
+    note = "Run of 400 states: " + " ".join(f"T{i}" for i in range(700, 745))
+    figure, axes = chart_of(plan_of(SURVEY_TOUR)).figure("Path", legend=[], note=note)
+    (shown,) = [text for text in figure.texts if text.get_text().split() == note.split()]
+    figure.draw_without_rendering()
+    box, label = shown.get_window_extent(), axes.xaxis.label.get_window_extent()
+    assert shown.get_text().count("\n") >= 1
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+    assert box.y0 >= 0.0
+    assert box.y1 <= label.y0
 
 
 def test_lines_and_fills_are_of_the_palette() -> None:
