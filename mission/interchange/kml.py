@@ -30,7 +30,9 @@ def drawing_of_kml(content: bytes, kind: str = "KML") -> Drawing:
     """
     root = xml_tree(content).children[0]
     if root.name != "kml":
-        raise broken(f"the outermost element is <{root.name[:40]}>, not <kml>", line=root.line)
+        raise broken(
+            f"the outermost element is <{root.name[:40]}>, not <kml>, and no other XML is read", line=root.line
+        )
     styles = {f"#{each.attributes['id']}": each for each in _styles(root)}
     features: list[Feature] = []
     remarks: list[str] = []
