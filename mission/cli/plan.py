@@ -6,6 +6,7 @@ from argparse import Namespace
 from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
+from typing import Final
 
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach
@@ -133,6 +134,10 @@ def summary(plan: FlightPlan) -> dict[str, object]:
     }
 
 
+_MOST_LISTED: Final = 60
+"""Of larger meshes only the triangles of the run are listed; the file that ``--out`` writes holds all."""
+
+
 def _label(plan: FlightPlan, triangle: int) -> str:
     return " ".join(sorted(plan.labelling.label(triangle))) or "-"
 
@@ -157,11 +162,13 @@ def _print_plan(plan: FlightPlan) -> None:
     _print(printable(spec.name))
     _print_mission(plan)
     _print()
-    _print("Triangles of the partition (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")
+    size = plan.partition.size
+    listed = range(size) if size <= _MOST_LISTED else sorted(set(plan.run.states))
+    which = "the partition" if size <= _MOST_LISTED else "the run"
+    _print(f"Triangles of {which} (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")
     _print(f"  {'T':>6}  {'vertices':<20}{'neighbours 1 2 3':<22}label")
-    for i, (corners, neighbours) in enumerate(
-        zip(plan.partition.triangles.tolist(), plan.partition.neighbours.tolist(), strict=True)
-    ):
+    for i in listed:
+        corners, neighbours = plan.partition.triangles[i].tolist(), plan.partition.neighbours[i].tolist()
         across = " ".join("-" if n < 0 else str(n) for n in neighbours)
         _print(f"  {i:>6}  {' '.join(map(str, corners)):<20}{across:<22}{_label(plan, i)}")
     automaton, parts = plan.shown_automaton, plan.shown_parts

@@ -281,8 +281,13 @@ def draw_names(
 
 
 def name_sizes(shapes: dict[str, BaseGeometry]) -> list[tuple[str, BaseGeometry, tuple[float, float]]]:
-    """The regions as ``place_names`` takes them."""
-    return [(plain(name), shape, text_size_em(plain(name), "bold")) for name, shape in shapes.items()]
+    """The regions as ``place_names`` takes them: names stand where no smaller one lies, if they can."""
+    names = []
+    for name, shape in shapes.items():
+        inside = [other for other in shapes.values() if other.area < shape.area]
+        own = polygonal(shapely.difference(shape, shapely.union_all(inside)))
+        names.append((plain(name), own if own.area > 0.0 else shape, text_size_em(plain(name), "bold")))
+    return names
 
 
 def _rows(handles: list[Artist], width_pt: float) -> list[list[Artist]]:
