@@ -4,16 +4,16 @@ from mission.plan import FlightPlan
 
 
 def extent(plan: FlightPlan, digits: int = 0) -> str:
-    """``350.2 m in 129 s``; of a flight of laps also how long one is."""
+    """``350.2 m in 129 s``, of what is flown; of a flight of laps also how long one is."""
     trajectory = plan.trajectory
     if trajectory.lap is None:
-        return f"{plan.path.length_m:.{digits}f} m in {trajectory.duration_s:.0f} s"
-    lap = plan.path.legs[trajectory.lap]
+        return f"{plan.curve.length_m:.{digits}f} m in {trajectory.duration_s:.0f} s"
+    lap = plan.curve.legs[trajectory.lap]
     each = f"{lap.length_m:.{digits}f} m in {trajectory.legs[trajectory.lap].duration_s:.0f} s"
     if trajectory.laps is None:
         return f"laps of {each} each, until Ctrl-C"
     laps = "1 lap" if trajectory.laps == 1 else f"{trajectory.laps:,} laps"
-    length_m = plan.path.length_m + (trajectory.laps - 1) * lap.length_m
+    length_m = plan.curve.length_m + (trajectory.laps - 1) * lap.length_m
     return f"{laps} of {each}, all in all {length_m:.{digits}f} m in {trajectory.duration_s:.0f} s"
 
 

@@ -10,7 +10,7 @@ from mission.logic.automata.conversion import with_accepting_states
 from mission.logic.automata.stutter import tells_repeats_apart
 from mission.logic.automata.translate import translate
 from mission.logic.formula.conjuncts import conjuncts
-from mission.logic.formula.syntax import Formula, Operator, negation, postorder
+from mission.logic.formula.syntax import Formula, Operator, negation, postorder, propositions
 from mission.logic.formula.word import Letter
 from mission.plan.missing_letters import violated_by_first
 from mission.plan.specification import Specification
@@ -21,7 +21,11 @@ _HIGHEST_M: Final = 120.0
 
 
 def cautions(
-    specification: Specification, letters: tuple[Letter, ...], start: int, semantics: Semantics
+    specification: Specification,
+    letters: tuple[Letter, ...],
+    start: int,
+    semantics: Semantics,
+    covered: frozenset[str] = frozenset(),
 ) -> tuple[str, ...]:
     """Warnings for a specification that a plan satisfies: for its automaton, and conjunct by conjunct.
 
@@ -34,6 +38,7 @@ def cautions(
         letters: The observations of the map.
         start: Number of the start triangle's letter.
         semantics: Whether that letter is read.
+        covered: Names of regions that are covered: a part that speaks of one asks for that, whatever else.
     """
     found: list[str] = []
     if specification.given and specification.outside:
@@ -41,7 +46,9 @@ def cautions(
         found += _of_automaton(name, specification.given, specification.outside, letters)
         found += _of_empty(name, compile_to_alphabet(specification.outside, letters), letters, start, semantics)
     for conjunct in conjuncts(specification.formula):
-        found += _of_conjunct(conjunct, letters, start, semantics)
+        found += _of_next(conjunct)
+        if covered.isdisjoint(propositions(conjunct)):
+            found += _of_conjunct(conjunct, letters, start, semantics)
     return tuple(found)
 
 
@@ -69,12 +76,15 @@ def _of_automaton(
             yield f"{name} may depend on the mesh: it counts how many triangles of the same labels follow each other"
 
 
-def _of_conjunct(conjunct: Formula, letters: tuple[Letter, ...], start: int, semantics: Semantics) -> Iterator[str]:
+def _of_next(conjunct: Formula) -> Iterator[str]:
     if any(node.operator is Operator.NEXT for node in postorder(conjunct)):
         yield (
             f"`{conjunct}` may depend on the mesh: X speaks of the next triangle on the way, "
             "or of the same one where the vehicle stays"
         )
+
+
+def _of_conjunct(conjunct: Formula, letters: tuple[Letter, ...], start: int, semantics: Semantics) -> Iterator[str]:
     with suppress(AutomatonSizeError):
         refutation = compile_to_alphabet(translate(negation(conjunct)), letters)
         yield from _of_empty(f"`{conjunct}`", refutation, letters, start, semantics)

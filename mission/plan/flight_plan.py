@@ -181,7 +181,7 @@ class FlightPlan:
             *cut_off(self.spec),
             *out_of_reach(self.spec, self.start_m),
             *flight_cautions(self.spec.flight, self.spec.limits),
-            *cautions(self.required, self.labelling.letters, start, self.spec.semantics),
+            *cautions(self.required, self.labelling.letters, start, self.spec.semantics, self._covered),
             *((self._passing_over,) if self.passed_over else ()),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
             *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share),
@@ -192,6 +192,10 @@ class FlightPlan:
     def asked_run(self) -> int | None:
         """The number of the run that was asked for instead of the mission's own choice; None where that was left."""
         return None if self.passed_over or self.run_index == self.spec.run else self.run_index
+
+    @property
+    def _covered(self) -> frozenset[str]:
+        return frozenset(visit.region for visit in self.covers)
 
     @property
     def _passing_over(self) -> str:

@@ -13,6 +13,8 @@ from mission.plan.covering import Covering
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
 from mission.plan.visits import covered_visits, earnest_visits, passage_at
 from mission.planning.run import Run
+from mission.spec.clearances import clearances
+from mission.spec.finding import dotted, listed
 from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
@@ -132,8 +134,14 @@ def _advice(spec: MissionSpec) -> str:
         )
     return (
         f"the tube is {tube_m:g} m wide on each side, `disturbance_m_s2` times the square of `time_constant_s`: less "
-        f"of either makes it narrower"
+        f"of either makes it narrower{_less_clearance(spec)}"
     )
+
+
+def _less_clearance(spec: MissionSpec) -> str:
+    """That clearances take room away, where there are any: with their keys."""
+    keys = [f"`{dotted(key)}: {metres:g}`" for key, metres in clearances(spec).items()]
+    return f"; clearances leave less room, here {listed(keys)}" if keys else ""
 
 
 def trajectory_of(

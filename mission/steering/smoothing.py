@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.integrate import simpson
 
 from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.spec.model import Extension
@@ -143,13 +144,10 @@ class FourierCurve:
 
     @cached_property
     def length_m(self) -> float:
-        """Arc length, by Gauss-Legendre panels of a quarter of the fastest wave."""
-        nodes, weights = _rule()
-        panels = 2 * self.frequencies
-        width = self.duration_s / panels
-        s = ((np.arange(panels)[:, None] + 0.5 * (nodes + 1.0)) * width).ravel()
-        speeds = np.linalg.norm(self.derivative(s, 1), axis=1).reshape(panels, -1)
-        return float((speeds @ weights).sum() * 0.5 * width)
+        """Arc length, by Simpson's rule on sixteen cells a half period of the fastest wave."""
+        cells = 16 * self.frequencies
+        slopes = self.on_grid(cells, 1)
+        return float(simpson(np.hypot(slopes[:, 0], slopes[:, 1]), dx=self.duration_s / cells))
 
     @cached_property
     def suprema(self) -> tuple[float, float, float, float]:

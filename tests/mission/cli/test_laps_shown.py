@@ -55,9 +55,9 @@ def test_how_far_a_flight_of_laps_is(rounds: FlightPlan) -> None:
     assert extent(rounds).startswith("2 laps of ")
     assert extent(rounds).endswith(f"in {rounds.trajectory.duration_s:.0f} s")
     endless = replace(rounds, trajectory=replace(rounds.trajectory, laps=None))
-    assert extent(endless) == f"laps of {rounds.path.legs[1].length_m:.0f} m in {lap_s:.0f} s each, until Ctrl-C"
+    assert extent(endless) == f"laps of {rounds.curve.legs[1].length_m:.0f} m in {lap_s:.0f} s each, until Ctrl-C"
     small = plan_of(SMALL)
-    assert extent(small, 1) == f"{small.path.length_m:.1f} m in {small.trajectory.duration_s:.0f} s"
+    assert extent(small, 1) == f"{small.curve.length_m:.1f} m in {small.trajectory.duration_s:.0f} s"
 
 
 @pytest.mark.parametrize("laps", ["2", "until_stopped"])

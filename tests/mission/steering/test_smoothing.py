@@ -155,3 +155,10 @@ def test_impossible_requests_are_refused() -> None:
         curve.on_grid(5, 0)
     with pytest.raises(ValueError, match="at least one frequency"):
         fit_fourier(paper_path(), 0, Extension.ODD)
+
+
+@given(curves)
+@settings(deadline=None, max_examples=20)
+def test_the_length_is_that_of_a_fine_polyline(curve: FourierCurve) -> None:
+    points = curve.position(np.linspace(0.0, curve.duration_s, 20_001))
+    assert curve.length_m == pytest.approx(np.hypot(*np.diff(points, axis=0).T).sum(), rel=1e-3)
