@@ -26,7 +26,6 @@ _CLOSE: Final = 1.03
 """The orders of these are improved before the best is taken."""
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # older versions of GEOS set these flags with valid shapes
 def cover(
     region: shapely.Geometry,
     ground: shapely.Geometry,

@@ -55,7 +55,6 @@ def swath(
     return shapely.union_all(shapely.buffer(shapely.simplify(lines, _BEND * radius_m), radius_m, quad_segs=_QUARTER))
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # older versions of GEOS set these flags with valid shapes
 def uncovered(region: shapely.Geometry, swath_m: shapely.Geometry) -> shapely.Geometry:
     """What of a region a swath leaves out: polygons, for pictures."""
     return shapely.difference(region, swath_m)

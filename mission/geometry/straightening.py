@@ -8,17 +8,22 @@ points both sides move straight on, and the distance between such two is largest
 distance of two travellers who both only go forward (Fréchet's), all along, and not only at the points.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from mission.geometry.arrays import FloatArray, IntArray
 
 
-def straightened(points_m: FloatArray, tolerance_m: float) -> tuple[IntArray, float]:
+def straightened(
+    points_m: FloatArray, tolerance_m: float, admits: Callable[[FloatArray, FloatArray], bool] = lambda _, __: True
+) -> tuple[IntArray, float]:
     """Which points to keep.
 
     Args:
         points_m: Shape (P, 2), at least two points, in order; they may come back to where they were.
         tolerance_m: How far off both may be of each other; 0 keeps all that is not straight.
+        admits: Whether a leg between two of the points that do not follow each other may be, besides; all by default.
 
     Returns:
         Indices of the points kept, ascending, the first and the last among them; and a bound on the distance of
@@ -28,12 +33,14 @@ def straightened(points_m: FloatArray, tolerance_m: float) -> tuple[IntArray, fl
     pending = [(0, len(points_m) - 1)]
     while pending:
         first, last = pending.pop()
-        apart_m = _apart(points_m[first : last + 1])
-        farthest = int(np.argmax(apart_m))
-        if apart_m[farthest] <= tolerance_m:
-            worst_m = max(worst_m, float(apart_m[farthest]))
+        if last == first + 1:
             continue
         # The ends are on the leg: what is off lies between them.
+        apart_m = _apart(points_m[first : last + 1])[1:-1]
+        farthest = 1 + int(np.argmax(apart_m))
+        if apart_m.max() <= tolerance_m and admits(points_m[first], points_m[last]):
+            worst_m = max(worst_m, float(apart_m.max()))
+            continue
         kept.add(first + farthest)
         pending += [(first, first + farthest), (first + farthest, last)]
     return np.array(sorted(kept), dtype=np.int64), worst_m

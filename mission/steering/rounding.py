@@ -6,6 +6,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.straightening import straightened
 from mission.steering.rounded import RoundedPolyline
 
 _HALVINGS: Final = 8
@@ -56,24 +57,15 @@ def rounded_within(
 
 
 def _kept(line_m: FloatArray, room: shapely.Geometry, tolerance_m: float) -> IntArray:
-    """Indices of the points that stay, both ends among them: Douglas and Peucker (1973), within the room."""
+    """Indices of the points that stay, both ends among them."""
     apart_m = _APART * float(np.ptp(line_m, axis=0).max(initial=0.0))
     steps = np.diff(line_m, axis=0)
     distinct = np.flatnonzero(np.concatenate(([True], np.hypot(steps[:, 0], steps[:, 1]) > apart_m)))
     if len(distinct) < 2:  # noqa: PLR2004 - a line has two ends
         raise ValueError("a line has two points that differ")
-    points = shapely.points(line_m[distinct])
-    kept, open_parts = {0, len(distinct) - 1}, [(0, len(distinct) - 1)]
-    while open_parts:
-        begin, end = open_parts.pop()
-        if end == begin + 1:
-            continue
-        chord = shapely.linestrings(line_m[distinct[[begin, end]]])
-        distances = shapely.distance(points[begin + 1 : end], chord)
-        middle = begin + 1 + int(np.argmax(distances))
+
+    def admits(begin: FloatArray, end: FloatArray) -> bool:
         # Ends in one place are no piece of a line.
-        if chord.length > apart_m and distances.max() <= tolerance_m and room.covers(chord):
-            continue
-        kept.add(middle)
-        open_parts += [(begin, middle), (middle, end)]
-    return distinct[sorted(kept)]
+        return bool(np.hypot(*(end - begin)) > apart_m and room.covers(shapely.linestrings(np.stack((begin, end)))))
+
+    return distinct[straightened(line_m[distinct], tolerance_m, admits)[0]]

@@ -33,7 +33,7 @@ def flown(plan: FlightPlan, vehicle: LockstepVehicle, stop_at_s: float | None = 
     return result, parse_record(sink.getvalue())
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@pytest.mark.parametrize("flavour", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 def test_a_field_is_covered_in_wind(plan: FlightPlan, flavour: str) -> None:
     result, record = flown(plan, LockstepVehicle(vehicle_of(flavour, 3, wind_m_s=4.0)))
     assert result.achieved, result.reason

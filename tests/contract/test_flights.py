@@ -14,8 +14,8 @@ from tests.support.lockstep import LockstepVehicle, vehicle_of
 
 # The paper's mission takes a quarter of an hour of vehicle time and is flown by the closed-loop tests.
 FLOWN = [file for file in sorted(MISSIONS.glob("*.yaml")) if file.stem != "paper"]
-LONG = {"farm", "park", "power_line"}
-"""Over three minutes of vehicle time each; `orchard` is covered in every run of the tests."""
+LONG = {"farm", "orchard", "park", "power_line", "yard"}
+"""Some minutes of vehicle time each; a small field is covered in every run of the tests, by the closed-loop ones."""
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,6 @@ def left_out(
     return float(distances[on_ground[reachable]].max()), float((distances > reach_m * (1.0 + 6.0 * INSET)).mean())
 
 
-@np.errstate(divide="ignore", invalid="ignore")  # older versions of GEOS set these flags with valid shapes
 def assert_sound(
     coverage: Coverage, region: shapely.Geometry, ground: shapely.Geometry, free: shapely.Geometry, spacing_m: float
 ) -> None:
