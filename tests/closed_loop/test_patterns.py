@@ -28,7 +28,7 @@ regions:
 start: {position_m: [10, 6]}
 mission: {laps: 1}
 flight: {speed_m_s: 6, altitude_m: 3, final_stay_s: 0.5, disturbance_m_s2: 0.3}
-limits: {speed_m_s: 9, acceleration_m_s2: 3.5, tilt_deg: 30}
+limits: {speed_m_s: 9, acceleration_m_s2: 2.5, tilt_deg: 30}
 tasks:
 """
 

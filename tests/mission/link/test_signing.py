@@ -237,4 +237,4 @@ def test_timestamps_that_cannot_be_kept_in_flight_cost_one_warning(tmp_path: Pat
     stamps.append(kept.stamp())
     assert stamps == sorted(set(stamps))
     assert len(said) == 1
-    assert "timestamp.255.191 cannot be written: No such file" in said[0]
+    assert "timestamp.255.191 cannot be written: no such file" in said[0]
