@@ -111,20 +111,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "frequencies": plan.curve.frequencies,
-        "covers": [
-            {
-                "region": visit.region,
-                "lanes": len(visit.lanes_m),
-                "spacing_m": visit.spacing_m,
-                "heading_deg": visit.heading_deg,
-                "lanes_length_m": visit.lanes_length_m,
-                "ways_length_m": visit.ways_m,
-                "trigger_m": visit.trigger_m,
-                "exact": visit.exact,
-                "planned_share": visit.planned_share,
-            }
-            for visit in plan.covers
-        ],
+        "covers": [visit.figures() for visit in plan.covers],
         "certificate": {
             "holds": certificate.holds,
             "tube_m": certificate.tube_m,

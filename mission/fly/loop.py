@@ -302,11 +302,11 @@ class _Flight:
         ending = session.ending or Ending.LANDED
         if ending is Ending.FAILSAFE:
             raise VehicleError(session.ending_reason)
-        achieved, reason = False, session.ending_reason
+        achieved, reason, covered = False, session.ending_reason, self.covered()
         if ending is Ending.LANDED:
-            outcome = judged(watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent), self.covered)
+            outcome = judged(watch.monitor.verdict_at_end(stays=not self.plan.run.recurrent), covered)
             achieved, reason = outcome.achieved, outcome.reason
-        reason = _joined(reason, *self.shortcomings())
+        reason = _joined(reason, *self.shortcomings(covered))
         result = FlightResult(
             plan=self.plan,
             achieved=achieved,
@@ -324,23 +324,22 @@ class _Flight:
             laps=watch.monitor.laps,
             gaps=tuple(watch.gaps),
             violations=watch.monitor.violations,
-            covered=self.covered,
+            covered=covered,
             pictures=tuple(watch.pictures),
         )
         self.record.write("verdict", self.newest_s, **result.values(), **watch.judged.known())
         return result
 
-    @property
     def covered(self) -> tuple[Covered, ...]:
         """What was covered so far."""
         guidance = self.session.guidance
         return () if guidance is None else self.watch.covered(guidance.course.laps)
 
-    def shortcomings(self) -> tuple[str, ...]:
+    def shortcomings(self, covered: tuple[Covered, ...]) -> tuple[str, ...]:
         """What is wrong with the flight, or known of it alone, whatever its end; empty words where nothing is."""
         trouble = self.session.contact.photography.trouble
         pictures = pictures_text(self.watch.pictures, self.plan.planned_pictures, trouble)
-        return coverage_text(self.covered), gaps_text(self.watch.gaps), pictures, self.record.lost_text
+        return coverage_text(covered), gaps_text(self.watch.gaps), pictures, self.record.lost_text
 
     def say_stop(self, transport: Transport) -> None:
         """Tell the vehicle to stop, without waiting for it."""
@@ -363,7 +362,7 @@ class _Flight:
             left = self.session.left
             switch_off_camera(self.session, transport, self.clock, gone)
         self._take_what_can_be_taken()
-        reason = _joined(str(why), left, *self.shortcomings())
+        reason = _joined(str(why), left, *self.shortcomings(self.covered()))
         with contextlib.suppress(Exception):
             self.record.write(
                 "verdict", self.newest_s, achieved=False, reason=reason, ending="failed", behind_s=self.behind_s

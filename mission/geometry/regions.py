@@ -4,8 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
 from mission.geometry.arrays import BoolArray, IntArray, frozen_ints
+from mission.geometry.simplices import Partition
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,3 +54,8 @@ def label_triangles(size: int, members: Mapping[str, BoolArray]) -> Labelling:
     letter_of = np.zeros(size, dtype=np.int64)
     letter_of[~bare] = sorted_of.reshape(-1) + int(bare.any())
     return Labelling((frozenset(), *letters) if bare.any() else letters, letter_of)
+
+
+def union_of(partition: Partition, triangles: BoolArray | IntArray) -> shapely.Geometry:
+    """What some triangles, by numbers or marked in an array of shape (M,), make together; metres."""
+    return shapely.union_all(shapely.polygons(partition.corners_m[triangles]))

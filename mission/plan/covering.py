@@ -11,16 +11,16 @@ import shapely
 from mission.coverage.camera import Lens, lane_spacing_m, trigger_distance_m
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.covering import cover
-from mission.coverage.flown import covered_share
+from mission.coverage.flown import covered_share, swath
 from mission.errors import GeometryError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
-from mission.geometry.regions import Labelling
+from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.spec.model import Camera, Cover, MissionSpec, Point, Region
 from mission.steering.path import SteeringPath
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.rounding import rounded_within
-from mission.steering.timing import GRAVITY_M_S2
+from mission.steering.timing import level_acceleration
 
 _ROUNDING: Final = 1.01  # arcs are drawn with chords, which are a little nearer
 _ROOM: Final = 1.0 / 20.0
@@ -71,6 +71,20 @@ class CoveredVisit:
     def lanes_length_m(self) -> float:
         """Length of all lanes."""
         return float(np.linalg.norm(self.lanes_m[:, 1] - self.lanes_m[:, 0], axis=1).sum())
+
+    def figures(self) -> dict[str, Any]:
+        """What there is to tell of the lanes, as JSON values."""
+        return {
+            "region": self.region,
+            "lanes": len(self.lanes_m),
+            "spacing_m": self.spacing_m,
+            "heading_deg": self.heading_deg,
+            "lanes_length_m": self.lanes_length_m,
+            "ways_length_m": self.ways_m,
+            "trigger_m": self.trigger_m,
+            "exact": self.exact,
+            "planned_share": self.planned_share,
+        }
 
     def to_json(self) -> dict[str, Any]:
         """The visit as JSON values; ``from_json`` gives it back bit by bit."""
@@ -182,7 +196,7 @@ class Covering:
         inside = np.zeros(len(self.restricted), dtype=np.bool_)
         inside[self.labelling.triangles_of(region.name)] = True
         inside &= ~self.restricted
-        area = self._union(inside)
+        area = union_of(self.partition, inside)
         of, letters = self.labelling.letter_of, self.labelling.letters
         entered = inside & ~np.isin(of, list(passage.closed))
         # Ways between lanes lead over what has no other label than the region itself has, and what changes nothing.
@@ -195,12 +209,11 @@ class Covering:
         tube_m = _ROUNDING * math.sqrt(2.0) * flight.tube_m
         room_m = _ROOM * spacing_m
         narrow_m = min(room_m, _MOST_ROOM_M)
-        free = _shrunk(self._union(np.array(plain)[of] & ~self.restricted), tube_m)
-        ground = _shrunk(self._union(entered), tube_m + room_m)
+        free = _shrunk(union_of(self.partition, np.array(plain)[of] & ~self.restricted), tube_m)
+        ground = _shrunk(union_of(self.partition, entered), tube_m + room_m)
         place = shapely.Point(place_m)
         ways = shapely.union_all([_shrunk(free, narrow_m), ground, place.buffer(narrow_m).intersection(free)])
         ground, ways = _reached(region, ground, ways, place)
-        acceleration = min(limits.acceleration_m_s2, GRAVITY_M_S2 * math.tan(limits.tilt_rad))
         try:
             coverage = cover(
                 area,
@@ -209,7 +222,10 @@ class Covering:
                 spacing_m=spacing_m,
                 entry_m=place_m,
                 exit_m=place_m,
-                pace=Pace(min(flight.speed_m_s, limits.speed_m_s), acceleration),
+                pace=Pace(
+                    min(flight.speed_m_s, limits.speed_m_s),
+                    level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
+                ),
                 heading_deg=region.cover.heading_deg,
             )
         except GeometryError as error:
@@ -243,16 +259,13 @@ class Covering:
             planned_share=lanes.share,
         )
 
-    def _union(self, triangles: BoolArray) -> shapely.Geometry:
-        return shapely.union_all(shapely.polygons(self.partition.corners_m[triangles]))
-
 
 def _swath(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> shapely.Geometry:
-    """What is within half a spacing of a curve where it flies lanes."""
+    """What is within half a spacing of a curve where it flies lanes, by the measure of what is flown."""
     step_s = _SAMPLED * spacing_m / curve.speed_m_s
-    times = [np.linspace(begin, end, 2 + int((end - begin) / step_s)) for begin, end in lanes_s.tolist()]
-    tracks = [shapely.linestrings(curve.position(each)) for each in times]
-    return shapely.union_all(shapely.buffer(tracks, spacing_m / 2.0, quad_segs=_QUARTER))
+    lanes = [np.linspace(begin, end, 2 + int((end - begin) / step_s)) for begin, end in lanes_s.tolist()]
+    times_s = np.concatenate(lanes)
+    return swath(curve.position(times_s), times_s, spacing_m=spacing_m, longest_gap_s=step_s)
 
 
 def _reached(

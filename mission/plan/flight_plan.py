@@ -8,7 +8,7 @@ import shapely
 
 from mission.geometry.arrays import BoolArray, IntArray
 from mission.geometry.location import Locator
-from mission.geometry.regions import Labelling
+from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.automata.combination import union
@@ -166,7 +166,7 @@ class FlightPlan:
         """What of a region may be entered, as a polygon or several, metres."""
         inside = np.zeros(self.partition.size, dtype=np.bool_)
         inside[self.labelling.triangles_of(region)] = True
-        return shapely.union_all(shapely.polygons(self.partition.corners_m[inside & ~self.restricted]))
+        return union_of(self.partition, inside & ~self.restricted)
 
     @cached_property
     def locator(self) -> Locator:

@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from mission.geometry.regions import Labelling
+from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.plan.visits import visits
 from mission.spec.model import Region
@@ -53,7 +53,7 @@ def loiter_stops(
     loitering = [region for region in regions if region.loiter_s > 0.0]
     for region in loitering:
         members = set(labelling.triangles_of(region.name).tolist())
-        outline = shapely.union_all(shapely.polygons(partition.corners_m[sorted(members)]))
+        outline = union_of(partition, labelling.triangles_of(region.name))
         for leg, smoothed, begins_s in zip(path.legs, curve.legs, curve.starts_s.tolist(), strict=False):
             for first, last in visits([segment.triangle in members for segment in leg.segments]):
                 if first == 0:

@@ -44,7 +44,7 @@ def earnest_visits(
         for first, last in visits([region.name in labelling.label(triangle) for triangle in run.states]):
             if first == 0 or not (region.loiter_s > 0.0 or any(moved[first : last + 1])):
                 continue
-            chosen.add(max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]])))
+            chosen.add(_roomiest(partition, run, first, last))
     return frozenset(chosen)
 
 
@@ -79,8 +79,7 @@ def covered_visits(
             found[1].insert(0, head)
         for first, last in (visit for part in found for visit in part):
             if everywhere or any(moved[first : last + 1]):
-                roomiest = max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]]))
-                chosen.setdefault(roomiest, []).append(region)
+                chosen.setdefault(_roomiest(partition, run, first, last), []).append(region)
     return chosen
 
 
@@ -95,6 +94,11 @@ def passage_at(labelling: Labelling, automaton: Rabin, run: Run, semantics: Sema
     return Passage(
         closed=frozenset(np.flatnonzero(after == DEAD).tolist()), idle=frozenset(np.flatnonzero(idle).tolist())
     )
+
+
+def _roomiest(partition: Partition, run: Run, first: int, last: int) -> int:
+    """The state of a visit whose triangle has most room."""
+    return max(range(first, last + 1), key=lambda i: float(partition.inradii_m[run.states[i]]))
 
 
 def _turns_back(run: Run) -> set[int]:

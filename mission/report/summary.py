@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from mission.geometry.regions import union_of
 from mission.monitor.coverage import covered_values
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan
@@ -68,16 +69,7 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "altitude_m": plan.trajectory.altitude_m,
         "clearances_m": clearances_by_name(plan.spec),
-        "covers": [
-            {
-                "region": visit.region,
-                "lanes": len(visit.lanes_m),
-                "lanes_length_m": visit.lanes_length_m,
-                "ways_length_m": visit.ways_m,
-                "share": visit.planned_share,
-            }
-            for visit in plan.covers
-        ],
+        "covers": [visit.figures() for visit in plan.covers],
     }
 
 
@@ -157,11 +149,10 @@ def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
 
 def _restricted_shapes(plan: FlightPlan) -> dict[str, shapely.Geometry]:
     """Restricted regions as they are drawn."""
-    triangles = shapely.polygons(plan.partition.corners_m)
     restricted = [region for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED]
     grounds = {region.name: region_ground(region, plan.spec.domain) for region in restricted}
     return {
-        name: shapely.union_all(triangles[plan.labelling.triangles_of(name)]) if ground is None else ground.drawn
+        name: union_of(plan.partition, plan.labelling.triangles_of(name)) if ground is None else ground.drawn
         for name, ground in grounds.items()
     }
 

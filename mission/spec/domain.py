@@ -121,7 +121,7 @@ def _meshed(domain: Domain, outlines: Outlines) -> FacedMesh:
     """The mesh; over nodes, edges of the outlines may be missing in it."""
     if isinstance(domain, NodesDomain):
         return FacedMesh.of(triangulate_nodes(np.array(domain.nodes_m)))
-    fence = boundary_ground(domain).kept
+    fence = (outlines.fence or boundary_ground(domain)).kept
     rims, areas = edges_of([fence]), edges_of(ground.kept for ground in outlines.grounds.values())
     # What sticks out is cut off before it is meshed: vertices out there would only make triangles inside smaller.
     return refined(

@@ -130,6 +130,11 @@ class TimeLaw:
         return TimeLaw(data["knots_t_s"], data["knots_s"], data["rates"], float(data["window_s"]))
 
 
+def level_acceleration(acceleration_m_s2: float, tilt_rad: float) -> float:
+    """The largest horizontal acceleration within both limits: tilted by an angle, level flight has g tan of it."""
+    return min(acceleration_m_s2, GRAVITY_M_S2 * math.tan(tilt_rad))
+
+
 def time_law(
     curve: Curve,
     *,
@@ -152,7 +157,7 @@ def time_law(
     Raises:
         ValueError: A limit that is not positive, or a hold outside the curve or of negative or infinite length.
     """
-    limit = min(acceleration_m_s2, GRAVITY_M_S2 * math.tan(tilt_rad))
+    limit = level_acceleration(acceleration_m_s2, tilt_rad)
     if not (speed_m_s > 0 and limit > 0 and 0 < tilt_rad < math.pi / 2):
         raise ValueError("limits of speed, acceleration and tilt must be positive")
     joints = curve.joints_s[1:-1].tolist() if isinstance(curve, JoinedCurve) else []

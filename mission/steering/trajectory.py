@@ -107,17 +107,17 @@ class Trajectory:
         return np.asarray(places + self.curve.starts_s[which])
 
     def first_lap_s(self, t_s: float) -> float:
-        """A time in a lap as that in the first lap, a time after the laps as after one; shape as given."""
+        """A time in a lap as that in the first lap, a time after the laps as after one."""
+        if self.lap is None:
+            return t_s
         which, own_s, _ = self._placed(t_s)
-        begins = np.concatenate(([0.0], np.cumsum([leg.duration_s for leg in self.legs])))
-        return float(begins[which[0]] + own_s[0])
+        return float(self._once_s[which[0]] + own_s[0])
 
     def time_at(self, s: ArrayLike) -> FloatArray:
         """The first time at which each place of the curve (P,) is reached, as if there were one lap, shape (P,)."""
         asked = np.atleast_1d(np.asarray(s, dtype=np.float64))
         which = np.clip(np.searchsorted(self.curve.starts_s, asked, side="right") - 1, 0, len(self.legs) - 1)
-        begins = np.concatenate(([0.0], np.cumsum([leg.duration_s for leg in self.legs])))
-        times = begins[which]
+        times = self._once_s[which]
         for number in np.unique(which).tolist():
             own = which == number
             times[own] += self.legs[number].law.time_at(asked[own] - self.curve.starts_s[number])
@@ -138,6 +138,11 @@ class Trajectory:
         first_s, lap_s = float(self._spans_s[self.lap]), self.legs[self.lap].duration_s
         begun = max(1, math.floor((t_s - first_s) / lap_s) + 1)
         return self if self.laps is not None and self.laps <= begun else replace(self, laps=begun)
+
+    @cached_property
+    def _once_s(self) -> FloatArray:
+        """When each leg would begin if there were one lap, and the end, shape (len(legs) + 1,)."""
+        return np.concatenate(([0.0], np.cumsum([leg.duration_s for leg in self.legs])))
 
     @cached_property
     def _spans_s(self) -> FloatArray:

@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.arrays import FloatArray
-from mission.geometry.regions import Labelling
+from mission.geometry.regions import Labelling, union_of
 from mission.geometry.shapes import polygonal
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
@@ -69,16 +69,15 @@ class Chart:
         """The domain, its boundary as it is drawn."""
         if self.fence is not None:
             return self.fence.drawn
-        return shapely.union_all(shapely.polygons(self.partition.corners_m))
+        return union_of(self.partition, np.arange(self.partition.size))
 
     @cached_property
     def shapes(self) -> dict[str, BaseGeometry]:
         """Each region as it is drawn, but for what lies outside of the domain."""
-        triangles = shapely.polygons(self.partition.corners_m)
         shapes = {
             name: polygonal(shapely.intersection(self.grounds[name].drawn, self.land))
             if name in self.grounds
-            else shapely.union_all(triangles[self.labelling.triangles_of(name)])
+            else union_of(self.partition, self.labelling.triangles_of(name))
             for name in self.kinds
         }
         return {name: shape for name, shape in shapes.items() if shape.area > 0.0}
