@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mission.geometry.arrays import FloatArray, IntArray, frozen_floats
+from mission.steering.bezier import BezierCurve
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.sampled import Sampled
 from mission.steering.smoothing import FourierCurve
@@ -17,7 +18,7 @@ from mission.steering.smoothing import FourierCurve
 _APART = 1e-11
 """How far ends that are one point may lie apart, as a part of their coordinates: rounding."""
 
-Piece = FourierCurve | RoundedPolyline
+Piece = FourierCurve | RoundedPolyline | BezierCurve
 """A curve with a continuous second derivative."""
 
 
@@ -153,5 +154,6 @@ def curve_from_json(data: Any) -> Curve:  # noqa: ANN401 - any JSON value
     readers: dict[str, Callable[[Any], Piece]] = {
         "fourier": FourierCurve.from_json,
         "rounded polyline": RoundedPolyline.from_json,
+        "bezier": BezierCurve.from_json,
     }
     return readers[data["kind"]](data)

@@ -9,7 +9,7 @@ from mission.steering.certificate import Certificate
 from mission.steering.joined import Curve, JoinedCurve, Piece
 from mission.steering.path import SteeringPath
 from mission.steering.rounded import RoundedPolyline
-from mission.steering.smoothing import fit_fourier
+from mission.steering.smoothing import FourierCurve, fit_fourier
 
 FEWEST_FREQUENCIES = 4
 MOST_FREQUENCIES = 1024
@@ -109,7 +109,7 @@ def _truncated(curve: JoinedCurve, frequencies: int) -> JoinedCurve:
     def cut(leg: Curve) -> Curve:
         if isinstance(leg, JoinedCurve):
             return JoinedCurve(tuple(map(cut, leg.legs)))
-        if isinstance(leg, RoundedPolyline):
+        if not isinstance(leg, FourierCurve):
             return leg
         return leg.truncated(_share(frequencies, leg.duration_s / longest_s))
 
@@ -118,7 +118,7 @@ def _truncated(curve: JoinedCurve, frequencies: int) -> JoinedCurve:
 
 def _steered_s(part: SteeringPath | Piece) -> float:
     """How long a part is steered by fields."""
-    return 0.0 if isinstance(part, RoundedPolyline) else part.duration_s
+    return part.duration_s if isinstance(part, SteeringPath | FourierCurve) else 0.0
 
 
 def _joined(pieces: tuple[Piece, ...]) -> Curve:
