@@ -46,7 +46,7 @@ def flight_line(order: Sequence, lanes_m: FloatArray, own: BoolArray) -> FlightL
     ends = lanes_m.reshape(-1, 2)
     flown = np.stack((ends[flights], ends[flights ^ 1]), axis=1)
     begins = [2 * count, *(flights ^ 1)]
-    targets = [*flights, *range(2 * count + 1, len(travel.lengths_m))]
+    targets = [*flights, *range(2 * count + 1, travel.places)]
     ways = [travel.line_m(begin, end) for begin, end in zip(begins, targets, strict=False)]
     for place in np.flatnonzero(own[flights // 2]):
         if place > 0 and travel.on_ground(begins[place], targets[place]):

@@ -5,6 +5,7 @@ known, ``on_lanes`` tells the positions that lie on them; where images are, thei
 vehicle known to have been between two positions that are far apart in time.
 """
 
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -50,7 +51,12 @@ def swath(
         return shapely.Polygon()
     broken = (np.diff(taken) > 1) | (np.diff(times_s[taken]) > longest_gap_s)
     tracks = np.split(positions_m[taken], np.flatnonzero(broken) + 1)
-    lines = [shapely.linestrings(track) if len(track) > 1 else shapely.points(track[0]) for track in tracks]
+    return swath_of(tracks, spacing_m)
+
+
+def swath_of(tracks_m: Iterable[FloatArray], spacing_m: float) -> shapely.Geometry:
+    """All within half a spacing of tracks, each of shape (k, 2), k >= 1."""
+    lines = [shapely.linestrings(track) if len(track) > 1 else shapely.points(track[0]) for track in tracks_m]
     radius_m = spacing_m / 2.0
     return shapely.union_all(shapely.buffer(shapely.simplify(lines, _BEND * radius_m), radius_m, quad_segs=_QUARTER))
 

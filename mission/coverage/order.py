@@ -13,12 +13,14 @@ from typing import Final
 
 import numpy as np
 
-from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
 TOURS: Final = 4
 MOST_EXACT: Final = 12
 """Cells that are ordered exactly."""
 _LONGEST_MOVED: Final = 3
+_NEIGHBOURS: Final = 12
+"""Of the links from each, the cheapest, that moves are looked for along."""
 _MOST_ROUNDS: Final = 500
 _STARTS: Final = 8
 _LEAST_GAIN: Final = 1e-9
@@ -98,9 +100,10 @@ def _improved(links: FloatArray) -> IntArray:
 
 def _with_tours(links: FloatArray, cells: IntArray) -> tuple[IntArray, float]:
     """Move until no move helps, with the best tours after each: the tours in order, and what they cost."""
+    moves = Moves(links)
     chain, cost = _best_tours(links, cells)
     for _ in range(_MOST_ROUNDS):
-        moved, cheaper = _best_tours(links, best_move(links, chain) // TOURS)
+        moved, cheaper = _best_tours(links, moves.best(chain) // TOURS)
         if cheaper >= cost - _LEAST_GAIN:
             break
         chain, cost = moved, cheaper
@@ -136,46 +139,88 @@ def _best_tours(links: FloatArray, cells: IntArray) -> tuple[IntArray, float]:
 
 
 def settled(links: FloatArray, chain: IntArray) -> IntArray:
-    """The chain after the best moves, until none helps; see ``best_move``."""
+    """The chain after the best moves, until none helps; see ``Moves``."""
+    moves = Moves(links)
     for _ in range(_MOST_ROUNDS):
-        moved = best_move(links, chain)
-        if np.array_equal(moved, chain):
+        moved = moves.best(chain)
+        if moved is chain:
             break
         chain = moved
     return chain
 
 
-def best_move(links: FloatArray, chain: IntArray) -> IntArray:
-    """The chain after the best of all moves: a few go elsewhere, or a stretch is flown the other way round.
+class Moves:
+    """Moves of a chain: a few go elsewhere, either way round, or a stretch is flown the other way round.
 
-    Args:
-        links: Shape (N + 2, N + 2), the last two the entry and the exit; i and i ^ 1 are the same both ways.
-        chain: Shape (K,), which of the N, in order.
+    Looked at are those of which one new link leads to a near neighbour and is cheaper than an old link at one of its
+    ends; what a move without such a link gains would come from nowhere (Lin and Kernighan, 1973).
     """
-    ends = np.concatenate(([len(links) - 2], chain, [len(links) - 1]))
-    count = len(chain)
-    before, here, after = ends[:-2], chain, ends[2:]
-    broken = links[ends[:-1], ends[1:]]
-    # Row i, column j: the stretch from i to j is turned round.
-    turned = broken[:-1, None] + broken[1:] - links[before[:, None], here ^ 1] - links[(here ^ 1)[:, None], after]
-    turned[np.tril_indices(count, -1)] = -np.inf
-    gains, best = _LEAST_GAIN, chain
-    if turned.max() > gains:
-        begin, end = divmod(int(turned.argmax()), count)
-        gains = float(turned.max())
-        best = np.concatenate((chain[:begin], chain[begin : end + 1][::-1] ^ 1, chain[end + 1 :]))
-    for length in range(1, min(_LONGEST_MOVED, count - 1) + 1):
-        # Row i, column j: those from i on go between j - 1 and j, counted as they stand.
-        first, last = chain[: count - length + 1], chain[length - 1 :]
-        freed = broken[: len(first)] + broken[length:] - links[ends[: len(first)], ends[length + 1 :]]
-        inside = np.arange(count + 1) - np.arange(len(first))[:, None]
-        for enter, leave, turn in ((first, last, False), (last ^ 1, first ^ 1, True)):
-            gain = freed[:, None] + broken - links[ends[:-1], enter[:, None]] - links[leave[:, None], ends[1:]]
-            gain[(inside >= 0) & (inside <= length)] = -np.inf
-            if gain.max() > gains:
-                begin, place = divmod(int(gain.argmax()), count + 1)
-                gains = float(gain.max())
-                moved = chain[begin : begin + length]
-                rest = np.delete(chain, np.arange(begin, begin + length))
-                best = np.insert(rest, place - length if place > begin else place, moved[::-1] ^ 1 if turn else moved)
-    return best
+
+    def __init__(self, links: FloatArray) -> None:
+        """Take links of shape (N + 2, N + 2), the last two the entry and the exit; i and i ^ 1 are the same both ways.
+
+        Of i and i ^ 1 a chain holds at most one.
+        """
+        self._links, size = links, len(links) - 2
+        near = np.argsort(links[: size + 1, :size], axis=1, kind="stable")[:, :_NEIGHBOURS]
+        begins, ends = np.arange(size + 1).repeat(near.shape[1]), near.ravel()
+        inner = begins < size
+        begins, ends = (
+            np.concatenate((begins, ends[inner] ^ 1, np.arange(size))),
+            np.concatenate((ends, begins[inner] ^ 1, np.full(size, size + 1))),
+        )
+        self._begins, self._ends = np.divmod(np.unique(begins * (size + 2) + ends), size + 2)
+        self._costs = links[self._begins, self._ends]
+
+    def best(self, chain: IntArray) -> IntArray:
+        """The chain, shape (K,), after the move that gains most; itself where none gains."""
+        links, size = self._links, len(self._links) - 2
+        ends = np.concatenate(([size], chain, [size + 1]))
+        broken = links[ends[:-1], ends[1:]]
+        first, last, gap, turn = self._candidates(ends, broken)
+        before, after = ends[first - 1], ends[last + 1]
+        enter, leave = np.where(turn, ends[last] ^ 1, ends[first]), np.where(turn, ends[first] ^ 1, ends[last])
+        opened, freed = broken[gap], broken[first - 1] + broken[last]
+        # Where the gap is beside the stretch, the stretch stays there, and is turned round.
+        stays = gap == last
+        gains = np.where(
+            stays,
+            freed - links[before, enter] - links[leave, after],
+            freed + opened - links[ends[gap], enter] - links[leave, ends[gap + 1]] - links[before, after],
+        )
+        if not gains.max(initial=0.0) > _LEAST_GAIN:
+            return chain
+        best = int(gains.argmax())
+        begin, end, place = int(first[best]) - 1, int(last[best]), int(gap[best])
+        moved, rest = chain[begin:end], np.concatenate((chain[:begin], chain[end:]))
+        place = begin if stays[best] else place - len(moved) if place > begin else place
+        return np.concatenate((rest[:place], moved[::-1] ^ 1 if turn[best] else moved, rest[place:]))
+
+    def _candidates(self, ends: IntArray, broken: FloatArray) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
+        """First and last place of stretches, the place after which each is to go, whether it is turned; shapes (M,)."""
+        count, size = len(ends) - 2, len(self._links)
+        place, turned = np.full(size, -1), np.zeros(size, dtype=np.bool_)
+        place[ends], place[ends[1:-1] ^ 1] = np.arange(count + 2), np.arange(1, count + 1)
+        turned[ends[1:-1] ^ 1] = True
+        # What the old links cost that begin at each, and that end there.
+        begun, ended = np.zeros(size), np.zeros(size)
+        begun[ends[:-1]], ended[ends[1:]] = broken, broken
+        begun[ends[1:-1] ^ 1], ended[ends[1:-1] ^ 1] = broken[:-1], broken[1:]
+        used = (place[self._begins] >= 0) & (place[self._ends] >= 0)
+        used &= self._costs < np.maximum(begun[self._begins], ended[self._ends])
+        begins, ends_at = self._begins[used], self._ends[used]
+        p, q, back, ahead = place[begins], place[ends_at], turned[begins], ~turned[ends_at]
+        on, to, fro = ~back & ahead, ~back & ~ahead, back & ahead
+        found = [(p[to] + 1, q[to], q[to], True), (p[fro], q[fro] - 1, q[fro] - 1, True)]
+        for more in range(_LONGEST_MOVED):
+            found += [
+                (q[on], q[on] + more, p[on], False),
+                (p[on] - more, p[on], q[on] - 1, False),
+                (q[to] - more, q[to], p[to], True),
+                (p[fro], p[fro] + more, q[fro] - 1, True),
+            ]
+        first, last, gap = (np.concatenate([row[i] for row in found]) for i in range(3))
+        turn = np.repeat([row[3] for row in found], [len(row[0]) for row in found])
+        sound = (first >= 1) & (first <= last) & (last <= count)
+        sound &= (gap < first - 1) | (gap > last) | ((gap == last) & turn)
+        return first[sound], last[sound], gap[sound], turn[sound]

@@ -4,6 +4,8 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.spatial import KDTree
 
 from mission.coverage.coverage import Pace
 from mission.coverage.order import Tours, best_order, settled
@@ -13,8 +15,9 @@ from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
 _NO_WAY: Final = "no way leads to some lanes: free space has parts that do not meet"
-_NEIGHBOURS: Final = 8
-"""Ends of other lanes to which the ways from a lane of its own are found exactly."""
+_NEIGHBOURS: Final = 10
+"""Ends of other lanes to which ways from the end of a lane are found, at first."""
+_MORE: Final = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,31 +85,21 @@ def sequence(
     part_of = np.concatenate((lanes.part_of.repeat(2), np.full(len(places) - len(ends), -1)))
     cells = _tours(lanes)
     corners = _corners(cells, len(ends), len(places))
-    travel = Travel(places, part_of, grounds, free, _wanted(lanes, cells, corners, places))
-    if not np.isfinite(travel.lengths_m[np.ix_(corners, corners)]).all():
-        raise GeometryError(_NO_WAY)
     steps = lanes.lanes_m[:, 1] - lanes.lanes_m[:, 0]
     lengths = np.linalg.norm(steps, axis=1)
-    units = steps / lengths[:, None]
-    times = travel.times_s(np.stack((units, -units), axis=1).reshape(-1, 2), pace)
+    units = (steps / lengths[:, None]).repeat(2, axis=0) * np.tile([[1.0], [-1.0]], (len(lengths), 1))
     entry, leave = len(ends), None if exit_m is None else len(ends) + 1
-    chain, exact = np.empty(0, dtype=np.int64), True
-    if cells:
-        first, last = (np.array([[tour[end] for tour in tours] for tours in cells]) for end in (0, -1))
-        inner = [
-            [times[tour[:-1], tour[1:]].sum() + lengths[tour // 2].sum() / pace.speed_m_s for tour in tours]
-            for tours in cells
-        ]
-        costs = Tours(
-            np.array(inner),
-            times[entry, first],
-            times[last[:, :, None, None], first],
-            np.zeros(first.shape) if leave is None else times[last, leave],
-        )
-        order, tour, exact = best_order(costs)
-        chain = np.concatenate([cells[i][j] for i, j in zip(order, tour, strict=True)])
-    for lane in np.flatnonzero(lanes.cell_of < 0):
-        chain = _fitted_in(chain, int(lane), times, entry, leave)
+    own = np.flatnonzero(lanes.cell_of < 0)
+    neighbours, chain = _NEIGHBOURS, None
+    while chain is None:
+        travel = Travel(places, part_of, grounds, free, _wanted(cells, corners, own, places, neighbours))
+        if not np.isfinite(travel.lengths_m).all():
+            raise GeometryError(_NO_WAY)
+        times = travel.times_s(units, pace)
+        chain, exact = _cells_in_order(cells, times, lengths / pace.speed_m_s, entry, leave)
+        for lane in own:
+            chain = None if chain is None else _fitted_in(chain, int(lane), times, entry, leave)
+        neighbours *= _MORE
     links = np.full((entry + 2, entry + 2), np.inf)
     links[: entry + 1, :entry] = times[: entry + 1, :entry]
     links[:entry, entry + 1] = 0.0 if leave is None else times[:entry, leave]
@@ -131,27 +124,54 @@ def _corners(cells: list[list[IntArray]], ends: int, places: int) -> IntArray:
     return np.concatenate((np.unique(found), np.arange(ends, places))).astype(np.int64)
 
 
-def _wanted(lanes: Lanes, cells: list[list[IntArray]], corners: IntArray, places: FloatArray) -> BoolArray:
-    """Pairs of places whose ways count: between corners of cells, within cells, to neighbours of lanes of their own."""
-    wanted = np.zeros((len(places), len(places)), dtype=np.bool_)
-    own = np.flatnonzero(lanes.cell_of.repeat(2) < 0)
-    wanted[np.ix_(corners, corners)] = True
-    for tours in cells:
-        for tour in tours[::2]:
-            wanted[tour[:-1] ^ 1, tour[1:]] = True
+def _cells_in_order(
+    cells: list[list[IntArray]], times: FloatArray, lasts_s: FloatArray, entry: int, leave: int | None
+) -> tuple[IntArray, bool]:
+    """The flights of all cells in the best order, and whether it is proved to be that."""
+    if not cells:
+        return np.empty(0, dtype=np.int64), True
+    first, last = (np.array([[tour[end] for tour in tours] for tours in cells]) for end in (0, -1))
+    inner = [[times[tour[:-1], tour[1:]].sum() + lasts_s[tour // 2].sum() for tour in tours] for tours in cells]
+    costs = Tours(
+        np.array(inner),
+        times[entry, first],
+        times[last[:, :, None, None], first],
+        np.zeros(first.shape) if leave is None else times[last, leave],
+    )
+    order, tour, exact = best_order(costs)
+    return np.concatenate([cells[i][j] for i, j in zip(order, tour, strict=True)]), exact
+
+
+def _wanted(
+    cells: list[list[IntArray]], corners: IntArray, own: IntArray, places: FloatArray, neighbours: int
+) -> IntArray:
+    """Pairs of places whose ways count, (P, 2): corners of cells, within cells, and places that are near each other.
+
+    A lane of its own is fitted in between two that follow each other in a cell: where one of them is near to one of its
+    ends, ways lead from both to both.
+    """
+    count = len(places)
+    beside = [np.stack((tour[:-1] ^ 1, tour[1:]), axis=1) for tours in cells for tour in tours[::2]]
+    mates = np.concatenate((np.empty((0, 2), dtype=np.int64), *beside))
+    near = KDTree(places).query(places, k=min(neighbours + 1, count))[1].reshape(count, -1)
+    found = [mates, np.stack((corners.repeat(len(corners)), np.tile(corners, len(corners))), axis=1)]
+    found.append(np.stack((np.arange(near.size) // near.shape[1], near.ravel()), axis=1))
     if len(own):
-        distances = np.linalg.norm(places[own, None] - places, axis=2)
-        near = np.argsort(distances, axis=1, kind="stable")[:, : _NEIGHBOURS + 1]
-        wanted[own[:, None], near] = True
-    both: BoolArray = wanted | wanted.T
-    np.fill_diagonal(both, False)
-    return both
+        graph = coo_array((np.ones(len(mates)), mates.T), shape=(count, count))
+        ends = np.concatenate((2 * own, 2 * own + 1))
+        rows = np.arange(len(ends)).repeat(near.shape[1])
+        to = coo_array((np.ones(len(rows)), (rows, near[ends].ravel())), shape=(len(ends), count)).tocsr()
+        row, place = (to + to @ (graph + graph.T)).nonzero()
+        found += [np.stack((ends[row] ^ flip, place), axis=1) for flip in (0, 1)]
+    pairs = np.sort(np.concatenate(found), axis=1)
+    keys = np.unique(pairs[pairs[:, 0] < pairs[:, 1]] @ [count, 1])
+    return np.stack(np.divmod(keys, count), axis=1)
 
 
-def _fitted_in(chain: IntArray, lane: int, times: FloatArray, entry: int, leave: int | None) -> IntArray:
-    """The chain with a lane where it costs least."""
+def _fitted_in(chain: IntArray, lane: int, times: FloatArray, entry: int, leave: int | None) -> IntArray | None:
+    """The chain with a lane where it costs least; None where no way to it is known."""
     before = np.concatenate(([entry], chain))
-    best, cheapest = chain, np.inf
+    best, cheapest = None, np.inf
     for flight in (2 * lane, 2 * lane + 1):
         added = times[before, flight]
         added[:-1] += times[flight, chain] - times[before[:-1], chain]
@@ -160,6 +180,4 @@ def _fitted_in(chain: IntArray, lane: int, times: FloatArray, entry: int, leave:
         if added.min() < cheapest:
             cheapest, place = float(added.min()), int(added.argmin())
             best = np.insert(chain, place, flight)
-    if not np.isfinite(cheapest):
-        raise GeometryError(_NO_WAY)
     return best

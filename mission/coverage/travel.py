@@ -6,7 +6,7 @@ import numpy as np
 
 from mission.coverage.coverage import Pace
 from mission.coverage.ways import Network, Ways
-from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+from mission.geometry.arrays import FloatArray, IntArray
 
 _NEAR: Final = 1e-6
 _FREE: Final = -1
@@ -19,71 +19,73 @@ class Travel:
     So a flight begins at the end of its own number, and flight f ends where flight f ^ 1 begins.
 
     Attributes:
-        lengths_m: Shape (T + P, T + P), infinite where there is no way.
-        leaving: Shape (T + P, T + P, 2), unit vector in which the way from i to j leaves i.
+        places: How many places there are, T + O.
+        lengths_m: Shape (P,), of each pair; infinite where there is no way.
     """
 
     def __init__(
-        self, places_m: FloatArray, part_of: IntArray, grounds: list[Network], free: Network, wanted: BoolArray
+        self, places_m: FloatArray, part_of: IntArray, grounds: list[Network], free: Network, pairs: IntArray
     ) -> None:
         """Find the ways.
 
         Args:
-            places_m: Shape (T + P, 2).
-            part_of: Shape (T + P,), part of the ground; -1 for places that lie anywhere.
+            places_m: Shape (T + O, 2).
+            part_of: Shape (T + O,), part of the ground; -1 for places that lie anywhere.
             grounds: What sees what on each part.
             free: What sees what in free space.
-            wanted: Shape (T + P, T + P), symmetric: the pairs that count.
+            pairs: Shape (P, 2), places, the lesser first, in ascending order.
         """
-        count = len(places_m)
-        self.lengths_m = np.full((count, count), np.inf)
-        self.leaving = np.zeros((count, count, 2))
-        self._medium = np.full((count, count), _FREE)
-        self._ways: dict[int, tuple[Ways, IntArray]] = {}
+        self.places = len(places_m)
+        self._pairs = pairs
+        self._keys = pairs @ [self.places, 1]
+        self.lengths_m = np.full(len(pairs), np.inf)
+        self._outwards = np.zeros((len(pairs), 2, 2))
+        self._medium = np.full(len(pairs), _FREE)
+        self._row = np.zeros(len(pairs), dtype=np.int64)
+        self._ways: dict[int, Ways] = {}
+        first, second = part_of[pairs].T
         for part, network in enumerate(grounds):
-            inside = np.flatnonzero(part_of == part)
-            if len(inside):
-                self._take(part, network.ways(places_m[inside], wanted[np.ix_(inside, inside)]), inside)
-        rest = wanted & ~np.isfinite(self.lengths_m)
-        outside = np.flatnonzero(rest.any(axis=1))
-        if len(outside):
-            self._take(_FREE, free.ways(places_m[outside], rest[np.ix_(outside, outside)]), outside)
+            self._take(part, network, places_m, np.flatnonzero((first == part) & (second == part)))
+        self._take(_FREE, free, places_m, np.flatnonzero(~np.isfinite(self.lengths_m)))
 
-    def _take(self, medium: int, ways: Ways, places: IntArray) -> None:
-        fresh = ~np.isfinite(self.lengths_m[np.ix_(places, places)]) & np.isfinite(ways.lengths_m)
-        first, second = places[np.nonzero(fresh)[0]], places[np.nonzero(fresh)[1]]
-        self.lengths_m[first, second] = ways.lengths_m[fresh]
-        self.leaving[first, second] = ways.leaving[fresh]
-        self._medium[first, second] = medium
-        self._ways[medium] = ways, places
+    def _take(self, medium: int, network: Network, places_m: FloatArray, chosen: IntArray) -> None:
+        ways = network.ways(places_m, self._pairs[chosen])
+        self.lengths_m[chosen], self._outwards[chosen] = ways.lengths_m, ways.outwards
+        self._medium[chosen], self._row[chosen] = medium, np.arange(len(chosen))
+        self._ways[medium] = ways
+
+    def _pair(self, begin: int, end: int) -> int:
+        return int(np.searchsorted(self._keys, min(begin, end) * self.places + max(begin, end)))
 
     def line_m(self, begin: int, end: int) -> FloatArray:
-        """The way from a place to another, shape (k, 2)."""
-        ways, places = self._ways[int(self._medium[begin, end])]
-        first, second = np.searchsorted(places, [begin, end])
-        return ways.line_m(int(first), int(second))
+        """The way from a place to another, shape (k, 2), of a pair that was asked for."""
+        pair = self._pair(begin, end)
+        line = self._ways[int(self._medium[pair])].line_m(int(self._row[pair]))
+        return line if begin < end else line[::-1]
 
     def on_ground(self, begin: int, end: int) -> bool:
         """Whether the way from a place to another stays on the ground."""
-        return bool(self._medium[begin, end] != _FREE)
+        return bool(self._medium[self._pair(begin, end)] != _FREE)
 
     def times_s(self, headings: FloatArray, pace: Pace) -> FloatArray:
-        """What it costs to go on from a flight to another, or to a place: shape (T + P, T + P).
+        """What it costs to go on from a flight to another, or to a place: shape (T + O, T + O).
+
+        Infinite where there is no way, or none was asked for.
 
         Args:
             headings: Unit vectors of flights, shape (T, 2).
             pace: How fast that is, and what corners cost.
         """
-        flights, count = len(headings), len(self.lengths_m)
-        at = np.arange(count)
-        at[:flights] ^= 1
-        lengths = self.lengths_m[at]
-        near = lengths < _NEAR
-        arriving = np.zeros((count, 2))
-        arriving[:flights] = headings
-        leave = np.where(near[..., None], arriving, self.leaving[at])
-        reach = np.where(near[..., None], arriving[:, None], -np.swapaxes(self.leaving, 0, 1)[at])
-        times = lengths / pace.speed_m_s
-        times[:flights] += pace.corner_s(arriving[:flights, None], leave[:flights])
-        times[:, :flights] += pace.corner_s(reach[:, :flights], arriving[:flights])
+        flights = len(headings)
+        times = np.full((self.places, self.places), np.inf)
+        for direction in (0, 1):
+            begin, end = self._pairs[:, direction], self._pairs[:, 1 - direction]
+            lane, on = begin < flights, end < flights
+            arriving = np.where(lane[:, None], headings[np.where(lane, begin ^ 1, 0)], 0.0)
+            onwards = np.where(on[:, None], headings[np.where(on, end, 0)], 0.0)
+            near = (self.lengths_m < _NEAR)[:, None]
+            leave = np.where(near, arriving, self._outwards[:, direction])
+            reach = np.where(near, arriving, -self._outwards[:, 1 - direction])
+            corners = lane * pace.corner_s(arriving, leave) + on * pace.corner_s(reach, onwards)
+            times[np.where(lane, begin ^ 1, begin), end] = self.lengths_m / pace.speed_m_s + corners
         return times

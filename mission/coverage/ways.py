@@ -2,12 +2,13 @@
 
 A shortest path among polygons bends at their reflex corners only and touches them there (Lozano-Perez and Wesley,
 1979). So the graph has these corners for nodes, and an edge where two see each other and both are touched; Dijkstra's
-method then gives exact shortest ways from each of the points asked for.
+method gives exact shortest ways between all corners, once for an area. A pair of points then takes the corner that each
+sees, of all such pairs, over which the way is shortest.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import shapely
@@ -19,42 +20,72 @@ from mission.geometry.rings import ring_area_m2
 
 _NO_LENGTH: Final = 1e-9
 """Metres that an edge between equal points counts: sparse arrays take zero for no edge."""
+_STRAIGHT: Final = -1
+
+
+class Sights(NamedTuple):
+    """The corners that each of T points sees and touches, in rows as sparse arrays have them.
+
+    Attributes:
+        begins: Shape (T + 1,), where the row of each point begins.
+        corners: Shape (S,), numbers of corners.
+        lengths_m: Shape (S,).
+    """
+
+    begins: IntArray
+    corners: IntArray
+    lengths_m: FloatArray
+
+    def of(self, points: IntArray) -> tuple[IntArray, IntArray]:
+        """Of each of N points all that it sees: rows of this table, and whose they are, from 0 to N - 1."""
+        counts = self.begins[points + 1] - self.begins[points]
+        owner = np.arange(len(points)).repeat(counts)
+        within = np.arange(len(owner)) - (np.cumsum(counts) - counts).repeat(counts)
+        return self.begins[points].repeat(counts) + within, owner
 
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """The shortest ways between T points.
+    """The shortest ways of P pairs of points.
 
     Attributes:
-        lengths_m: Shape (T, T), infinite where there is no way.
-        nodes_m: Shape (V + T, 2): the corners of the area, then the points.
-        before: Shape (T, V + T), on the way from a point to a node the node before; negative where there is none.
+        lengths_m: Shape (P,), infinite where there is no way.
+        ends_m: Shape (P, 2, 2): begin and end.
+        bends: Shape (P, 2), the first and the last corner on the way; negative where it is straight.
+        corners_m: Shape (V, 2).
+        before: Shape (V, V), on the way from a corner to another the corner before.
     """
 
     lengths_m: FloatArray
-    nodes_m: FloatArray
+    ends_m: FloatArray
+    bends: IntArray
+    corners_m: FloatArray
     before: IntArray
 
-    def line_m(self, begin: int, end: int) -> FloatArray:
-        """The way from a point to another, shape (k, 2), k >= 2; a length of infinity has none."""
-        offset = len(self.nodes_m) - len(self.before)
-        chain = [offset + end]
-        while chain[-1] != offset + begin:
-            chain.append(int(self.before[begin, chain[-1]]))
-        line: FloatArray = self.nodes_m[chain[::-1]]
+    def line_m(self, pair: int) -> FloatArray:
+        """The way of a pair, shape (k, 2), k >= 2; a length of infinity has none."""
+        first, last = self.bends[pair].tolist()
+        bends = [] if first == _STRAIGHT else [last]
+        while bends and bends[-1] != first:
+            bends.append(int(self.before[first, bends[-1]]))
+        corners = self.corners_m[np.array(bends[::-1], dtype=np.int64)]
+        line = np.concatenate((self.ends_m[pair, :1], corners, self.ends_m[pair, 1:]))
         apart = np.linalg.norm(np.diff(line, axis=0), axis=1) > _NO_LENGTH
         kept: FloatArray = line[np.concatenate(([True], apart))]
         return kept if len(kept) > 1 else line[[0, -1]]
 
-    @property
-    def leaving(self) -> FloatArray:
-        """Unit vector in which the way from point i to point j leaves i, shape (T, T, 2); zero where it has none."""
-        points = self.nodes_m[len(self.nodes_m) - len(self.before) :]
-        towards = self.nodes_m[np.maximum(self.before[:, len(self.nodes_m) - len(self.before) :].T, 0)]
-        steps = towards - points[:, None]
+    @cached_property
+    def outwards(self) -> FloatArray:
+        """Unit vectors in which ways leave their begin, and their end if flown back, (P, 2, 2); zero without length."""
+        bent = (self.bends != _STRAIGHT)[..., None]
+        steps = np.where(bent, self._bends_m, self.ends_m[:, ::-1]) - self.ends_m
         norms = np.linalg.norm(steps, axis=2, keepdims=True)
         units: FloatArray = np.divide(steps, norms, out=np.zeros_like(steps), where=norms > _NO_LENGTH)
         return units
+
+    @property
+    def _bends_m(self) -> FloatArray:
+        return self.corners_m[self.bends] if len(self.corners_m) else np.zeros_like(self.ends_m)
 
 
 class Network:
@@ -81,35 +112,65 @@ class Network:
         seen |= (begins_m == ends_m).all(axis=1)
         return seen
 
-    def ways(self, points_m: FloatArray, wanted: BoolArray) -> Ways:
+    def ways(self, points_m: FloatArray, pairs: IntArray) -> Ways:
         """The shortest ways between points.
 
         Args:
             points_m: Shape (T, 2), in the area.
-            wanted: Shape (T, T), symmetric: the pairs that count; others may come out longer than they are.
+            pairs: Shape (P, 2), numbers of points: begin and end.
         """
-        offset, count = len(self._corners), len(self._corners) + len(points_m)
-        pairs = np.argwhere(np.triu(wanted, 1))
-        pairs = pairs[self.sees(points_m[pairs[:, 0]], points_m[pairs[:, 1]])]
-        touched = self._touched(points_m).nonzero()
-        seen = self.sees(points_m[touched[0]], self._corners[touched[1]])
-        ends = np.concatenate(
-            (self._edges, pairs + offset, np.stack((touched[1][seen], touched[0][seen] + offset), axis=1))
-        )
-        nodes = np.concatenate((self._corners, points_m))
-        lengths = np.maximum(np.linalg.norm(nodes[ends[:, 0]] - nodes[ends[:, 1]], axis=1), _NO_LENGTH)
-        rows, columns = ends.T.astype(np.int32)  # all that dijkstra of older versions of scipy takes
-        graph = csr_array((lengths, (rows, columns)), shape=(count, count))
-        found, before = dijkstra(graph, directed=False, indices=np.arange(offset, count), return_predecessors=True)
-        return Ways(found[:, offset:], nodes, before.astype(np.int64))
+        ends = points_m[pairs]
+        straight = self.sees(ends[:, 0], ends[:, 1])
+        lengths = np.where(straight, np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), np.inf)
+        bends = np.full((len(pairs), 2), _STRAIGHT)
+        rest = np.flatnonzero(~straight)
+        if len(rest) and len(self._corners):
+            asked, place = np.unique(pairs[rest], return_inverse=True)
+            lengths[rest], bends[rest] = self._over_corners(points_m[asked], place.reshape(-1, 2))
+        return Ways(lengths, ends, bends, self._corners, self._between[1])
+
+    def _over_corners(self, points_m: FloatArray, pairs: IntArray) -> tuple[FloatArray, IntArray]:
+        """Of pairs of points that do not see each other the lengths, and first and last corners: (P,) and (P, 2)."""
+        sights = self._sights(points_m)
+        seeing = np.flatnonzero(np.diff(sights.begins))
+        # From each point to each corner, over the best of those that it sees.
+        reached = np.full((len(points_m), len(self._corners)), np.inf)
+        over = sights.lengths_m[:, None] + self._between[0][sights.corners]
+        if len(seeing):
+            reached[seeing] = np.minimum.reduceat(over, sights.begins[seeing], axis=0)
+        lengths, bends = np.full(len(pairs), np.inf), np.full((len(pairs), 2), _STRAIGHT)
+        row, pair = sights.of(pairs[:, 1])
+        lengths, best = _least(reached[pairs[pair, 0], sights.corners[row]] + sights.lengths_m[row], pair, lengths)
+        found = np.flatnonzero(np.isfinite(lengths))
+        bends[found, 1] = sights.corners[row[best[found]]]
+        row, pair = sights.of(pairs[found, 0])
+        _, best = _least(over[row, bends[found[pair], 1]], pair, lengths[found])
+        bends[found, 0] = sights.corners[row[best]]
+        return lengths, bends
+
+    def _sights(self, points_m: FloatArray) -> Sights:
+        point, corner = self._touched(points_m).nonzero()
+        seen = self.sees(points_m[point], self._corners[corner])
+        point, corner = point[seen], corner[seen]
+        begins = np.searchsorted(point, np.arange(len(points_m) + 1))
+        lengths = np.linalg.norm(points_m[point] - self._corners[corner], axis=1)
+        return Sights(begins.astype(np.int64), corner.astype(np.int64), lengths)
 
     @cached_property
-    def _edges(self) -> IntArray:
-        """Pairs of corners that see each other and are both touched, shape (E, 2)."""
+    def _between(self) -> tuple[FloatArray, IntArray]:
+        """Shortest ways between all corners, and on the way to each the corner before; both (V, V)."""
+        count = len(self._corners)
+        if not count:
+            return np.empty((0, 0)), np.empty((0, 0), dtype=np.int64)
         touched = self._touched(self._corners)
         pairs = np.argwhere(np.triu(touched & touched.T, 1))
-        seen = self.sees(self._corners[pairs[:, 0]], self._corners[pairs[:, 1]])
-        return pairs[seen].astype(np.int64)
+        pairs = pairs[self.sees(self._corners[pairs[:, 0]], self._corners[pairs[:, 1]])]
+        steps = self._corners[pairs[:, 0]] - self._corners[pairs[:, 1]]
+        lengths = np.maximum(np.linalg.norm(steps, axis=1), _NO_LENGTH)
+        rows, columns = pairs.T.astype(np.int32)  # all that dijkstra of older versions of scipy takes
+        graph = csr_array((lengths, (rows, columns)), shape=(count, count))
+        found, before = dijkstra(graph, directed=False, return_predecessors=True)
+        return found, before.astype(np.int64)
 
     def _touched(self, points: FloatArray) -> BoolArray:
         """Whether the line from each point to each corner leaves both edges there on one side, shape (T, V)."""
@@ -121,6 +182,15 @@ class Network:
         slack = _NO_LENGTH * (1.0 + np.abs(steps).sum(axis=2))
         touched: BoolArray = (np.minimum(*sides) >= -slack) | (np.maximum(*sides) <= slack)
         return touched
+
+
+def _least(values: FloatArray, owner: IntArray, none: FloatArray) -> tuple[FloatArray, IntArray]:
+    """The least value of each owner, ``none`` where it has none, and its place among the values; shapes of ``none``."""
+    order = np.lexsort((values, owner))
+    first = np.flatnonzero(np.diff(owner[order], prepend=-1))
+    least, place = none.copy(), np.zeros(len(none), dtype=np.int64)
+    least[owner[order[first]]], place[owner[order[first]]] = values[order[first]], order[first]
+    return least, place
 
 
 def _corners(area: shapely.Geometry) -> tuple[FloatArray, FloatArray, FloatArray]:

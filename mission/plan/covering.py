@@ -11,7 +11,7 @@ import shapely
 from mission.coverage.camera import Lens, lane_spacing_m, trigger_distance_m
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.covering import cover
-from mission.coverage.flown import covered_share, swath
+from mission.coverage.flown import covered_share, swath_of
 from mission.errors import GeometryError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
 from mission.geometry.regions import Labelling, union_of
@@ -29,7 +29,7 @@ _MOST_ROOM_M: Final = 0.25  # likewise for ways, at most, since passages may be 
 _STEPS: Final = 1.0 / 30.0  # of the spacing: smaller steps to the side are left out
 _LANE_END: Final = 1.0 / 3.0  # widest reach at the end of a lane, of the spacing
 _WAY: Final = 1.0  # widest reach elsewhere, likewise
-_SAMPLED: Final = 1.0 / 20.0  # of the spacing
+_SAMPLES: Final = 9  # of a rounded corner
 _QUARTER: Final = 16  # chords of a quarter circle
 
 
@@ -262,10 +262,13 @@ class Covering:
 
 def _swath(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> shapely.Geometry:
     """What is within half a spacing of a curve where it flies lanes, by the measure of what is flown."""
-    step_s = _SAMPLED * spacing_m / curve.speed_m_s
-    lanes = [np.linspace(begin, end, 2 + int((end - begin) / step_s)) for begin, end in lanes_s.tolist()]
-    times_s = np.concatenate(lanes)
-    return swath(curve.position(times_s), times_s, spacing_m=spacing_m, longest_gap_s=step_s)
+    # The curve is straight but for its blends, which every other piece is.
+    blends = curve.knots_s[1:-1].reshape(-1, 2)
+    shares = np.linspace(0.0, 1.0, _SAMPLES)
+    knots = np.concatenate((lanes_s.ravel(), (blends[:, :1] + shares * np.diff(blends, axis=1)).ravel()))
+    times_s, at = np.unique(knots, return_inverse=True)
+    track, (begins, ends) = curve.position(times_s), at[: lanes_s.size].reshape(-1, 2).T.tolist()
+    return swath_of((track[begin : end + 1] for begin, end in zip(begins, ends, strict=True)), spacing_m)
 
 
 def _reached(

@@ -5,7 +5,7 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 
-from mission.coverage.order import TOURS, Tours, _best_tours, _improved, best_move, best_order
+from mission.coverage.order import TOURS, Moves, Tours, _best_tours, _improved, best_order, settled
 from mission.geometry.arrays import FloatArray, IntArray
 
 
@@ -82,8 +82,34 @@ def test_a_move_gains_what_it_says_and_there_is_none_left_in_the_best_order() ->
     tours = strewn(5, 5)
     order, tour, _ = best_order(tours)
     chain = order * TOURS + tour
-    assert best_move(tours.links(), chain).tolist() == chain.tolist()
+    assert Moves(tours.links()).best(chain) is chain
     worse = np.concatenate((chain[3:], chain[:3]))
-    moved = best_move(tours.links(), worse)
+    moved = Moves(tours.links()).best(worse)
     assert sorted(moved // TOURS) == sorted(worse // TOURS)
     assert cost(tours, moved // TOURS, moved % TOURS) < cost(tours, worse // TOURS, worse % TOURS)
+
+
+def every_move(chain: IntArray) -> list[IntArray]:
+    """All turns of a stretch, and all places to which up to three go, either way round."""
+    moved = []
+    for begin in range(len(chain)):
+        for end in range(begin + 1, len(chain) + 1):
+            part, rest = chain[begin:end], np.concatenate((chain[:begin], chain[end:]))
+            moved.append(np.concatenate((chain[:begin], part[::-1] ^ 1, chain[end:])))
+            if end - begin <= 3:
+                for place in range(len(rest) + 1):
+                    moved += [np.concatenate((rest[:place], each, rest[place:])) for each in (part, part[::-1] ^ 1)]
+    return moved
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_where_moves_end_hardly_any_move_of_all_is_left_that_gains(seed: int) -> None:
+    tours = strewn(seed, 12, leave=seed % 2 == 0)
+    links = tours.links()
+    begun = np.random.default_rng(seed).permutation(12) * TOURS
+    chain = settled(links, begun)
+    assert sorted(chain // TOURS) == list(range(12))
+    reached = cost(tours, chain // TOURS, chain % TOURS)
+    assert reached < cost(tours, begun // TOURS, begun % TOURS)
+    best = min(cost(tours, moved // TOURS, moved % TOURS) for moved in every_move(chain))
+    assert best > 0.99 * reached

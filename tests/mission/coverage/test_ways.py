@@ -42,27 +42,34 @@ def test_ways_are_the_shortest(seed: int) -> None:
     points = points[shapely.contains_xy(area, *points.T)]
     if len(points) < 2:
         return
-    ways = Network(area, SLACK_M).ways(points, np.ones((len(points), len(points)), dtype=np.bool_))
-    np.testing.assert_allclose(ways.lengths_m[0], lengths_by_hand(area, points), rtol=1e-6)
-    np.testing.assert_allclose(ways.lengths_m, ways.lengths_m.T)
-    for end in np.flatnonzero(np.isfinite(ways.lengths_m[0, 1:])) + 1:
-        line = ways.line_m(0, int(end))
-        assert line[0].tolist() == points[0].tolist()
-        assert line[-1].tolist() == points[end].tolist()
-        assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(ways.lengths_m[0, end], abs=1e-6)
+    pairs = np.argwhere(np.ones((len(points), len(points)), dtype=np.bool_))
+    ways = Network(area, SLACK_M).ways(points, pairs)
+    lengths = ways.lengths_m.reshape(len(points), len(points))
+    np.testing.assert_allclose(lengths[0], lengths_by_hand(area, points), rtol=1e-6)
+    np.testing.assert_allclose(lengths, lengths.T)
+    for pair in np.flatnonzero(np.isfinite(ways.lengths_m) & (pairs[:, 0] != pairs[:, 1])):
+        line = ways.line_m(int(pair))
+        assert line[[0, -1]].tolist() == points[pairs[pair]].tolist()
+        assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(ways.lengths_m[pair], abs=1e-6)
         assert area.buffer(2.0 * SLACK_M).covers(shapely.LineString(line))
+        for end, step in enumerate((line[1] - line[0], line[-2] - line[-1])):
+            np.testing.assert_allclose(ways.outwards[pair, end], step / np.linalg.norm(step), atol=1e-6)
 
 
 def test_a_way_leaves_towards_its_first_bend() -> None:
     area = shapely.box(0.0, 0.0, 30.0, 30.0).difference(shapely.box(10.0, 0.0, 20.0, 20.0))
-    ways = Network(area, SLACK_M).ways(np.array([[0.0, 20.0], [30.0, 20.0], [5.0, 25.0]]), ~np.eye(3, dtype=np.bool_))
-    assert ways.lengths_m[0, 1] == pytest.approx(30.0)
-    np.testing.assert_allclose(ways.leaving[0, 1], [1.0, 0.0])
-    np.testing.assert_allclose(ways.leaving[1, 0], [-1.0, 0.0])
-    np.testing.assert_allclose(ways.leaving[2, 0], [-np.sqrt(0.5), -np.sqrt(0.5)])
+    points = np.array([[0.0, 20.0], [30.0, 20.0], [5.0, 25.0], [5.0, 2.0]])
+    ways = Network(area, SLACK_M).ways(points, np.array([[0, 1], [0, 2], [1, 3]]))
+    np.testing.assert_allclose(ways.lengths_m, [30.0, np.sqrt(50.0), 20.0 + np.hypot(5.0, 18.0)])
+    np.testing.assert_allclose(ways.outwards[0], [[1.0, 0.0], [-1.0, 0.0]])
+    np.testing.assert_allclose(ways.outwards[1], np.sqrt(0.5) * np.array([[1.0, 1.0], [-1.0, -1.0]]))
+    np.testing.assert_allclose(ways.outwards[2, 1], np.array([5.0, 18.0]) / np.hypot(5.0, 18.0))
+    assert ways.line_m(2).tolist() == [[30.0, 20.0], [10.0, 20.0], [5.0, 2.0]]
 
 
 def test_parts_that_do_not_meet_have_no_way() -> None:
-    area = shapely.MultiPolygon([shapely.box(0.0, 0.0, 10.0, 10.0), shapely.box(20.0, 0.0, 30.0, 10.0)])
-    ways = Network(area, SLACK_M).ways(np.array([[1.0, 1.0], [21.0, 1.0]]), ~np.eye(2, dtype=np.bool_))
-    assert np.isinf(ways.lengths_m[0, 1])
+    parts = [shapely.box(0.0, 0.0, 10.0, 10.0), shapely.box(20.0, 0.0, 30.0, 10.0)]
+    bent = shapely.difference(parts[1], shapely.box(23.0, 0.0, 27.0, 5.0))
+    for area in (shapely.MultiPolygon(parts), shapely.MultiPolygon([parts[0], bent])):
+        ways = Network(area, SLACK_M).ways(np.array([[1.0, 1.0], [21.0, 1.0]]), np.array([[0, 1]]))
+        assert np.isinf(ways.lengths_m[0])
