@@ -38,6 +38,7 @@ _AUTOPILOT_HZ: Final = 20.0
 _LONGEST_STEP_S: Final = 0.02
 _STRONGEST_WIND_M_S: Final = 30.0
 _STRONGEST_GUST_M_S: Final = 10.0
+_MOST_DRAG_PER_S: Final = 5.0
 
 
 class Readings(NamedTuple):
@@ -68,6 +69,7 @@ class VehicleConfig:
     wind_m_s: float = 0.0
     wind_from_deg: float = 180.0
     gust_m_s: float = 0.0
+    drag_per_s: float = DRAG_PER_S
     gains: TrackingGains = field(default_factory=TrackingGains)
     sensor_errors: SensorErrors = field(default_factory=SensorErrors)
     estimator: EstimatorTuning = field(default_factory=EstimatorTuning)
@@ -94,6 +96,8 @@ class VehicleConfig:
                 f"wind is 0 to {_STRONGEST_WIND_M_S:g} m/s with gusts of 0 to {_STRONGEST_GUST_M_S:g} m/s, "
                 f"not {self.wind_m_s:g} and {self.gust_m_s:g}"
             )
+        if not 0.0 < self.drag_per_s <= _MOST_DRAG_PER_S:
+            raise ConfigurationError(f"drag lies in (0, {_MOST_DRAG_PER_S:g}] per second, not {self.drag_per_s:g}")
         if not isfinite(self.wind_from_deg):
             raise ConfigurationError("the wind comes from a direction in degrees")
 
@@ -122,7 +126,7 @@ class Vehicle:
             raise ConfigurationError(f"parameters of {self.parameters.flavour} for a vehicle of {config.flavour}")
         step_s = config.step_s
         kind = Quadrotor if config.dynamics is Dynamics.QUADROTOR else Hover
-        self.airframe: Airframe = kind(step_s=step_s, yaw_rad=config.home_yaw_rad)
+        self.airframe: Airframe = kind(step_s=step_s, yaw_rad=config.home_yaw_rad, drag_per_s=config.drag_per_s)
         if config.wind_m_s > 0.0 or config.gust_m_s > 0.0:
             self.parameters.set("SIM_WIND_SPD", config.wind_m_s)
             self.parameters.set("SIM_WIND_DIR", config.wind_from_deg % 360.0)
@@ -278,7 +282,8 @@ class Vehicle:
         """Return the level wind whose drag explains the disturbance that the controller sees."""
         north, east, _down = self._controller.disturbance_ned_m_s2
         v_north, v_east, _v_down = estimate.velocity_ned_m_s
-        return (v_north + north / DRAG_PER_S, v_east + east / DRAG_PER_S, 0.0)
+        drag_per_s = self.config.drag_per_s
+        return (v_north + north / drag_per_s, v_east + east / drag_per_s, 0.0)
 
     def _suffer(self) -> None:
         """Hand what is wrong now to those that suffer from it."""

@@ -21,6 +21,9 @@ acceleration, in product near ArduCopter's PSC_POSXY_P = 1.0 and PSC_VELXY_P = 2
     and acceleration        0.13    0.25          1.1-1.7
 
 where the last two columns were seen in their own simulators, with the delays of a link, which count here as nothing.
+
+PX4 (MPC_XY_P and MPC_XY_VEL_P_ACC, _I_ACC, _D_ACC) has no observer. Its integral of the velocity error learns a lasting
+disturbance in seconds, and through drag, which is one that changes with the velocity, it follows late (``PX4_GAINS``).
 """
 
 from dataclasses import dataclass
@@ -36,16 +39,37 @@ _YAW_PER_S: Final = 2.0
 _YAW_RATE_PER_S: Final = 8.0
 _BRAKING_SHARE: Final = 0.75
 _MOST_DISTURBANCE_M_S2: Final = 4.0
+_MOST_INTEGRAL_M_S2: Final = 8.0
 _VERTICAL_RESERVE: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackingGains:
-    """Time constant of the tracking law, and of the disturbance observer (None: no observer, the bare Eq. 12)."""
+    """Gains of the tracking law.
+
+    Attributes:
+        tau_s: Time constant of Eq. 12, from which the gains of position and velocity follow where they are not given.
+        observer_s: Time constant of the disturbance observer; None for the law without one.
+        rotor_s: Time constant of the rotors that the observer reckons with.
+        position_per_s: From position to velocity, instead of 1 / (2 tau).
+        velocity_per_s: From velocity to acceleration, instead of 2 / tau.
+        integral_per_s2: From the integral of the velocity's error to acceleration, level only.
+        damping: Share of the measured acceleration that is taken off what is asked for, level only.
+    """
 
     tau_s: float = 0.8
     observer_s: float | None = 1.0
     rotor_s: float = 0.05
+    position_per_s: float | None = None
+    velocity_per_s: float | None = None
+    integral_per_s2: float = 0.0
+    damping: float = 0.0
+
+
+PX4_GAINS: Final = TrackingGains(
+    observer_s=None, position_per_s=0.95, velocity_per_s=1.8, integral_per_s2=0.4, damping=0.2
+)
+"""Those of PX4 as it comes."""
 
 
 def approach_speed(distance_m: float, *, gain_per_s: float, braking_m_s2: float) -> float:
@@ -57,6 +81,10 @@ def approach_speed(distance_m: float, *, gain_per_s: float, braking_m_s2: float)
     if distance_m <= near_m:
         return gain_per_s * distance_m
     return sqrt(2.0 * braking_m_s2 * (distance_m - 0.5 * near_m))
+
+
+def _clipped(value: float, most: float) -> float:
+    return max(-most, min(value, most))
 
 
 def wrap(angle_rad: float) -> float:
@@ -77,8 +105,11 @@ class Controller:
     def __init__(self, gains: TrackingGains, *, step_s: float) -> None:
         """Start idle."""
         self._step_s = step_s
-        self._position_per_s = 0.5 / gains.tau_s
-        self._velocity_per_s = 2.0 / gains.tau_s
+        self._position_per_s = gains.position_per_s or 0.5 / gains.tau_s
+        self._velocity_per_s = gains.velocity_per_s or 2.0 / gains.tau_s
+        self._integral_per_step = gains.integral_per_s2 * step_s
+        self._damping = gains.damping
+        self._integral = (0.0, 0.0)
         self._observe = 0.0 if gains.observer_s is None else 1.0 - exp(-step_s / gains.observer_s)
         self._rotor = 1.0 - exp(-step_s / gains.rotor_s)
         self._idle = True
@@ -90,7 +121,9 @@ class Controller:
 
     @property
     def disturbance_ned_m_s2(self) -> tuple[float, float, float]:
-        """The disturbance that the observer sees."""
+        """The disturbance that the observer sees, or that the integral has learned."""
+        if self._integral_per_step:
+            return (-self._integral[0], -self._integral[1], self._disturbance[2])
         return self._disturbance
 
     def step(self, estimate: Estimate, guidance: Guidance) -> Command:
@@ -104,6 +137,7 @@ class Controller:
         if self._idle:
             self._idle = False
             self._disturbance = (0.0, 0.0, 0.0)
+            self._integral = (0.0, 0.0)
             self._thrust_m_s2 = 0.0
             self.yaw_rad = estimate.yaw_rad
         cos_yaw, sin_yaw = cos(estimate.yaw_rad), sin(estimate.yaw_rad)
@@ -157,6 +191,18 @@ class Controller:
             u_n += self._velocity_per_s * (wanted_n - going[0])
         if place[1] is not None or speed[1] is not None:
             u_e += self._velocity_per_s * (wanted_e - going[1])
+        if self._integral_per_step:
+            sum_n, sum_e = self._integral
+            if place[0] is not None or speed[0] is not None:
+                sum_n = _clipped(sum_n + self._integral_per_step * (wanted_n - going[0]), _MOST_INTEGRAL_M_S2)
+                u_n += sum_n
+            if place[1] is not None or speed[1] is not None:
+                sum_e = _clipped(sum_e + self._integral_per_step * (wanted_e - going[1]), _MOST_INTEGRAL_M_S2)
+                u_e += sum_e
+            self._integral = (sum_n, sum_e)
+        if self._damping:
+            felt = estimate.acceleration_ned_m_s2
+            u_n, u_e = u_n - self._damping * felt[0], u_e - self._damping * felt[1]
         size = hypot(u_n, u_e)
         if size > limits.acceleration_m_s2:
             u_n, u_e = u_n * limits.acceleration_m_s2 / size, u_e * limits.acceleration_m_s2 / size

@@ -54,12 +54,12 @@ def discretise(a: np.ndarray, b: np.ndarray, step_s: float) -> tuple[np.ndarray,
     return whole[:n, :n], whole[:n, n:]
 
 
-def horizontal_model() -> tuple[np.ndarray, np.ndarray]:
+def horizontal_model(drag_per_s: float = DRAG_PER_S) -> tuple[np.ndarray, np.ndarray]:
     """Return A (4, 4) and B (4, 2) of one horizontal axis: state (p, v, eta, eta'), inputs (eta'', wind)."""
     a = np.array(
-        [[0.0, 1.0, 0.0, 0.0], [0.0, -DRAG_PER_S, GRAVITY_M_S2, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0]]
+        [[0.0, 1.0, 0.0, 0.0], [0.0, -drag_per_s, GRAVITY_M_S2, 0.0], [0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 0.0]]
     )
-    return a, np.array([[0.0, 0.0], [0.0, DRAG_PER_S], [0.0, 0.0], [1.0, 0.0]])
+    return a, np.array([[0.0, 0.0], [0.0, drag_per_s], [0.0, 0.0], [1.0, 0.0]])
 
 
 def vertical_model() -> tuple[np.ndarray, np.ndarray]:
@@ -75,10 +75,10 @@ def _clip(value: float, bound: float) -> float:
 class Hover:
     """One vehicle, standing at the origin on level ground; `motion` is its true state after the last step."""
 
-    def __init__(self, *, step_s: float, yaw_rad: float = 0.0) -> None:
-        """Stand still, looking to `yaw_rad`."""
+    def __init__(self, *, step_s: float, yaw_rad: float = 0.0, drag_per_s: float = DRAG_PER_S) -> None:
+        """Stand still, looking to `yaw_rad`; `drag_per_s` is k of the horizontal axes."""
         self._step_s = step_s
-        phi, gamma = discretise(*horizontal_model(), step_s)
+        phi, gamma = discretise(*horizontal_model(drag_per_s), step_s)
         # Upper triangular: only what is not zero by structure is multiplied.
         self._across = (
             *(float(phi[i, j]) for i, j in ((0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3))),

@@ -30,7 +30,6 @@ from vehicle_sim.dynamics.rotors import SURVEY_ROTORS, RotorSet, thrust_and_torq
 from vehicle_sim.signals import GRAVITY_M_S2, Command, FourRotors, Motion, Vector
 
 _STILL: Final[Vector] = (0.0, 0.0, 0.0)
-_ALONG: Final = VERTICAL_DRAG_PER_S - DRAG_PER_S
 
 Quaternion = tuple[float, float, float, float]
 
@@ -79,9 +78,17 @@ def turned(attitude: Quaternion, rotation_rad: Vector) -> Quaternion:
 class Quadrotor:
     """One vehicle, standing at the origin on level ground; `motion` is its true state after the last step."""
 
-    def __init__(self, *, step_s: float, yaw_rad: float = 0.0, rotors: RotorSet = SURVEY_ROTORS) -> None:
-        """Stand still with resting rotors, looking to `yaw_rad`."""
+    def __init__(
+        self,
+        *,
+        step_s: float,
+        yaw_rad: float = 0.0,
+        drag_per_s: float = DRAG_PER_S,
+        rotors: RotorSet = SURVEY_ROTORS,
+    ) -> None:
+        """Stand still with resting rotors, looking to `yaw_rad`; `drag_per_s` is across the rotors' axis."""
         self._step_s = step_s
+        self._drag_per_s, self._along_per_s = drag_per_s, VERTICAL_DRAG_PER_S - drag_per_s
         self._rotors = rotors
         # What is left of a speed's miss after half a step and after a step, and its mean and mean square over both.
         halves, wholes = 0.5 * step_s / rotors.response_s, step_s / rotors.response_s
@@ -218,11 +225,11 @@ class Quadrotor:
         bd = 1.0 - qx * qx - qy * qy - ex * ex - ey * ey
         vn, ve, vd = was.velocity_ned_m_s
         un, ue, ud = vn - wind[0], ve - wind[1], vd - wind[2]
-        k, half = DRAG_PER_S, 0.5 * dt
-        push = thrust + _ALONG * (un * bn + ue * be + ud * bd)
+        k, along, half = self._drag_per_s, self._along_per_s, 0.5 * dt
+        push = thrust + along * (un * bn + ue * be + ud * bd)
         un, ue = un + half * (-push * bn - k * un), ue + half * (-push * be - k * ue)
         ud += half * (GRAVITY_M_S2 - push * bd - k * ud)
-        push = thrust + _ALONG * (un * bn + ue * be + ud * bd)
+        push = thrust + along * (un * bn + ue * be + ud * bd)
         an, ae, ad = -push * bn - k * un, -push * be - k * ue, GRAVITY_M_S2 - push * bd - k * ud
         pn, pe, pd = was.position_ned_m
         return (
