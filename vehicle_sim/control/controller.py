@@ -187,34 +187,35 @@ class Controller:
         if size > limits.speed_m_s:
             wanted_n, wanted_e = wanted_n * limits.speed_m_s / size, wanted_e * limits.speed_m_s / size
         u_n, u_e = push[0] or 0.0, push[1] or 0.0
-        if place[0] is not None or speed[0] is not None:
+        steered_n, steered_e = (place[i] is not None or speed[i] is not None for i in (0, 1))
+        if steered_n:
             u_n += self._velocity_per_s * (wanted_n - going[0])
-        if place[1] is not None or speed[1] is not None:
+        if steered_e:
             u_e += self._velocity_per_s * (wanted_e - going[1])
-        if self._integral_per_step:
-            sum_n, sum_e = self._integral
-            if place[0] is not None or speed[0] is not None:
-                sum_n = _clipped(sum_n + self._integral_per_step * (wanted_n - going[0]), _MOST_INTEGRAL_M_S2)
-                u_n += sum_n
-            if place[1] is not None or speed[1] is not None:
-                sum_e = _clipped(sum_e + self._integral_per_step * (wanted_e - going[1]), _MOST_INTEGRAL_M_S2)
-                u_e += sum_e
-            self._integral = (sum_n, sum_e)
-        if self._damping:
-            felt = estimate.acceleration_ned_m_s2
-            u_n, u_e = u_n - self._damping * felt[0], u_e - self._damping * felt[1]
         size = hypot(u_n, u_e)
         if size > limits.acceleration_m_s2:
             u_n, u_e = u_n * limits.acceleration_m_s2 / size, u_e * limits.acceleration_m_s2 / size
         # An axis that nothing is asked of stays level, and drifts with the wind.
-        asked_n = place[0] is not None or speed[0] is not None or push[0] is not None
-        asked_e = place[1] is not None or speed[1] is not None or push[1] is not None
+        asked_n, asked_e = steered_n or push[0] is not None, steered_e or push[1] is not None
+        if self._integral_per_step:
+            miss_n, miss_e = (wanted_n - going[0] if steered_n else 0.0), (wanted_e - going[1] if steered_e else 0.0)
+            self._learn(miss_n, miss_e)
+            u_n, u_e = u_n + self._integral[0], u_e + self._integral[1]
+        if self._damping:
+            felt = estimate.acceleration_ned_m_s2
+            u_n, u_e = u_n - self._damping * felt[0], u_e - self._damping * felt[1]
         tilt_n = (u_n - self._disturbance[0]) / GRAVITY_M_S2 if asked_n else 0.0
         tilt_e = (u_e - self._disturbance[1]) / GRAVITY_M_S2 if asked_e else 0.0
         size = hypot(tilt_n, tilt_e)
         if size > limits.tilt_rad:
             tilt_n, tilt_e = tilt_n * limits.tilt_rad / size, tilt_e * limits.tilt_rad / size
         return tilt_n, tilt_e
+
+    def _learn(self, miss_n_m_s: float, miss_e_m_s: float) -> None:
+        """Add the velocity's error to the integral, as far as that may grow."""
+        k, (sum_n, sum_e) = self._integral_per_step, self._integral
+        most = _MOST_INTEGRAL_M_S2
+        self._integral = (_clipped(sum_n + k * miss_n_m_s, most), _clipped(sum_e + k * miss_e_m_s, most))
 
     def _thrust(self, estimate: Estimate, setpoint: Setpoint, guidance: Guidance) -> float:
         """Return the specific thrust that the down axis asks for."""
