@@ -4,7 +4,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from vehicle_sim.autopilot import LandedState, Mode, Outcome
+from vehicle_sim.control.controller import TrackingGains
 from vehicle_sim.dynamics.airframe import Dynamics
+from vehicle_sim.dynamics.hover import DRAG_PER_S
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import PartialVector, Setpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
@@ -39,11 +41,12 @@ def booted(
     seed: int = 1,
     wind_m_s: float = 0.0,
     dynamics: Dynamics = Dynamics.HOVER,
+    drag_per_s: float = DRAG_PER_S,
+    gains: TrackingGains | None = None,
 ) -> Vehicle:
     """Return a vehicle that has waited for its position; wind comes with gusts of a quarter of its speed."""
-    config = replace(
-        VehicleConfig(flavour=flavour, seed=seed, dynamics=dynamics), wind_m_s=wind_m_s, gust_m_s=0.25 * wind_m_s
-    )
+    config = VehicleConfig(flavour=flavour, seed=seed, dynamics=dynamics, drag_per_s=drag_per_s)
+    config = replace(config, wind_m_s=wind_m_s, gust_m_s=0.25 * wind_m_s, gains=gains or config.gains)
     vehicle = Vehicle(config)
     wait_until(vehicle, lambda v: v.estimate.status.position_ok and v.autopilot.home is not None, within_s=20.0)
     return vehicle
@@ -56,9 +59,11 @@ def hovering(
     seed: int = 1,
     wind_m_s: float = 0.0,
     dynamics: Dynamics = Dynamics.HOVER,
+    drag_per_s: float = DRAG_PER_S,
+    gains: TrackingGains | None = None,
 ) -> Vehicle:
     """Return a vehicle that has taken off and hovers."""
-    vehicle = booted(flavour, seed=seed, wind_m_s=wind_m_s, dynamics=dynamics)
+    vehicle = booted(flavour, seed=seed, wind_m_s=wind_m_s, dynamics=dynamics, drag_per_s=drag_per_s, gains=gains)
     autopilot = vehicle.autopilot
     if flavour is Flavour.ARDUPILOT:
         assert autopilot.set_mode(Mode.GUIDED) is Outcome.ACCEPTED

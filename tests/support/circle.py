@@ -4,7 +4,9 @@ from math import cos, hypot, pi, sin, sqrt
 
 from tests.support.bare_vehicle import hovering
 from vehicle_sim.autopilot import Mode
+from vehicle_sim.control.controller import TrackingGains
 from vehicle_sim.dynamics.airframe import Dynamics
+from vehicle_sim.dynamics.hover import DRAG_PER_S
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import FREE, Setpoint
 
@@ -15,13 +17,19 @@ _EVERY = 5
 
 
 def rms_error_m(
-    flavour: Flavour, dynamics: Dynamics, *, with_acceleration: bool, wind_m_s: float = 0.0, seed: int = 1
+    flavour: Flavour,
+    dynamics: Dynamics,
+    *,
+    with_acceleration: bool,
+    wind_m_s: float = 0.0,
+    drag_per_s: float = DRAG_PER_S,
+    gains: TrackingGains | None = None,
 ) -> float:
     """Fly two rounds and return the rms distance between the estimated place and the one asked for, at equal times.
 
     The first quarter, in which the vehicle gains its speed, does not count. Wind has gusts of a quarter of its speed.
     """
-    vehicle = hovering(flavour, dynamics=dynamics, wind_m_s=wind_m_s, seed=seed)
+    vehicle = hovering(flavour, dynamics=dynamics, wind_m_s=wind_m_s, drag_per_s=drag_per_s, gains=gains)
     autopilot = vehicle.autopilot
     north_m, east_m, down_m = vehicle.estimate.position_ned_m
     turn_rad_s = SPEED_M_S / RADIUS_M

@@ -22,6 +22,7 @@ from vehicle_sim.server.addresses import LISTENING, Address, parse_address
 if TYPE_CHECKING:
     from vehicle_sim.faults import Schedule
     from vehicle_sim.parameters import ParameterStore
+    from vehicle_sim.vehicle import VehicleConfig
 
 _DEFAULT_LISTEN: Final = {"ardupilot": "tcpin:127.0.0.1:5760", "px4": "udpin:127.0.0.1:14580"}
 _DEFAULT_CONNECT: Final = {"ardupilot": (), "px4": ("udpout:127.0.0.1:14540",)}
@@ -49,9 +50,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
     # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
-    from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
-    from vehicle_sim.faults import NO_FAULTS  # noqa: PLC0415
-    from vehicle_sim.parameters import Flavour  # noqa: PLC0415
     from vehicle_sim.protocol.flavour import TABLES, Rates  # noqa: PLC0415
     from vehicle_sim.server.fleet import fleet_of  # noqa: PLC0415
     from vehicle_sim.server.key_file import KeyFile, signing_time  # noqa: PLC0415
@@ -62,23 +60,10 @@ def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
     from vehicle_sim.server.patience import Patience  # noqa: PLC0415
     from vehicle_sim.server.ports import Port, open_port  # noqa: PLC0415
     from vehicle_sim.server.server import Server  # noqa: PLC0415
-    from vehicle_sim.vehicle import VehicleConfig  # noqa: PLC0415
 
-    flavour = Flavour(options.flavour)
-    speed_m_s, from_deg = options.wind
-    place = {} if options.home is None else dict(zip(HOME_FIELDS, options.home, strict=True))
-    config = VehicleConfig(
-        seed=options.seed,
-        flavour=flavour,
-        dynamics=Dynamics(options.dynamics),
-        wind_m_s=speed_m_s,
-        wind_from_deg=from_deg,
-        gust_m_s=options.gusts,
-        faults=NO_FAULTS if options.faults is None else _schedule(options.faults),
-        **place,
-    )
+    config = _config(options)
     stores = [_parameters(options) for _ in range(options.count)]
-    named = int(stores[0][TABLES[flavour].system_id_parameter])
+    named = int(stores[0][TABLES[config.flavour].system_id_parameter])
     key_file = None if options.signing_key is None else KeyFile(options.signing_key, _notify)
     endpoints = fleet_of(
         config,
@@ -123,6 +108,30 @@ def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
             endpoint.signer.finish()
         for port in ports:
             port.close()
+
+
+def _config(options: argparse.Namespace) -> "VehicleConfig":
+    """Return the vehicle that the options describe."""
+    from vehicle_sim.control.controller import NAMED_GAINS  # noqa: PLC0415
+    from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
+    from vehicle_sim.faults import NO_FAULTS  # noqa: PLC0415
+    from vehicle_sim.parameters import Flavour  # noqa: PLC0415
+    from vehicle_sim.vehicle import VehicleConfig  # noqa: PLC0415
+
+    speed_m_s, from_deg = options.wind
+    place = {} if options.home is None else dict(zip(HOME_FIELDS, options.home, strict=True))
+    return VehicleConfig(
+        seed=options.seed,
+        flavour=Flavour(options.flavour),
+        dynamics=Dynamics(options.dynamics),
+        wind_m_s=speed_m_s,
+        wind_from_deg=from_deg,
+        gust_m_s=options.gusts,
+        drag_per_s=options.drag,
+        gains=NAMED_GAINS[options.gains],
+        faults=NO_FAULTS if options.faults is None else _schedule(options.faults),
+        **place,
+    )
 
 
 def _show_modes(options: argparse.Namespace) -> None:

@@ -136,6 +136,19 @@ def build_parser() -> argparse.ArgumentParser:
     vehicle.add_argument(
         "--gusts", type=not_negative, default=0.0, metavar="M_S", help="standard deviation of gusts, m/s (0)"
     )
+    vehicle.add_argument(
+        "--drag",
+        type=not_negative,
+        default=0.1,
+        metavar="PER_S",
+        help="drag over mass, level: 0.4 as ArduCopter's simulator, 0.95 as PX4's (0.1)",
+    )
+    vehicle.add_argument(
+        "--gains",
+        choices=("observer", "px4"),
+        default="observer",
+        help="how it follows: with an observer of disturbances, or by PX4's gains, late where drag changes (observer)",
+    )
     vehicle.add_argument("--faults", metavar="FILE", help="what goes wrong and when: a YAML file, see below")
     vehicle.add_argument(
         "--home", type=home, metavar="LAT,LON,ALT", help="where it stands: degrees, degrees, metres above sea level"

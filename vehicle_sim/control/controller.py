@@ -71,6 +71,9 @@ PX4_GAINS: Final = TrackingGains(
 )
 """Those of PX4 as it comes."""
 
+NAMED_GAINS: Final = {"observer": TrackingGains(), "px4": PX4_GAINS}
+"""The gains that a vehicle can be started with."""
+
 
 def approach_speed(distance_m: float, *, gain_per_s: float, braking_m_s2: float) -> float:
     """Return the speed towards a target `distance_m` away: proportional near it, a square root beyond.

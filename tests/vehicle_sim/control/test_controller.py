@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from tests.support.airframes import LIMITS, STEP_S, PerfectFlight, perfect
-from vehicle_sim.control.controller import TrackingGains, approach_speed, wrap
+from vehicle_sim.control.controller import PX4_GAINS, TrackingGains, approach_speed, wrap
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.dynamics.hover import DRAG_PER_S
 from vehicle_sim.signals import FREE, Guidance, Setpoint
@@ -65,6 +65,15 @@ def test_a_bounded_disturbance_leaves_a_bounded_error(data: st.DataObject, tau_s
             worst = np.maximum(worst, np.abs(motion.position_ned_m[:2]))
     # Drag only helps; the lag of the attitude costs a few per cent.
     assert np.all(worst <= 1.05 * bound * tau_s**2)
+
+
+def test_the_integral_learns_what_lasts_and_no_more() -> None:
+    """PX4's gains: a steady push is taken out in seconds, by an integral that is then as large as the push."""
+    flight = Flight(PX4_GAINS)
+    flight.wind = (8.0, -4.0, 0.0)
+    flight.fly(Setpoint(position_ned_m=(0.0, 0.0, -20.0), velocity_ned_m_s=(0.0, 0.0, 0.0)), 40.0)
+    assert flight.airframe.motion.position_ned_m[:2] == pytest.approx((0.0, 0.0), abs=0.01)
+    assert flight.controller.disturbance_ned_m_s2[:2] == pytest.approx((8.0 * DRAG_PER_S, -4.0 * DRAG_PER_S), abs=0.02)
 
 
 def test_the_observer_takes_out_what_lasts() -> None:
