@@ -41,8 +41,9 @@ and, as the first line of a mission file beside it, for editors that use the YAM
   # yaml-language-server: $schema=mission.schema.json
 """
 _IMPORT = """\
-Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, plans of QGroundControl, waypoint and
-fence files of ArduPilot's ground stations. The file plans as it is; its comments ask what the drawing does not tell.
+Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, GPX, plans of QGroundControl, waypoint
+and fence files of ArduPilot's ground stations. It is planned before it is written, and where there is no plan, that is
+said here and in its first lines (exit code 3); its comments ask what the drawing does not tell.
 """
 _FLY = """\
 Fly a mission. Without --connect, the bundled vehicle is started on loopback and stopped again.

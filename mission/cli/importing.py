@@ -3,36 +3,40 @@
 from argparse import Namespace
 from pathlib import Path
 
+from mission.cli.extent import extent
 from mission.cli.inputs import bad_file, write_named
-from mission.cli.screen import count, out, print_warnings
-from mission.draft.drafting import draft_mission
+from mission.cli.screen import count, out, print_error, print_warnings
+from mission.draft.trials import draft_that_plans
 from mission.errors import Fault, SpecError, reason
 from mission.interchange.features import Drawing
 from mission.interchange.reading import MAX_BYTES, read_drawing
 from mission.printable import printable
-from mission.spec.loader import parse_mission
 
 
 def run(arguments: Namespace) -> int:
-    """Read all files, and write or print one mission."""
+    """Read all files, and write or print one mission; where that has no plan, the exit code says so."""
+    target = None if arguments.out is None else Path(arguments.out)
+    if target is not None and target.exists() and not arguments.force:
+        hint = "choose another name, or say --force to write over it"
+        raise SpecError((Fault(0, 0, "--out", f"{target} is there already", hint),))
     in_metres = True if arguments.metres else None
     drawings = [(Path(file).stem, _drawing(Path(file), in_metres=in_metres)) for file in arguments.files]
-    text = draft_mission(drawings, " and ".join(file for file, _ in drawings))
-    remarks = tuple(remark for _, drawing in drawings for remark in drawing.remarks)
-    if arguments.out is None:
+    trial = draft_that_plans(drawings, " and ".join(file for file, _ in drawings))
+    text = trial.draft.text
+    if target is None:
         out.out(text, end="", highlight=False)
-        print_warnings(remarks)
     else:
-        target = Path(arguments.out)
-        if target.exists() and not arguments.force:
-            hint = "choose another name, or say --force to write over it"
-            raise SpecError((Fault(0, 0, "--out", f"{target} is there already", hint),))
         write_named("--out", target, text)
         asked = sum(line.lstrip().startswith("#") and "?" in line for line in text.splitlines())
         out.out(f"{printable(str(target))}: {count(asked, 'question')} in it, as comments", highlight=False)
-        print_warnings(remarks)
-    parse_mission(text.encode(), arguments.out or "")
-    return 0
+        if trial.plan is not None:
+            out.out(f"    it plans as it is: {extent(trial.plan, 1)}, proved", highlight=False)
+    print_warnings(trial.draft.remarks)
+    if trial.error is None:
+        return 0
+    print_warnings(("the mission does not plan as it is; its first lines say so, too",), source=arguments.out or "")
+    print_error(trial.error, source=arguments.out or "")
+    return trial.error.exit_code
 
 
 def _drawing(file: Path, *, in_metres: bool | None) -> Drawing:

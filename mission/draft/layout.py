@@ -14,7 +14,7 @@ from mission.draft.pieces import WIDTH_M, Piece, polygon_piece, together, unused
 from mission.errors import Fault, SpecError
 from mission.geometry.arrays import FloatArray
 from mission.geometry.shapes import Area
-from mission.interchange.features import Line, Polygon, Role
+from mission.interchange.features import Line, Point, Polygon, Role, Spot
 
 _INSIDE: Final = 0.99
 _WORTH_A_REGION: Final = 0.01
@@ -27,6 +27,29 @@ _WIDEST_TUBE_M: Final = 0.5
 _LEAST_ROOM_M: Final = 0.2
 _ROOM_FOR_LANES_M: Final = 2.0
 _SPACING_M: Final = 10.0
+_MANY_LANES: Final = 40
+"""A field that lanes of the usual spacing cross more often gets wider ones."""
+
+_TIDY_M: Final = 5.0
+_CLOSEST_LANES_M: Final = 0.5
+
+
+@dataclass(frozen=True)
+class Guesses:
+    """What a draft assumes where no file tells it.
+
+    Attributes:
+        tube_share: How much of the usual disturbance is allowed for.
+        only_visited: Names of regions to survey that are not covered by lanes.
+        in_a_row: Whether regions are visited in one order even where they are few.
+    """
+
+    tube_share: float = 1.0
+    only_visited: frozenset[str] = frozenset()
+    in_a_row: bool = False
+
+
+USUAL: Final = Guesses()
 
 
 @dataclass(frozen=True)
@@ -39,6 +62,7 @@ class Layout:
         visited: Names of those to survey that can be reached from home.
         homes: Names of those to return to.
         start: As the mission file has it.
+        ordered: Whether they are to be visited in this order.
         covered: The distance between lanes of each region that is wide enough for some, m, by its name.
         tube_m: A distance to keep with which the regions to survey can be visited.
         remarks: What was left out.
@@ -47,6 +71,7 @@ class Layout:
     boundary: Piece
     regions: tuple[Piece, ...]
     visited: tuple[str, ...]
+    ordered: bool
     homes: tuple[str, ...]
     start: str
     covered: dict[str, float]
@@ -54,14 +79,31 @@ class Layout:
     remarks: tuple[str, ...]
 
 
-def laid_out(pieces: Sequence[Piece], frame: Frame) -> Layout:
+def laid_out(
+    pieces: Sequence[Piece],
+    frame: Frame,
+    *,
+    route: Sequence[Point] = (),
+    start: Point | None = None,
+    tube_m: float | None = None,
+    guesses: Guesses = USUAL,
+) -> Layout:
     """A mission of the pieces: roles, a boundary around them, and a home that all can be visited from.
+
+    Args:
+        pieces: At least one, or there is a route.
+        frame: Where they lie.
+        route: Places that the boundary holds, too.
+        start: Where the flight begins, if that is known.
+        tube_m: How far to keep from where the vehicle must not go, if a mission was planned of them that is known: then
+            nothing is added to it.
+        guesses: For all that is not.
 
     Raises:
         SpecError: Nothing is left to fly in.
     """
     known = _with_roles(pieces)
-    boundary = _boundary([piece for piece in known if piece.role is Role.BOUNDARY], known, frame)
+    boundary = _boundary([piece for piece in known if piece.role is Role.BOUNDARY], known, route, frame)
     shapely.prepare(boundary.area)
     regions, remarks = [], []
     for piece in known:
@@ -73,17 +115,23 @@ def laid_out(pieces: Sequence[Piece], frame: Frame) -> Layout:
             remarks.append(f"{piece.name} lies outside the boundary and is left out")
             continue
         regions.append(piece)
-        if piece.role is Role.SURVEY:
+        if piece.role is Role.SURVEY and tube_m is None:
             regions.extend(_kept_off_holes(piece, known, frame))
-    restricted = together(piece for piece in regions if piece.role is Role.RESTRICTED)
+    restricted = shapely.union_all([piece.kept for piece in regions if piece.role is Role.RESTRICTED])
     surveyed = [piece for piece in regions if piece.role is Role.SURVEY]
-    free = boundary.area.difference(restricted)
+    free = boundary.kept.difference(restricted)
     if inradius_m(free) < _LEAST_ROOM_M:
         message = "nothing is left to fly in: what is restricted covers all that the boundary holds"
         raise SpecError((Fault(0, 0, "", message, "draw the boundary wider, or name what is not restricted"),))
-    homes, centre_m, start, said = homes_of(regions, surveyed, free, frame)
+    homes, centre_m, written, said = homes_of(regions, surveyed, free, frame)
+    if start is not None:
+        (place_m,) = frame.metres([start])
+        if free.contains(shapely.Point(place_m)):
+            centre_m, written = place_m, frame.as_drawn(start)
+        else:
+            remarks.append("where the flight of the file took off is not free here, and it begins elsewhere")
     ground = _part_with(free, centre_m)
-    rooms = {piece.name: inradius_m(piece.area.intersection(ground)) for piece in (*homes, *surveyed)}
+    rooms = {piece.name: inradius_m(piece.kept.intersection(ground)) for piece in (*homes, *surveyed)}
     visited = [piece for piece in surveyed if rooms[piece.name] >= _LEAST_ROOM_M]
     remarks.extend(f"{piece.name} cannot be reached from home" for piece in surveyed if piece not in visited)
     narrowest_m = min(rooms[piece.name] for piece in (*homes, *visited))
@@ -92,14 +140,15 @@ def laid_out(pieces: Sequence[Piece], frame: Frame) -> Layout:
         boundary,
         (*homes, *others),
         tuple(piece.name for piece in _in_a_row(visited, centre_m)),
+        guesses.in_a_row or any(piece.turn for piece in visited),
         tuple(piece.name for piece in homes),
-        start,
+        written,
         {
             piece.name: _spacing_m(piece, rooms[piece.name])
             for piece in visited
-            if rooms[piece.name] >= _ROOM_FOR_LANES_M
+            if _is_covered(piece, rooms[piece.name], told=tube_m is not None, guesses=guesses)
         },
-        round(min(_WIDEST_TUBE_M, _TUBE_SHARE * narrowest_m), 2),
+        round(guesses.tube_share * min(_WIDEST_TUBE_M, _TUBE_SHARE * narrowest_m), 2) if tube_m is None else tube_m,
         (*remarks, *said),
     )
 
@@ -137,7 +186,16 @@ def _holding_all(untold: Sequence[Piece], pieces: Sequence[Piece]) -> Piece | No
     return largest if held else None
 
 
-def _boundary(told: Sequence[Piece], pieces: Sequence[Piece], frame: Frame) -> Piece:
+def _is_covered(piece: Piece, room_m: float, *, told: bool, guesses: Guesses) -> bool:
+    """Whether a region gets lanes: as its file has it, or where it is wide enough and no mere place."""
+    if piece.lanes:
+        return True
+    shape = piece.shapes[0]
+    is_place = piece.turn > 0 or (isinstance(shape, Spot) and shape.radius_m is None)
+    return not (told or is_place or piece.name in guesses.only_visited) and room_m >= _ROOM_FOR_LANES_M
+
+
+def _boundary(told: Sequence[Piece], pieces: Sequence[Piece], route: Sequence[Point], frame: Frame) -> Piece:
     if len(told) == 1:
         return told[0]
     polygons = [shape for piece in told for shape in piece.shapes if isinstance(shape, Polygon)]
@@ -145,7 +203,7 @@ def _boundary(told: Sequence[Piece], pieces: Sequence[Piece], frame: Frame) -> P
         return polygon_piece("boundary", Role.BOUNDARY, polygons, frame, "several are drawn: any of them will do")
     if told:
         return told[0].also("the file has several circles: this one alone is taken")
-    ground = together(pieces)
+    ground = shapely.union_all([piece.area for piece in pieces] + [shapely.MultiPoint(frame.metres(route))])
     west, south, east, north = ground.bounds
     margin_m = float(np.clip(_MARGIN_SHARE * max(east - west, north - south), _SMALLEST_MARGIN_M, _LARGEST_MARGIN_M))
     around = ground.convex_hull.buffer(margin_m, join_style="mitre", mitre_limit=1.5).simplify(0.05 * margin_m)
@@ -173,11 +231,18 @@ def _kept_off_holes(piece: Piece, pieces: Sequence[Piece], frame: Frame) -> list
 
 
 def _spacing_m(piece: Piece, room_m: float) -> float:
-    """As it was planned before; one lane along a line; or so that several lanes are in what is wide."""
-    if piece.lanes:
-        return max(0.5, piece.lanes.spacing_m)
+    """As it was planned before; one lane along a line; or so that several lanes and not very many are in what is wide.
+
+    Lanes lie along the longer side of what is around a field, so that they are as many as the shorter one has room for.
+    """
+    if piece.lanes and piece.lanes.spacing_m:
+        return max(_CLOSEST_LANES_M, piece.lanes.spacing_m)
     shape = piece.shapes[0]
-    return (shape.width_m or WIDTH_M) if isinstance(shape, Line) else min(_SPACING_M, round(room_m))
+    if isinstance(shape, Line):
+        return shape.width_m or WIDTH_M
+    sides_m = np.hypot(*np.diff(shapely.get_coordinates(piece.area.minimum_rotated_rectangle)[:3], axis=0).T)
+    widest_m = _TIDY_M * np.ceil(sides_m.min() / (_TIDY_M * _MANY_LANES))
+    return float(max(min(_SPACING_M, round(room_m)), widest_m if widest_m > _SPACING_M else 0.0))
 
 
 def _part_with(free: Area, centre_m: FloatArray) -> Area:
@@ -187,7 +252,12 @@ def _part_with(free: Area, centre_m: FloatArray) -> Area:
 
 
 def _in_a_row(pieces: Sequence[Piece], begin_m: FloatArray) -> list[Piece]:
-    """Each the nearest to the one before, from where the vehicle starts."""
+    """Waypoints in their order, then each the nearest to the one before, from where the vehicle starts."""
+    turns = sorted((piece for piece in pieces if piece.turn), key=lambda piece: piece.turn)
+    return turns + _nearest_first([piece for piece in pieces if not piece.turn], begin_m)
+
+
+def _nearest_first(pieces: Sequence[Piece], begin_m: FloatArray) -> list[Piece]:
     left, row, at = list(pieces), [], shapely.Point(begin_m)
     while left:
         near = min(left, key=lambda piece: float(shapely.distance(at, piece.area)))

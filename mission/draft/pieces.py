@@ -5,6 +5,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +15,7 @@ from shapely.validation import explain_validity
 from mission.decimals import decimal, measure
 from mission.draft.frame import Frame
 from mission.errors import Fault, SpecError
-from mission.geometry.shapes import disc, strip, united
+from mission.geometry.shapes import disc, grown, shrunk, strip, united
 from mission.interchange.features import Feature, Lanes, Line, Point, Polygon, Role, Shape, Spot
 from mission.printable import printable
 from mission.spec.schema import MOST_REGIONS, OPERATOR_NAMES
@@ -38,6 +39,9 @@ class Piece:
         comments: What the file should say of it.
         shapes: As it was drawn.
         lanes: Of a survey that was planned already.
+        clearance_m: How far to keep from it, or from its rim inside.
+        loiter_s: How long to stand still inside.
+        turn: Of a waypoint, its place in the order, from 1; 0 of anything else.
     """
 
     name: str
@@ -47,6 +51,14 @@ class Piece:
     comments: tuple[str, ...]
     shapes: tuple[Shape, ...] = ()
     lanes: Lanes | None = None
+    clearance_m: float = 0.0
+    loiter_s: float = 0.0
+    turn: int = 0
+
+    @cached_property
+    def kept(self) -> Any:  # noqa: ANN401 - shapely has no types
+        """Its shape with the clearance: larger if it is restricted, or else smaller."""
+        return (grown if self.role is Role.RESTRICTED else shrunk)(self.area, self.clearance_m)
 
     def also(self, *comments: str, role: Role | None = None) -> "Piece":
         """The piece with further comments, and with a role if one is given."""
@@ -99,13 +111,24 @@ def circle_keys(centre: str, radius_m: float) -> tuple[tuple[str, str], ...]:
 
 
 def _pieces(feature: Feature, frame: Frame) -> Iterator[Piece]:
+    for piece in _shaped(feature, frame):
+        yield replace(
+            piece,
+            lanes=feature.lanes,
+            clearance_m=feature.clearance_m,
+            loiter_s=feature.loiter_s,
+            turn=feature.turn,
+        )
+
+
+def _shaped(feature: Feature, frame: Frame) -> Iterator[Piece]:
     comments = [": ".join(part for part in (f'"{feature.name}"', feature.reason) if part)]
     if feature.height_m:
         comments.append(f"{measure(feature.height_m)} m high, says the file")
     polygons = [shape for shape in feature.shapes if isinstance(shape, Polygon)]
     if polygons:
         piece = polygon_piece(feature.name, Role.AREA, polygons, frame, *comments)
-        yield replace(piece, role=feature.role, lanes=feature.lanes)
+        yield replace(piece, role=feature.role)
     for shape in feature.shapes:
         if isinstance(shape, Line):
             yield _strip(feature, shape, frame, comments)
@@ -127,7 +150,7 @@ def _strip(feature: Feature, line: Line, frame: Frame, comments: list[str]) -> P
     asked = [] if line.width_m else ["the file gives the line no width: is this one right?"]
     area = strip(frame.metres(line.points), width_m, outside=feature.role is Role.RESTRICTED)
     keys = (("line", _list(line.points, frame)), ("width_m", decimal(width_m)))
-    return Piece(feature.name, feature.role, area, keys, (*comments, *asked), (line,), feature.lanes)
+    return Piece(feature.name, feature.role, area, keys, (*comments, *asked), (line,))
 
 
 def _polygon_keys(polygon: Polygon, frame: Frame) -> tuple[tuple[str, str], ...]:

@@ -1,6 +1,6 @@
 """A placed plan as what a map shows: regions, triangles with their labels, the path, and where it stands still."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -11,10 +11,11 @@ from mission.export.fence import domain_shape, region_shape
 from mission.export.placed_plan import PlacedPlan
 from mission.geometry.arrays import FloatArray
 from mission.geometry.places import places_at_offsets
-from mission.interchange.map_features import Json, MapFeature, continuous
+from mission.interchange.map_features import DIGITS, Json, MapFeature, continuous
 from mission.report.palette import BLACK, KIND_COLOUR, MESH, PLANNED, QUIET, SMOOTHED
 from mission.spec.areas import Ground, boundary_ground, region_ground
-from mission.spec.model import BoundaryDomain, RegionKind
+from mission.spec.covers import cover_data
+from mission.spec.model import BoundaryDomain, CircleShape, Cover, Point, RegionKind, StripShape
 
 REGIONS: Final = "Regions"
 TRIANGLES: Final = "Triangles"
@@ -25,8 +26,11 @@ def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
     """The boundary and the regions as they are drawn, and where their clearances end; restricted ones stand up."""
     plan, domain = placed.plan, placed.plan.spec.domain
     ground = boundary_ground(domain) if isinstance(domain, BoundaryDomain) else None
+    drawn_as = _round(placed, domain.boundary) if isinstance(domain, BoundaryDomain) else {}
     yield from _area(
-        placed, MapFeature("boundary", "boundary", REGIONS, domain_shape(plan), BLACK, filled=False), ground
+        placed,
+        MapFeature("boundary", "boundary", REGIONS, domain_shape(plan), BLACK, filled=False, properties=drawn_as),
+        ground,
     )
     for region in plan.spec.regions:
         shape = region_shape(plan, region.name)
@@ -38,9 +42,37 @@ def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
                 geometry=shape,
                 colour=KIND_COLOUR[region.kind],
                 height_m=plan.trajectory.altitude_m if region.kind is RegionKind.RESTRICTED else None,
-                properties={"loiter_s": region.loiter_s} if region.loiter_s else {},
+                properties={
+                    **({"loiter_s": region.loiter_s} if region.loiter_s else {}),
+                    **_lanes(region.cover),
+                    **_round(placed, region.shape),
+                },
             )
             yield from _area(placed, drawn, region_ground(region, domain))
+
+
+def _lanes(cover: Cover | None) -> dict[str, Json]:
+    """How a region is covered, in the words of mission files, the camera's among the others: tables know no deeper."""
+    if cover is None:
+        return {}
+    data = cover_data(cover)
+    return {**data.pop("camera", {}), **data}
+
+
+def _round(placed: PlacedPlan, shape: object) -> dict[str, Json]:
+    """What a polygon stands for that is drawn for a circle or a strip."""
+    if isinstance(shape, CircleShape):
+        (centre,) = _degrees(placed, [shape.centre_m])
+        return {"centre": centre, "radius_m": shape.radius_m}
+    if isinstance(shape, StripShape):
+        return {"line": [*_degrees(placed, shape.line_m)], "width_m": shape.width_m}
+    return {}
+
+
+def _degrees(placed: PlacedPlan, points_m: Sequence[Point]) -> list[Json]:
+    """Longitudes and latitudes of points of the domain."""
+    places = places_at_offsets(placed.origin, np.array(points_m))[:, ::-1]
+    return [list(place) for place in np.round(places, DIGITS).tolist()]
 
 
 def _area(placed: PlacedPlan, meshed: MapFeature, ground: Ground | None) -> Iterator[MapFeature]:
@@ -81,6 +113,7 @@ def flight(placed: PlacedPlan) -> Iterator[MapFeature]:
         "deviation_m": round(route.deviation_m, 3),
         "tube_m": plan.certificate.tube_m,
         "speed_m_s": plan.spec.flight.speed_m_s,
+        "altitude_m": height_m,
     }
     if route.lap is not None:
         told["laps"] = "until stopped" if route.laps is None else route.laps

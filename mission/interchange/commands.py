@@ -1,9 +1,8 @@
 """The MAVLink commands that files of missions and fences are made of, by number, and what these are here."""
 
-from collections.abc import Iterator, Sequence
 from typing import Final
 
-from mission.interchange.features import Feature, Line, Point, Role, Spot
+from mission.interchange.features import Role
 
 WAYPOINT: Final = 16
 TAKEOFF: Final = 22
@@ -23,15 +22,3 @@ FENCES: Final = {Role.BOUNDARY: "inclusion", Role.RESTRICTED: "exclusion"}
 def fenced(shape_name: str, role: Role, number: int) -> tuple[str, Role, str]:
     """Name, role and reason of a part of a geofence, counted from 1."""
     return f"{FENCES[role]}_{shape_name}_{number}", role, f"an {FENCES[role]} fence"
-
-
-def route(waypoints: Sequence[Point]) -> Iterator[Feature]:
-    """The waypoints of a mission as one line along which to survey: where they lead is what is to be seen.
-
-    A single one, or several at one place, are a place to survey.
-    """
-    if not waypoints:
-        return
-    distinct = tuple(at for i, at in enumerate(waypoints) if i == 0 or at != waypoints[i - 1])
-    shape = Line(distinct) if len(distinct) > 1 else Spot(distinct[0])
-    yield Feature("route", (shape,), Role.SURVEY, "a mission's waypoints")

@@ -8,7 +8,9 @@ from mission.errors import Fault, SpecError
 Point = tuple[float, float]
 """Longitude and latitude in degrees (WGS 84), or east and north in metres, as the drawing says."""
 
-OF_A_FLIGHT = frozenset({"clearance", "path", "triangle", "stop", "take-off", "landing"})
+PATH, TAKE_OFF = "path", "take-off"
+
+OF_A_FLIGHT = frozenset({"clearance", PATH, "triangle", "stop", TAKE_OFF, "landing"})
 """Values of the property ``kind`` with which an exported plan shows more than its areas: nothing to plan with."""
 
 
@@ -50,11 +52,31 @@ Shape = Polygon | Line | Spot
 
 
 @dataclass(frozen=True)
-class Lanes:
-    """How a survey was planned by the program that drew it: spacing, and heading from north over east."""
+class Camera:
+    """The camera of a survey, as mission files have it: its view or its sensor and lens, and what images share."""
 
-    spacing_m: float
+    field_of_view_deg: Point | None = None
+    sensor_mm: Point | None = None
+    focal_length_mm: float | None = None
+    overlap: float | None = None
+    sidelap: float | None = None
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """How a survey was planned by the program that drew it.
+
+    Attributes:
+        spacing_m: Between lanes; None where the file has only a camera.
+        heading_deg: From north over east.
+        camera: None where the file has none.
+        share: How much is to be covered.
+    """
+
+    spacing_m: float | None
     heading_deg: float | None = None
+    camera: Camera | None = None
+    share: float | None = None
 
 
 @dataclass(frozen=True)
@@ -68,6 +90,9 @@ class Feature:
         reason: What tells that, for people: ``told by its name``.
         height_m: How high it reaches, or is flown over; None where the file does not tell.
         lanes: Of a survey that was planned already.
+        clearance_m: How far to keep from it, or from its rim inside.
+        loiter_s: How long to stand still inside.
+        turn: Of a waypoint that is to be visited, its place in the order, from 1; 0 of anything else.
     """
 
     name: str
@@ -76,6 +101,9 @@ class Feature:
     reason: str = ""
     height_m: float | None = None
     lanes: Lanes | None = None
+    clearance_m: float = 0.0
+    loiter_s: float = 0.0
+    turn: int = 0
 
 
 @dataclass(frozen=True)
@@ -89,6 +117,11 @@ class Drawing:
         remarks: What of the file was left out, or read in a way that should be known.
         altitude_m: At which it was to be flown, above the start; None where the file does not tell.
         speed_m_s: The same for the speed.
+        route: Waypoints of a flight, in its order.
+        start: Where that took off.
+        formula: What it was to satisfy, with the features' names.
+        laps: How often its lap is flown, as mission files have it; empty where there is none.
+        tube_m: How far from its path the proof reached.
     """
 
     format: str
@@ -97,10 +130,16 @@ class Drawing:
     remarks: tuple[str, ...] = ()
     altitude_m: float | None = None
     speed_m_s: float | None = None
+    route: tuple[Point, ...] = ()
+    start: Point | None = None
+    formula: str = ""
+    laps: str = ""
+    tube_m: float | None = None
 
     def points(self) -> list[Point]:
-        """Every point of every feature, without the reach of circles and widths."""
-        return [point for feature in self.features for shape in feature.shapes for point in points_of(shape)]
+        """Every point of every feature and of the route, without the reach of circles and widths."""
+        drawn = [point for feature in self.features for shape in feature.shapes for point in points_of(shape)]
+        return [*drawn, *self.route]
 
 
 def points_of(shape: Shape) -> tuple[Point, ...]:

@@ -4,10 +4,22 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any, Final
 
-from mission.interchange.features import OF_A_FLIGHT, Drawing, Feature, Point, Shape, Spot, broken, flight_left_out
+from mission.interchange.features import (
+    OF_A_FLIGHT,
+    PATH,
+    TAKE_OFF,
+    Drawing,
+    Feature,
+    Point,
+    Shape,
+    Spot,
+    broken,
+    flight_left_out,
+)
 from mission.interchange.json_text import Json, member, point, points
-from mission.interchange.rings import line_or_ring, number, polygon
+from mission.interchange.rings import line_or_ring, polygon
 from mission.interchange.roles import role_of
+from mission.interchange.told import as_it_was_drawn, lanes_told, measure, positive, told_by, with_flight
 
 _DEPTH: Final = 8
 _WGS_84: Final = ("CRS84", "EPSG::4326", "EPSG:4326", "4979", "WGS84", "WGS 84")
@@ -30,6 +42,8 @@ def drawing_of_geojson(data: Json, *, in_metres: bool | None = None) -> Drawing:
     kind, layer = data.get("type"), data.get("name")
     remarks: list[str] = []
     features, left_out = [], 0
+    flight: dict[str, str] = {}
+    start: Point | None = None
     if kind == "FeatureCollection":
         entries = [(each, f"features[{i}]") for i, each in enumerate(member(data, "features", list, ""))]
     else:
@@ -37,8 +51,12 @@ def drawing_of_geojson(data: Json, *, in_metres: bool | None = None) -> Drawing:
     for value, path in entries:
         if not isinstance(value, dict):
             raise broken("expected a feature", path=path)
-        if _is_of_a_flight(value):
+        told = told_by(value.get("properties"))
+        if told.get("kind") in OF_A_FLIGHT:
             left_out += 1
+            flight |= told if told["kind"] == PATH else {}
+            if told["kind"] == TAKE_OFF:
+                start = point(member(value.get("geometry"), "coordinates", list, f"{path}.geometry"), path)
             continue
         feature = _feature(value, path, layer if isinstance(layer, str) else "")
         if feature:
@@ -46,34 +64,33 @@ def drawing_of_geojson(data: Json, *, in_metres: bool | None = None) -> Drawing:
         else:
             remarks.append(f"{path or 'the feature'} has no geometry")
     remarks += flight_left_out(left_out)
-    drawing = Drawing("GeoJSON", tuple(features), remarks=tuple(remarks))
+    drawing = with_flight(Drawing("GeoJSON", tuple(features), remarks=tuple(remarks)), flight, start)
     return replace(drawing, in_degrees=not (_in_metres(drawing.points()) if in_metres is None else in_metres))
 
 
-def _is_of_a_flight(value: dict[str, Json]) -> bool:
-    properties = value.get("properties")
-    return isinstance(properties, dict) and str(properties.get("kind")) in OF_A_FLIGHT
-
-
 def _feature(value: dict[str, Json], path: str, layer: str) -> Feature | None:
-    properties = value.get("properties")
-    told = {
-        str(key): text if isinstance(text, str) else "true" if text is True else "false" if text is False else str(text)
-        for key, text in (properties.items() if isinstance(properties, dict) else ())
-        if isinstance(text, str | int | float)
-    }
+    told = told_by(value.get("properties"))
     lower = {key.lower(): text for key, text in told.items()} | {"id": str(value.get("id") or told.get("id") or "")}
     geometry = value.get("geometry")
     if geometry is None:
         return None
-    shapes = tuple(_shapes(geometry, f"{path}.geometry" if path else "geometry", _measure(lower, "width"), 0))
+    shapes = tuple(_shapes(geometry, f"{path}.geometry" if path else "geometry", measure(lower, "width"), 0))
     if not shapes:
         return None
     name = next((lower[key] for key in _NAME_KEYS if lower.get(key)), "")
     role, reason = role_of(told, name, [layer], fill=lower.get("fill", "").lstrip("#"))
-    radius_m = _measure(lower, "radius")
+    radius_m = measure(lower, "radius")
     shapes = tuple(Spot(shape.centre, radius_m) if isinstance(shape, Spot) else shape for shape in shapes)
-    return Feature(name, shapes, role, reason, _measure(lower, "height"))
+    return Feature(
+        name,
+        as_it_was_drawn(shapes, lower),
+        role,
+        reason,
+        measure(lower, "height"),
+        lanes_told(lower),
+        positive(lower, "clearance_m") or 0.0,
+        positive(lower, "loiter_s") or 0.0,
+    )
 
 
 def _shapes(geometry: Json, path: str, width_m: float | None, depth: int) -> Iterator[Shape]:
@@ -109,18 +126,6 @@ _READERS: Final[dict[str, Callable[[Json, str, float | None], Shape]]] = {
     "LineString": _line,
     "Point": lambda value, path, _: Spot(point(value, path)),
 }
-
-
-def _measure(told: dict[str, str], key: str) -> float | None:
-    """A positive length among the properties, such as ``width_m`` or ``width``."""
-    for name in (f"{key}_m", key):
-        try:
-            value = number(float(told.get(name, "")))
-        except ValueError:
-            continue
-        if value is not None and value > 0.0:
-            return value
-    return None
 
 
 def _check_system(system: Any) -> None:  # noqa: ANN401 - any JSON value

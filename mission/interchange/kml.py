@@ -7,13 +7,26 @@ data. Links to other files are never followed.
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from io import BytesIO
 from typing import Final
 
-from mission.interchange.features import OF_A_FLIGHT, Drawing, Feature, Point, Shape, Spot, broken, flight_left_out
+from mission.interchange.features import (
+    OF_A_FLIGHT,
+    PATH,
+    TAKE_OFF,
+    Drawing,
+    Feature,
+    Point,
+    Shape,
+    Spot,
+    broken,
+    flight_left_out,
+)
 from mission.interchange.rings import line_or_ring, number, polygon
 from mission.interchange.roles import role_of
-from mission.interchange.xml_tree import Element, xml_tree
+from mission.interchange.told import as_it_was_drawn, lanes_told, measure, positive, with_flight
+from mission.interchange.xml_tree import Element
 
 _CONTAINERS: Final = ("Document", "Folder")
 _LINKS: Final = ("NetworkLink", "GroundOverlay", "PhotoOverlay", "ScreenOverlay")
@@ -22,24 +35,35 @@ _LEAST_PARTS: Final = 2
 _COLOUR: Final = 8
 
 
-def drawing_of_kml(content: bytes, kind: str = "KML") -> Drawing:
+def drawing_of_kml(tree: Element, kind: str = "KML") -> Drawing:
     """The placemarks of a KML text.
+
+    Args:
+        tree: Above the outermost element.
+        kind: Of the file, for people.
 
     Raises:
         SpecError: It is no KML, or a coordinate in it is none, with its line.
     """
-    root = xml_tree(content).children[0]
+    root = tree.children[0]
     if root.name != "kml":
         raise broken(
-            f"the outermost element is <{root.name[:40]}>, not <kml>, and no other XML is read", line=root.line
+            f"the outermost element is <{root.name[:40]}>, not <kml> or <gpx>, and no other XML is read", line=root.line
         )
     styles = {f"#{each.attributes['id']}": each for each in _styles(root)}
     features: list[Feature] = []
     remarks: list[str] = []
     left_out = 0
+    flight: dict[str, str] = {}
+    start: Point | None = None
     for element, folders in _placed(root, ()):
-        if element.name == "Placemark" and _properties(element).get("kind") in OF_A_FLIGHT:
+        told = _properties(element) if element.name == "Placemark" else {}
+        if told.get("kind") in OF_A_FLIGHT:
             left_out += 1
+            flight |= told if told["kind"] == PATH else {}
+            place = element.first("Point")
+            if told["kind"] == TAKE_OFF and place is not None:
+                start = _spot(place, None, []).centre
             continue
         if element.name == "Placemark":
             feature = _feature(element, folders, styles)
@@ -48,7 +72,10 @@ def drawing_of_kml(content: bytes, kind: str = "KML") -> Drawing:
             what = element.value("name") or f"line {element.line}"
             remarks.append(f"the {element.name} {what[:60]!r} has no shape here; links are not followed")
     remarks += flight_left_out(left_out)
-    return Drawing(kind, tuple(features), remarks=tuple(remarks))
+    if flight:
+        # Walls in a picture of a flight are as high as that, not as what they stand for.
+        features = [replace(feature, height_m=None) for feature in features]
+    return with_flight(Drawing(kind, tuple(features), remarks=tuple(remarks)), flight, start)
 
 
 def kml_of_kmz(content: bytes, most_bytes: int) -> bytes:
@@ -97,19 +124,27 @@ def _styles(parent: Element) -> Iterator[Element]:
 def _feature(mark: Element, folders: tuple[str, ...], styles: dict[str, Element]) -> Feature | None:
     told = _properties(mark)
     lower = {key.lower(): text for key, text in told.items()}
-    width_m = _measure(lower, "width_m") or _measure(lower, "width")
+    width_m, radius_m = measure(lower, "width"), measure(lower, "radius")
     heights: list[float] = []
-    shapes = []
-    for shape in _shapes(mark, width_m, heights):
-        radius_m = _measure(lower, "radius_m") or _measure(lower, "radius")
-        shapes.append(Spot(shape.centre, radius_m) if isinstance(shape, Spot) else shape)
+    shapes = [
+        Spot(shape.centre, radius_m) if isinstance(shape, Spot) else shape for shape in _shapes(mark, width_m, heights)
+    ]
     if not shapes:
         return None
     name = mark.value("name") or next((lower[key] for key in _NAME_KEYS if lower.get(key)), "")
     style, fill = _style(mark, styles)
     role, reason = role_of(told, name, folders, style, fill)
-    height_m = _measure(lower, "height_m") or _measure(lower, "height") or max(heights, default=0.0)
-    return Feature(name, tuple(shapes), role, reason, height_m if height_m > 0.0 else None)
+    height_m = measure(lower, "height") or max(heights, default=0.0)
+    return Feature(
+        name,
+        as_it_was_drawn(tuple(shapes), lower),
+        role,
+        reason,
+        height_m if height_m > 0.0 else None,
+        lanes_told(lower),
+        positive(lower, "clearance_m") or 0.0,
+        positive(lower, "loiter_s") or 0.0,
+    )
 
 
 def _shapes(parent: Element, width_m: float | None, heights: list[float]) -> Iterator[Shape]:
@@ -140,7 +175,7 @@ def _line(element: Element, width_m: float | None, heights: list[float]) -> Shap
     return line_or_ring(points, width_m, lambda message: broken(message, line=element.line))
 
 
-def _spot(element: Element, _: float | None, heights: list[float]) -> Shape:
+def _spot(element: Element, _: float | None, heights: list[float]) -> Spot:
     points = _coordinates(element, heights)
     if len(points) != 1:
         raise broken(f"a point has one position, not {len(points)}", line=element.line)
@@ -205,11 +240,3 @@ def _style(mark: Element, styles: dict[str, Element]) -> tuple[str, str]:
     # Alpha, blue, green, red: the other way round than anywhere else.
     fill = colour[6:8] + colour[4:6] + colour[2:4] if filled and len(colour) == _COLOUR else ""
     return name.lstrip("#"), fill
-
-
-def _measure(told: dict[str, str], key: str) -> float | None:
-    try:
-        value = number(float(told.get(key, "")))
-    except ValueError:
-        return None
-    return value if value is not None and value > 0.0 else None

@@ -63,4 +63,6 @@ def within_the_map(geometry: shapely.Geometry) -> shapely.Geometry:
 
 def continuous(degrees: FloatArray) -> FloatArray:
     """Longitudes and latitudes, shape (P, 2), that nowhere leap from one side of the antimeridian to the other."""
-    return np.stack((np.unwrap(degrees[:, 0], period=_TURN), degrees[:, 1]), axis=1)
+    # Whole turns, so that what was equal stays equal: rings are closed.
+    turns = np.cumsum(np.round(np.diff(degrees[:, 0], prepend=degrees[:1, 0]) / _TURN))
+    return np.stack((degrees[:, 0] - _TURN * turns, degrees[:, 1]), axis=1)

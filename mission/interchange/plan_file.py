@@ -4,13 +4,16 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any, Final
 
-from mission.interchange.commands import FLOWN_THROUGH, SPEED, TAKEOFF, fenced, route
-from mission.interchange.features import Drawing, Feature, Lanes, Point, Role, Shape, Spot, broken
+from mission.interchange.commands import FLOWN_THROUGH, SPEED, TAKEOFF, fenced
+from mission.interchange.features import Drawing, Feature, Point, Role, Shape, Spot, broken
 from mission.interchange.json_text import Json, member, point, points
 from mission.interchange.rings import line, number, polygon
+from mission.interchange.survey_items import lanes_of
 
 _LATITUDE: Final = 4
 _ALTITUDE: Final = 6
+_HERE: Final = [0.0, 0.0]
+"""In the place of latitude and longitude: where the vehicle is."""
 
 
 def drawing_of_plan(data: Json) -> Drawing:
@@ -30,15 +33,13 @@ def drawing_of_plan(data: Json) -> Drawing:
         if member(item, "type", str, path) == "ComplexItem":
             features.extend(_complex(item, path, features, altitudes, remarks))
             continue
-        command, params = item.get("command"), item.get("params")
-        values = [number(value) for value in params] if isinstance(params, list) else []
+        command, values = item.get("command"), _params(item)
         if command == SPEED and len(values) > 1 and (values[1] or 0.0) > 0.0:
             speed = values[1]
         if command in FLOWN_THROUGH | {TAKEOFF} and len(values) > _ALTITUDE and values[_ALTITUDE] is not None:
             altitudes.append(values[_ALTITUDE] or 0.0)
-        if command in FLOWN_THROUGH:
+        if command in FLOWN_THROUGH and values[_LATITUDE:_ALTITUDE] != _HERE:
             waypoints.append(point(values[_LATITUDE:_ALTITUDE], f"{path}.params", latitude_first=True))
-    features.extend(route(waypoints))
     features.extend(_homes(data, mission))
     return Drawing(
         "QGroundControl plan",
@@ -46,12 +47,27 @@ def drawing_of_plan(data: Json) -> Drawing:
         remarks=tuple(remarks),
         altitude_m=max((altitude for altitude in altitudes if altitude > 0.0), default=None),
         speed_m_s=speed if speed and speed > 0.0 else None,
+        route=tuple(waypoints),
     )
+
+
+def _params(item: dict[str, Any]) -> list[float | None]:
+    """The parameters of an item, its place the last three: older versions have this apart, as ``coordinate``."""
+    params, place = item.get("params"), item.get("coordinate")
+    if not isinstance(params, list):
+        params = [item.get(f"param{i}") for i in range(1, _LATITUDE + 1)]
+    if len(params) == _LATITUDE and isinstance(place, list):
+        params = params + place
+    return [number(value) for value in params]
 
 
 def _fence(fence: Any) -> Iterator[Feature]:  # noqa: ANN401 - any JSON value
     if not isinstance(fence, dict):
         return
+    if fence.get("polygon"):
+        # The first version of the section has one, to stay inside.
+        corners = points(fence["polygon"], "geoFence.polygon", latitude_first=True)
+        yield _fenced({}, polygon(corners, [], partial(broken, path="geoFence.polygon")), "polygon", 0)
     for i, each in enumerate(fence.get("polygons") or []):
         path = f"geoFence.polygons[{i}]"
         corners = points(member(each, "polygon", list, path), f"{path}.polygon", latitude_first=True)
@@ -76,12 +92,8 @@ def _complex(
     item: dict[str, Any], path: str, before: Sequence[Feature], altitudes: list[float], remarks: list[str]
 ) -> Iterator[Feature]:
     kind = member(item, "complexItemType", str, path)
-    camera = item.get("TransectStyleComplexItem", item)
-    camera = camera.get("CameraCalc", {}) if isinstance(camera, dict) else {}
-    spacing, height = (number(camera.get(key)) for key in ("AdjustedFootprintSide", "DistanceToSurface"))
-    if height and height > 0.0:
-        altitudes.append(height)
-    lanes = Lanes(spacing, number(item.get("angle"))) if spacing and spacing > 0.0 else None
+    lanes, height = lanes_of(item)
+    altitudes.extend([height] if height else [])
 
     refuse = partial(broken, path=path)
     if kind in ("survey", "StructureScan"):

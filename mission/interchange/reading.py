@@ -3,19 +3,22 @@
 from typing import Any, Final
 
 from mission.errors import SpecError
+from mission.interchange.antimeridian import joined
 from mission.interchange.features import Drawing, broken
 from mission.interchange.geojson import drawing_of_geojson
+from mission.interchange.gpx import drawing_of_gpx
 from mission.interchange.json_text import decoded_json
 from mission.interchange.kml import drawing_of_kml, kml_of_kmz
 from mission.interchange.plan_file import drawing_of_plan
 from mission.interchange.rings import MOST_POSITIONS
 from mission.interchange.rings_file import RINGS, drawing_of_rings
 from mission.interchange.waypoints import drawing_of_fence, drawing_of_waypoints, is_fence
+from mission.interchange.xml_tree import xml_tree
 
 MAX_BYTES: Final = 1 << 24
 """The size of a file, and of what a KMZ archive holds."""
 
-FORMATS: Final = "GeoJSON, KML, KMZ, a QGroundControl plan, and waypoints or fences of ArduPilot's ground stations"
+FORMATS: Final = "GeoJSON, KML, KMZ, GPX, a QGroundControl plan, and waypoints or fences of ArduPilot's ground stations"
 
 
 def read_drawing(content: bytes, source: str = "", *, in_metres: bool | None = None) -> Drawing:
@@ -40,14 +43,15 @@ def _read(content: bytes, *, in_metres: bool | None) -> Drawing:
         raise broken(f"the file is larger than {MAX_BYTES} bytes", "save what the mission needs alone")
     start = content[:1000].removeprefix(b"\xef\xbb\xbf").lstrip()
     if content.startswith(b"PK\x03\x04"):
-        drawing = drawing_of_kml(kml_of_kmz(content, MAX_BYTES), "KMZ")
+        drawing = drawing_of_kml(xml_tree(kml_of_kmz(content, MAX_BYTES)), "KMZ")
     elif start.startswith(b"<") or content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        drawing = drawing_of_kml(content)
+        tree = xml_tree(content)
+        drawing = drawing_of_gpx(tree) if tree.children[0].name == "gpx" else drawing_of_kml(tree)
     elif start.startswith((b"{", b"[")):
         drawing = _of_json(decoded_json(content), in_metres=in_metres)
     else:
         drawing = _of_text(content)
-    if not drawing.features:
+    if not drawing.features and not drawing.route:
         raise broken("the file draws nothing: no polygon, line or point is in it", "; ".join(drawing.remarks[:3]))
     points = drawing.points()
     if len(points) > MOST_POSITIONS:
@@ -57,7 +61,7 @@ def _read(content: bytes, *, in_metres: bool | None) -> Drawing:
             if abs(longitude) > 180.0 or abs(latitude) > 90.0:  # noqa: PLR2004 - the globe
                 hint = "degrees are expected, the longitude first in GeoJSON and KML"
                 raise broken(f"longitude {longitude}, latitude {latitude} is no place on Earth", hint)
-    return drawing
+    return joined(drawing) if drawing.in_degrees else drawing
 
 
 def _of_json(data: Any, *, in_metres: bool | None) -> Drawing:  # noqa: ANN401 - any JSON value

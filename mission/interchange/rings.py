@@ -41,7 +41,7 @@ def line(points: Sequence[Point], width_m: float | None, refuse: Refuse) -> Line
     Raises:
         SpecError: It has fewer than two different points.
     """
-    distinct = _without_repeats(points)
+    distinct = without_repeats(points)
     if len(distinct) < LEAST_CORNERS - 1:
         raise refuse("the line has fewer than 2 different points")
     return Line(tuple(distinct), width_m)
@@ -59,7 +59,7 @@ def line_or_ring(points: Sequence[Point], width_m: float | None, refuse: Refuse)
 
 
 def _ring(points: Sequence[Point], refuse: Refuse) -> tuple[Point, ...]:
-    corners = _without_repeats(points)
+    corners = without_repeats(points)
     if len(corners) > 1 and corners[0] == corners[-1]:
         corners.pop()
     if len(corners) < LEAST_CORNERS:
@@ -67,5 +67,6 @@ def _ring(points: Sequence[Point], refuse: Refuse) -> tuple[Point, ...]:
     return tuple(corners)
 
 
-def _without_repeats(points: Sequence[Point]) -> list[Point]:
+def without_repeats(points: Sequence[Point]) -> list[Point]:
+    """The points without those that are equal to the one before."""
     return [point for i, point in enumerate(points) if i == 0 or point != points[i - 1]]

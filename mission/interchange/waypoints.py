@@ -18,7 +18,6 @@ from mission.interchange.commands import (
     TAKEOFF,
     WAYPOINT,
     fenced,
-    route,
 )
 from mission.interchange.features import Drawing, Feature, Point, Role, Spot, broken
 from mission.interchange.rings import number, polygon
@@ -67,10 +66,11 @@ def drawing_of_waypoints(text: str) -> Drawing:
             altitudes.append(item.altitude_m)
     return Drawing(
         "waypoint file",
-        (*features, *route(waypoints)),
+        tuple(features),
         remarks=tuple(remarks),
         altitude_m=max((altitude for altitude in altitudes if altitude > 0.0), default=None),
         speed_m_s=max((speed for speed in speeds if speed > 0.0), default=None),
+        route=tuple(waypoints),
     )
 
 

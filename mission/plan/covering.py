@@ -230,7 +230,8 @@ class Covering:
             )
         except GeometryError as error:
             widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
-            raise NoPlanError(f"{region.name} cannot be covered by {widths}: {error}") from error
+            message = f"{region.name} cannot be covered by {widths}: {error}"
+            raise NoPlanError(message, regions=(region.name,)) from error
         line = np.concatenate((coverage.approach_m[:-1], coverage.line_m, coverage.leaving_m[1:]))
         # Of each lane the first point of the line; the second is the next one.
         begins = len(coverage.approach_m) - 1 + np.flatnonzero(coverage.on_lane)
@@ -291,7 +292,8 @@ def _reached(
         raise NoPlanError(
             f"{region.name} cannot be covered: no way leads to {lost.sum() / ground.area:.1%} of it, about "
             f"({x:.1f}, {y:.1f}), from ({place.x:.1f}, {place.y:.1f}), where its lanes begin and end; leave that out, "
-            f"visit it as a region of its own, or set a lower `regions.{region.name}.cover.share`"
+            f"visit it as a region of its own, or set a lower `regions.{region.name}.cover.share`",
+            regions=(region.name,),
         )
     return shapely.union_all(pieces[near]), here
 

@@ -39,7 +39,7 @@ def feature(name: str, shape: Shape, role: Role | None = None) -> Feature:
 
 
 def drafted(*features: Feature, in_degrees: bool = False) -> str:
-    return draft_mission([("drawn", Drawing("GeoJSON", features, in_degrees=in_degrees))], "drawn")
+    return draft_mission([("drawn", Drawing("GeoJSON", features, in_degrees=in_degrees))], "drawn").text
 
 
 def mission(text: str) -> MissionSpec:
@@ -274,7 +274,7 @@ def test_more_than_a_mission_can_have_is_refused() -> None:
 def test_files_are_drawn_together_and_their_names_may_tell() -> None:
     plain = Drawing("KML", (feature("1", Polygon(square(7.0, 51.0, 0.001))),))
     other = Drawing("KML", (feature("2", Polygon(square(7.0002, 51.0002, 0.0002))),))
-    text = draft_mission([("fields", plain), ("houses", other)], "fields and houses")
+    text = draft_mission([("fields", plain), ("houses", other)], "fields and houses").text
     assert kinds(text) == {"home": "home", "region_1": "survey", "region_2": "restricted"}
     metres = Drawing("GeoJSON", plain.features, in_degrees=False)
     with pytest.raises(SpecError, match="the coordinates of b are metres, those of the other files are degrees"):
@@ -284,7 +284,7 @@ def test_files_are_drawn_together_and_their_names_may_tell() -> None:
 def test_height_speed_and_lanes_of_the_file_are_kept() -> None:
     survey = Feature("survey_1", (Polygon(square(0, 0, 100)),), Role.SURVEY, "a survey", lanes=Lanes(18.5, 30.0))
     drawing = Drawing("QGroundControl plan", (survey,), in_degrees=False, altitude_m=50.0, speed_m_s=7.0)
-    text = draft_mission([("x", drawing)], "x")
+    text = draft_mission([("x", drawing)], "x").text
     spec = mission(text)
     assert (spec.flight.altitude_m, spec.flight.speed_m_s, spec.limits.speed_m_s) == (50.0, 7.0, 7.0)
     assert "    # as it was planned before\n    cover: {spacing_m: 18.5, heading_deg: 30}" in text

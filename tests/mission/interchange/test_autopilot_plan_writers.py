@@ -19,7 +19,7 @@ from mission.interchange.autopilot_plan import (
     Item,
 )
 from mission.interchange.autopilot_plan_writers import qgroundcontrol_plan, waypoint_table
-from mission.interchange.features import Line, Polygon, Role, Spot
+from mission.interchange.features import Polygon, Role, Spot
 from mission.interchange.reading import read_drawing
 
 HOME, AWAY, FAR = LatLon(-35.363262, 149.165237), LatLon(-35.362881123, 149.165222987), LatLon(-35.3641, 149.1661)
@@ -127,13 +127,13 @@ def test_a_plan_is_read_back() -> None:
     assert shapes["inclusion_polygon_1"] == (Role.BOUNDARY, (ring,))
     assert shapes["exclusion_circle_1"] == (Role.RESTRICTED, (Spot((149.1661, -35.3641), 12.5),))
     assert shapes["rally_1"] == (Role.HOME, (Spot((149.165237, -35.363262)),))
-    assert shapes["route"][1] == (Line(((149.165222987, -35.362881123), (149.1661, -35.3641))),)
+    assert drawing.route == ((149.165222987, -35.362881123), (149.1661, -35.3641))
     assert (drawing.altitude_m, drawing.speed_m_s) == (20.0, 4.5)
 
 
 def test_a_table_is_read_back() -> None:
     drawing = read_drawing(waypoint_table(PLAN))
-    home, route = drawing.features
+    (home,) = drawing.features
     assert (home.role, home.shapes) == (Role.HOME, (Spot((149.165237, -35.363262)),))
-    assert route.shapes == (Line(((149.165222987, -35.362881123), (149.1661, -35.3641))),)
+    assert drawing.route == ((149.165222987, -35.362881123), (149.1661, -35.3641))
     assert (drawing.altitude_m, drawing.speed_m_s) == (20.0, 4.5)

@@ -132,4 +132,10 @@ def test_what_crosses_the_antimeridian_is_cut_there() -> None:
     line = within_the_map(shapely.LineString(continuous(np.array([(-179.9, 0.0), (179.9, 0.2), (-179.9, 0.4)]))))
     assert len(shapely.get_parts(line)) == 3
     assert (abs(shapely.get_coordinates(line)[:, 0]) <= 180.0).all()
-    assert read_drawing(geojson("", [MapFeature("sea", "survey", "", shapely.Polygon(ring), "#000000")])).features
+    # Read again, it is one area: no edge is left where it was cut.
+    (sea,) = read_drawing(geojson("", [MapFeature("sea", "survey", "", shapely.Polygon(ring), "#000000")])).features
+    (whole,) = sea.shapes
+    assert isinstance(whole, Polygon)
+    back = shapely.Polygon(continuous(np.array(whole.outline)))
+    assert back.area == pytest.approx(0.03 * 0.1)
+    assert set(ring[:, 0].round(6)) <= set(shapely.get_coordinates(back)[:, 0].round(6))

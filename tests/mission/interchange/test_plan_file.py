@@ -3,7 +3,7 @@
 import json
 from typing import Any
 
-from mission.interchange.features import Drawing, Lanes, Line, Polygon, Role, Spot
+from mission.interchange.features import Camera, Drawing, Lanes, Line, Polygon, Role, Spot
 from mission.interchange.reading import read_drawing
 
 SIMPLE = {"autoContinue": True, "doJumpId": 1, "frame": 3, "type": "SimpleItem", "AMSLAltAboveTerrain": None}
@@ -97,14 +97,68 @@ def test_survey_and_corridor_items_are_regions_with_their_lanes() -> None:
     assert drawing.remarks == ("mission.items[2] is left out: nothing is known of a fwLandingPattern",)
 
 
-def test_waypoints_are_a_line_to_survey_along() -> None:
+def test_waypoints_are_a_route_and_no_region() -> None:
     drawing = plan(
         SIMPLE | {"command": 22, "params": [0, 0, 0, None, 47.1, 8.1, 30]},
         SIMPLE | {"command": 178, "params": [1, 7.5, -1, 0, 0, 0, 0]},
         SIMPLE | {"command": 16, "params": [0, 0, 0, None, 47.1, 8.1, 40]},
         SIMPLE | {"command": 16, "params": [0, 0, 0, None, 47.2, 8.1, 40]},
+        SIMPLE | {"command": 19, "params": [10, 0, 0, 0, 0, 0, 0]},  # wherever the vehicle is
         SIMPLE | {"command": 20, "params": [0, 0, 0, 0, 0, 0, 0]},
     )
-    route = drawing.features[0]
-    assert (route.name, route.role, route.shapes) == ("route", Role.SURVEY, (Line(((8.1, 47.1), (8.1, 47.2))),))
+    assert [each.name for each in drawing.features] == ["home"]
+    assert drawing.route == ((8.1, 47.1), (8.1, 47.2))
     assert (drawing.altitude_m, drawing.speed_m_s) == (40.0, 7.5)
+
+
+def test_the_camera_of_a_survey_is_kept_as_it_is_held() -> None:
+    camera = CAMERA | {
+        "CameraName": "Sony",
+        "SensorWidth": 13.2,
+        "SensorHeight": 8.8,
+        "FocalLength": 10.0,
+        "FrontalOverlap": 75,
+        "SideOverlap": 70,
+    }
+    survey = {
+        "angle": 30,
+        "complexItemType": "survey",
+        "polygon": [[-37.751, 144.984], [-37.751, 144.994], [-37.755, 144.994]],
+        "type": "ComplexItem",
+        "version": 5,
+    }
+    for landscape, sensor_mm in ((True, (13.2, 8.8)), (False, (8.8, 13.2))):
+        transects = {"CameraCalc": camera | {"Landscape": landscape}, "version": 1}
+        (area, _) = plan(survey | {"TransectStyleComplexItem": transects}).features
+        assert area.lanes == Lanes(18.5, 30.0, Camera(None, sensor_mm, 10.0, 0.75, 0.7))
+
+
+def test_plans_of_the_first_version_have_grids_places_apart_and_one_fence() -> None:
+    # As QGroundControl 3.2 wrote them: SurveyMissionItem.cc, SimpleMissionItem.cc and GeoFenceManager.cc of that time.
+    survey = {
+        "camera": {
+            "focalLength": 16,
+            "imageFrontalOverlap": 10,
+            "imageSideOverlap": 20,
+            "name": "Sony",
+            "orientationLandscape": True,
+            "sensorHeight": 15.4,
+            "sensorWidth": 23.2,
+        },
+        "complexItemType": "survey",
+        "grid": {"altitude": 50, "angle": 15, "relativeAltitude": True, "spacing": 58, "turnAroundDistance": 0},
+        "polygon": [[47.1, 8.1], [47.1, 8.11], [47.11, 8.11]],
+        "type": "ComplexItem",
+        "version": 3,
+    }
+    waypoint = {"command": 16, "coordinate": [47.2, 8.2, 30], "frame": 3, "params": [0, 0, 0, 0], "type": "SimpleItem"}
+    older = {"command": 16, "coordinate": [47.3, 8.2, 35], "type": "missionItem", "param1": 0, "param2": 0}
+    fence = {"polygon": [[47, 8], [47, 8.4], [47.4, 8.4]], "version": 1}
+    drawing = plan(survey, waypoint, older, geoFence=fence, rallyPoints={"points": []})
+    assert [(each.name, each.role) for each in drawing.features] == [
+        ("inclusion_polygon_1", Role.BOUNDARY),
+        ("survey_1", Role.SURVEY),
+        ("home", Role.HOME),
+    ]
+    assert drawing.features[1].lanes == Lanes(58.0, 15.0, Camera(None, (23.2, 15.4), 16.0, 0.1, 0.2))
+    assert (drawing.route, drawing.altitude_m) == (((8.2, 47.2), (8.2, 47.3)), 50.0)

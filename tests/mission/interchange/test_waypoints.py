@@ -1,6 +1,6 @@
 """Waypoint and fence files as Mission Planner and MAVProxy write them."""
 
-from mission.interchange.features import Line, Polygon, Role, Spot
+from mission.interchange.features import Polygon, Role, Spot
 from mission.interchange.reading import read_drawing
 
 MISSION_PLANNER = (
@@ -35,18 +35,19 @@ OLD_FENCE = """\
 """
 
 
-def test_a_mission_is_its_home_and_a_line() -> None:
+def test_a_mission_is_its_home_and_a_route() -> None:
     drawing = read_drawing(MISSION_PLANNER.encode())
-    home, route = drawing.features
+    (home,) = drawing.features
     assert (home.name, home.role, home.shapes) == ("home", Role.HOME, (Spot((149.165237, -35.363262)),))
-    assert (route.role, route.shapes) == (Role.SURVEY, (Line(((149.164, -35.362), (149.166, -35.362))),))
+    assert drawing.route == ((149.164, -35.362), (149.166, -35.362))
     assert (drawing.altitude_m, drawing.speed_m_s) == (40.0, 6.5)
 
 
 def test_a_first_line_above_the_start_is_a_waypoint_and_no_home() -> None:
     text = MISSION_PLANNER.replace("0\t1\t0\t16", "0\t1\t3\t16")
-    (route,) = read_drawing(text.encode()).features
-    assert route.shapes == (Line(((149.165237, -35.363262), (149.164, -35.362), (149.166, -35.362))),)
+    drawing = read_drawing(text.encode())
+    assert drawing.features == ()
+    assert drawing.route == ((149.165237, -35.363262), (149.164, -35.362), (149.166, -35.362))
 
 
 def test_a_fence_is_boundary_restricted_areas_and_a_return_point() -> None:
