@@ -240,7 +240,8 @@ class _Flight:
             tube_m=self.plan.certificate.tube_m,
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
-        self.session.depart(Course(self.plan.trajectory, heading), anchoring, self.plan.photographs)
+        course = Course(self.plan.trajectory, heading, self.plan.photographs)
+        self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 
     def look_after(self) -> None:

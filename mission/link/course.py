@@ -7,6 +7,7 @@ micrometre at 1 m/s^3.
 """
 
 import math
+from bisect import bisect_right
 from typing import Final, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -14,8 +15,9 @@ import numpy as np
 from mission.geometry.arrays import FloatArray
 from mission.link.frames import Vector, heading_of, wrapped
 from mission.monitor.gaps import GAP_S
+from mission.plan.photographs import Photographs
+from mission.plan.turning import LEAD_S, TURN_RAD_S
 
-_TURN_RAD_S: Final = 0.5
 _MOVING_M_S: Final = 0.01
 _STEP_S: Final = 0.01
 _BLOCK: Final = 128
@@ -69,13 +71,17 @@ class Flown(Protocol):
 class Course:
     """A trajectory with the heading that goes with it: the direction of flight, taken up without haste.
 
+    Where it is photographed, it is that of the stretch, and is taken up before that begins.
+
     Attributes:
         heading_rad: The heading asked for last, clockwise from north.
     """
 
-    def __init__(self, trajectory: Flown, heading_rad: float) -> None:
+    def __init__(self, trajectory: Flown, heading_rad: float, photographs: tuple[Photographs, ...] = ()) -> None:
         """Begin with the heading that the vehicle has."""
         self._trajectory = trajectory
+        self._photographs = photographs
+        self._ends_s = [stretch.end_s for stretch in photographs]
         self.heading_rad = heading_rad
         self._turned_s: float | None = None
         self._blocks: dict[int, list[list[float]]] = {}
@@ -131,15 +137,26 @@ class Course:
             self._blocks[number] = found
         return found
 
-    def turn(self, reference: Reference, now_s: float) -> float:
-        """The heading at ``now_s``, on the way to the direction of flight of ``reference``."""
+    def turn(self, reference: Reference, t_s: float, now_s: float) -> float:
+        """The heading at ``now_s``, on the way to the one wanted at the time ``t_s``, where ``reference`` is."""
         elapsed = 0.0 if self._turned_s is None else min(max(now_s - self._turned_s, 0.0), GAP_S)
         self._turned_s = now_s
-        if math.hypot(*reference.velocity_m_s) > _MOVING_M_S:
-            most = _TURN_RAD_S * elapsed
-            off = wrapped(heading_of(reference.velocity_m_s) - self.heading_rad)
+        wanted = self._photographed_at(t_s)
+        if wanted is None and math.hypot(*reference.velocity_m_s) > _MOVING_M_S:
+            wanted = heading_of(reference.velocity_m_s)
+        if wanted is not None:
+            most = TURN_RAD_S * elapsed
+            off = wrapped(wanted - self.heading_rad)
             self.heading_rad = wrapped(self.heading_rad + min(max(off, -most), most))
         return self.heading_rad
+
+    def _photographed_at(self, t_s: float) -> float | None:
+        """The heading of the stretch that is photographed, or is soon to be; None where none is, or it has none."""
+        once_s = self.first_lap_s(t_s)
+        following = bisect_right(self._ends_s, once_s)
+        if following == len(self._photographs) or once_s < self._photographs[following].begin_s - LEAD_S:
+            return None
+        return self._photographs[following].heading_rad
 
 
 def _between(start: list[float], end: list[float], share: float) -> tuple[float, float, float]:

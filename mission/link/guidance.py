@@ -119,7 +119,7 @@ class Guidance:
             position_ned_m=self.anchor.to_vehicle(reference.position_m),
             velocity_ned_m_s=ned_from_enu(reference.velocity_m_s),
             acceleration_ned_m_s2=ned_from_enu(reference.acceleration_m_s2),
-            yaw_rad=self.course.turn(reference, vehicle_s),
+            yaw_rad=self.course.turn(reference, self.flown_s(vehicle_s), vehicle_s),
         )
         return reference, setpoint, gap
 

@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from mission.plan.covering import CoveredVisit
+from mission.plan.turning import headings_of
 from mission.steering.trajectory import Trajectory
 
 _STEP_S: Final = 0.1
@@ -22,6 +23,7 @@ class Photographs:
         begin_s: Time on the trajectory at which the first picture is taken; of a lap, in the first one.
         end_s: Time on the trajectory after which none is.
         distance_m: Level distance from one picture to the next; None for a single one.
+        heading_rad: Where the vehicle looks, clockwise from north, from the first picture on; None for where it flies.
 
     Raises:
         ValueError: It ends before it begins, or a number is out of range.
@@ -30,12 +32,15 @@ class Photographs:
     begin_s: float
     end_s: float
     distance_m: float | None
+    heading_rad: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.begin_s < self.end_s < math.inf:
             raise ValueError(f"photographs are taken from {self.begin_s} s to {self.end_s} s, which is no stretch")
         if self.distance_m is not None and not 0.0 < self.distance_m < math.inf:
             raise ValueError(f"photographs are {self.distance_m} m apart, which is no distance")
+        if self.heading_rad is not None and not math.isfinite(self.heading_rad):
+            raise ValueError(f"photographs are taken at a heading of {self.heading_rad} rad, which is none")
 
 
 def along_lanes(trajectory: Trajectory, visits: Iterable[CoveredVisit]) -> tuple[Photographs, ...]:
@@ -44,7 +49,12 @@ def along_lanes(trajectory: Trajectory, visits: Iterable[CoveredVisit]) -> tuple
     for visit in visits:
         if visit.trigger_m is not None:
             times = trajectory.time_at(visit.lanes_s.ravel()).reshape(-1, 2).tolist()
-            found += [Photographs(begin, end, visit.trigger_m) for begin, end in times if begin < end]
+            headings = headings_of(visit.lanes_m).tolist()
+            found += [
+                Photographs(begin, end, visit.trigger_m, heading)
+                for (begin, end), heading in zip(times, headings, strict=True)
+                if begin < end
+            ]
     return in_order(found)
 
 
@@ -79,8 +89,8 @@ def planned_pictures(trajectory: Trajectory, stretches: Iterable[Photographs]) -
 
 
 def photographs_to_json(stretches: Iterable[Photographs]) -> list[list[float | None]]:
-    """Begin, end and distance of each stretch."""
-    return [[each.begin_s, each.end_s, each.distance_m] for each in stretches]
+    """Begin, end, distance and heading of each stretch."""
+    return [[each.begin_s, each.end_s, each.distance_m, each.heading_rad] for each in stretches]
 
 
 def photographs_from_json(data: Any) -> tuple[Photographs, ...]:  # noqa: ANN401 - any JSON value
@@ -90,7 +100,9 @@ def photographs_from_json(data: Any) -> tuple[Photographs, ...]:  # noqa: ANN401
         TypeError: It is no list of lists of numbers.
         ValueError: The stretches are none, or not in order.
     """
-    return in_order(
-        Photographs(float(begin), float(end), None if distance is None else float(distance))
-        for begin, end, distance in data
-    )
+    found = []
+    for each in data:
+        begin, end, *others = each
+        apart, heading = (None if number is None else float(number) for number in (*others, None)[:2])  # as of old
+        found.append(Photographs(float(begin), float(end), apart, heading))
+    return in_order(found)

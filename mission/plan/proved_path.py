@@ -1,7 +1,7 @@
 """From a run to a path with a proof, and to the trajectory that flies it."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -9,8 +9,9 @@ from mission.errors import UnprovedError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import Rabin
-from mission.plan.covering import Covering
+from mission.plan.covering import CoveredVisit, Covering
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
+from mission.plan.turning import RunIn, run_ins
 from mission.plan.visits import covered_visits, earnest_visits, passage_at
 from mission.planning.run import Run
 from mission.spec.clearances import clearances
@@ -145,20 +146,40 @@ def _less_clearance(spec: MissionSpec) -> str:
 
 
 def trajectory_of(
-    spec: MissionSpec, curve: JoinedCurve, stops: tuple[tuple[float, float], ...], lap: int | None
+    spec: MissionSpec,
+    curve: JoinedCurve,
+    stops: tuple[tuple[float, float], ...],
+    lap: int | None,
+    covers: Sequence[CoveredVisit] = (),
 ) -> Trajectory:
-    """The fastest flight along a curve within a mission's limits.
+    """The fastest flight along a curve within a mission's limits that has time to turn before photographed lanes.
 
     Args:
         spec: The mission.
         curve: The smoothed path.
         stops: Pairs (curve parameter, seconds) at which the vehicle stands still.
         lap: Which leg is the lap.
+        covers: The lanes on it.
 
     Raises:
         ValueError: A stop is not on the curve.
     """
+    if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
+        raise ValueError("a stop is not on the curve")
+    fastest = _trajectory(spec, curve, stops, lap, ())
+    short = run_ins(fastest, covers)
+    return _trajectory(spec, curve, stops, lap, short) if short else fastest
+
+
+def _trajectory(
+    spec: MissionSpec,
+    curve: JoinedCurve,
+    stops: tuple[tuple[float, float], ...],
+    lap: int | None,
+    run_ins: tuple[RunIn, ...],
+) -> Trajectory:
     limits, legs = spec.limits, []
+    stops = (*stops, *((each.end_s, each.wait_s) for each in run_ins if each.wait_s > 0.0))
     for number, leg in enumerate(curve.legs):
         begin, end = curve.starts_s[number : number + 2].tolist()
         # At the place where two legs meet, it is the earlier one that has come into a region.
@@ -169,9 +190,12 @@ def trajectory_of(
             acceleration_m_s2=limits.acceleration_m_s2,
             tilt_rad=limits.tilt_rad,
             holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
+            slow=tuple(
+                (each.begin_s - begin, each.end_s - begin, each.rate)
+                for each in run_ins
+                if begin <= each.begin_s < each.end_s <= end
+            ),
         )
         legs.append(Leg(leg, law))
-    if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
-        raise ValueError("a stop is not on the curve")
     laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
     return Trajectory(tuple(legs), spec.flight.altitude_m, lap, laps)

@@ -114,7 +114,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         if back is not None:
             homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
     stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
-    trajectory, covers = trajectory_of(spec, curve, stops, path.repeated_leg), covering.visits(path)
+    covers = covering.visits(path)
+    trajectory = trajectory_of(spec, curve, stops, path.repeated_leg, covers)
     return FlightPlan(
         spec=spec,
         start_m=start,

@@ -23,7 +23,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -142,6 +142,7 @@ def time_law(
     acceleration_m_s2: float,
     tilt_rad: float,
     holds: tuple[tuple[float, float], ...] = (),
+    slow: tuple[tuple[float, float, float], ...] = (),
     window_s: float = 0.5,
 ) -> TimeLaw:
     """The fastest law of the module's kind that keeps the limits and is nowhere faster than planned.
@@ -152,6 +153,7 @@ def time_law(
         acceleration_m_s2: Largest horizontal acceleration.
         tilt_rad: Largest tilt; it bounds the acceleration by g tan(tilt) in level flight.
         holds: Pairs of a steering time in [0, T] and the seconds to stand still there; at one place the longest counts.
+        slow: Triples of two steering times and the largest rate sigma' between them, positive.
         window_s: Averaging window, which bounds the jerk.
 
     Raises:
@@ -169,16 +171,25 @@ def time_law(
         near = min(stops, key=lambda stop: abs(stop - place))
         stop = near if abs(near - place) <= _SAME_PLACE * curve.duration_s else place
         stops[stop] = max(stops.get(stop, 0.0), seconds)
-    grid, first, second = _bounds(curve, np.array(sorted(stops)), limit, window_s)
-    squares = _largest_squares(grid, first, second, (speed_m_s, limit), np.array(sorted(stops)))
+    if not all(begin <= end and rate > 0.0 for begin, end, rate in slow):
+        raise ValueError("where the vehicle is slow it goes on nevertheless")
+    cells = _cells(curve, np.array(sorted(stops)), np.array(slow, dtype=np.float64).reshape(-1, 3), limit, window_s)
+    squares = _largest_squares(cells, (speed_m_s, limit), np.array(sorted(stops)))
     holds_s = {s: seconds for s, seconds in stops.items() if seconds > 0 or s in joints}
-    return _law(grid, np.sqrt(squares), holds_s, window_s)
+    return _law(cells.grid, np.sqrt(squares), holds_s, window_s)
 
 
-def _bounds(
-    curve: Curve, stops: FloatArray, limit: float, window_s: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """A grid that is fine where the vehicle starts and stops, and bounds of |r'| and |r''| on its cells.
+class _Cells(NamedTuple):
+    """Cells of a curve: knots (K + 1,), bounds of |r'| and |r''|, and what sigma' is to be at most, (K,) each."""
+
+    grid: FloatArray
+    first: FloatArray
+    second: FloatArray
+    rates: FloatArray
+
+
+def _cells(curve: Curve, stops: FloatArray, slow: FloatArray, limit: float, window_s: float) -> _Cells:
+    """Cells that are fine where the vehicle starts and stops, and begin and end where it is to be slow.
 
     Each bound covers every place within ``window_s`` of steering time of its cell.
     """
@@ -199,27 +210,28 @@ def _bounds(
     steps = ramp / 8.0 * 2.0 ** np.arange(doublings)
     near = (stops[:, None] + np.concatenate((-steps, [0.0], steps))).ravel()
     near = near[(near >= 0.0) & (near <= curve.duration_s)]
+    ends = np.clip(slow[:, :2].ravel(), 0.0, curve.duration_s)
     # Between two stops there is a knot at which the vehicle moves.
-    grid = np.union1d(np.union1d(knots, near), 0.5 * (stops[:-1] + stops[1:]))
-    cell = np.clip(np.searchsorted(knots, 0.5 * (grid[:-1] + grid[1:]), side="right") - 1, 0, len(first) - 1)
-    return grid, first[cell], second[cell]
+    grid = np.union1d(np.union1d(knots, near), np.concatenate((0.5 * (stops[:-1] + stops[1:]), ends)))
+    middles = 0.5 * (grid[:-1] + grid[1:])
+    cell = np.clip(np.searchsorted(knots, middles, side="right") - 1, 0, len(first) - 1)
+    rates = np.ones(len(middles))
+    for (begin, end), rate in zip(np.searchsorted(middles, slow[:, :2]).tolist(), slow[:, 2].tolist(), strict=True):
+        rates[begin:end] = np.minimum(rates[begin:end], rate)
+    return _Cells(grid, first[cell], second[cell], rates)
 
 
-def _largest_squares(
-    grid: FloatArray, first: FloatArray, second: FloatArray, limits: tuple[float, float], stops: FloatArray
-) -> FloatArray:
+def _largest_squares(cells: _Cells, limits: tuple[float, float], stops: FloatArray) -> FloatArray:
     """The largest b = sigma'^2 at the knots of the grid that keeps the limits on every cell, shape (K + 1,).
 
     Args:
-        grid: Shape (K + 1,), the knots.
-        first: Shape (K,), bounds of |r'|.
-        second: Shape (K,), bounds of |r''|.
+        cells: The grid and the bounds.
         limits: Largest speed and acceleration.
         stops: Knots at which the vehicle stands still.
     """
-    speed, limit = limits
+    (grid, first, second, rates), (speed, limit) = cells, limits
     tiny = 1e-100  # against 0 / 0, and small enough that its square is no infinity
-    of_cell = np.minimum(1.0, np.minimum((speed / np.maximum(first, tiny)) ** 2, limit / np.maximum(second, tiny)))
+    of_cell = np.minimum(rates**2, np.minimum((speed / np.maximum(first, tiny)) ** 2, limit / np.maximum(second, tiny)))
     squares: FloatArray = np.minimum(np.append(of_cell, 1.0), np.append(1.0, of_cell))
     squares[np.searchsorted(grid, stops)] = 0.0
     slopes = first / (2.0 * np.diff(grid))

@@ -1,12 +1,14 @@
 """A field is covered in lock-step, in wind: what is planned is flown, photographed lane by lane, and judged so."""
 
 import io
+from math import radians, remainder, tau
 
 import pytest
 
 from mission.fly import FlightResult, fly
 from mission.fly.interruption import StopRequest
 from mission.plan import FlightPlan
+from mission.plan.turning import headings_of
 from mission.report.coverage import covered_again
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
@@ -44,6 +46,17 @@ def test_a_field_is_covered_in_wind(plan: FlightPlan, flavour: str) -> None:
     [again] = covered_again(plan, record)
     assert again.share == pytest.approx(covered.share, abs=1e-3)
     assert abs(len(result.pictures) - plan.planned_pictures) <= len(visit.lanes_m)
+    # The vehicle has turned into each lane before it takes the first picture there.
+    assert result.began_s is not None
+    seen = 0
+    for stretch, heading_rad in zip(plan.photographs, headings_of(visit.lanes_m).tolist(), strict=True):
+        begin_s, end_s = (result.began_s + edge_s for edge_s in (stretch.begin_s - 0.02, stretch.end_s + 0.15))
+        taken = [each for each in record.pictures if begin_s <= each.t_s <= end_s]
+        assert taken
+        off = [abs(remainder(each.attitude_rad[2] - heading_rad, tau)) for each in taken]
+        assert max(off) < radians(2.0)
+        seen += len(taken)
+    assert seen == len(record.pictures)
 
 
 def test_a_flight_that_ends_halfway_says_how_much_was_covered(plan: FlightPlan) -> None:

@@ -92,7 +92,8 @@ def test_pictures_are_taken_in_their_stretches_and_nowhere_else(plan: FlightPlan
     for each in record.pictures:
         near = int(np.argmin(np.abs(track.t_s - each.t_s)))
         assert np.allclose(track.position_m[near], each.position_m, atol=0.35)
-        assert np.allclose(track.attitude_rad[near], each.attitude_rad, atol=0.1)
+        off = np.exp(1j * track.attitude_rad[near]) / np.exp(1j * np.array(each.attitude_rad))
+        assert np.abs(np.angle(off)).max() < 0.1
     assert all(0.0 < number < 5.0 for each in record.pictures for number in each.accuracy_m)
     assert not still_triggers(vehicle)
 

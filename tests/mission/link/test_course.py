@@ -62,12 +62,12 @@ def test_memory_does_not_grow_with_the_flight() -> None:
 def test_the_heading_turns_the_short_way_and_stays_while_standing() -> None:
     course = Course(Circle(), 3.0)
     reference = course.reference(0.0)  # northwards
-    headings = [course.turn(reference, 0.1 * i) for i in range(100)]
+    headings = [course.turn(reference, 0.0, 0.1 * i) for i in range(100)]
     assert headings[0] == 3.0
     assert headings == sorted(headings, reverse=True)
     assert headings[-1] == pytest.approx(0.0, abs=1e-9)
     standing = reference._replace(velocity_m_s=(0.0, 0.0, 0.0))
-    assert course.turn(standing, 60.0) == pytest.approx(0.0, abs=1e-9)
+    assert course.turn(standing, 0.0, 60.0) == pytest.approx(0.0, abs=1e-9)
 
 
 class Rounds:

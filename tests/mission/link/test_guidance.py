@@ -4,6 +4,7 @@ import pytest
 
 from mission.link.guidance import Guidance
 from mission.monitor.gaps import Gap, Missing, gaps_text
+from mission.plan.turning import TURN_RAD_S
 from tests.support.sessions import DURATION_S, START_M, anchor_at_start, course
 
 PERIOD_S = 1.0 / 30.0
@@ -77,7 +78,7 @@ def test_the_heading_turns_no_faster_for_a_gap() -> None:
     guidance = led_until(BEGAN_S + 0.5)
     before = guidance.course.heading_rad
     assert guidance.due(BEGAN_S + 8.5) is not None
-    assert abs(guidance.course.heading_rad - before) <= 0.25
+    assert abs(guidance.course.heading_rad - before) <= 0.5 * TURN_RAD_S
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from mission.link.ending import Ending
 from mission.link.events import Answered, Asked, Moved, Said, SetpointSent
 from mission.link.session import Session
 from mission.monitor.stage import Stage
+from mission.plan.turning import TURN_RAD_S
 from tests.support.scripted_vehicle import (
     ARM,
     BRAKE,
@@ -102,7 +103,7 @@ def test_setpoints_come_at_20_hz_or_more_and_turn_slowly_into_the_flight(flavour
     assert max(b - a for a, b in pairwise(times)) <= 0.1
     sent = [event for event in driven.events if isinstance(event, SetpointSent)]
     turns = [abs(b.yaw_rad - a.yaw_rad) / (b.t_s - a.t_s) for a, b in pairwise(sent)]
-    assert max(turns) <= 0.51
+    assert max(turns) <= 1.02 * TURN_RAD_S
     assert sent[-1].yaw_rad == pytest.approx(math.atan2(END_M[0] - START_M[0], END_M[1] - START_M[1]), abs=0.01)
 
 

@@ -24,6 +24,8 @@ def test_what_is_no_stretch_is_refused(begin_s: float, end_s: float, distance_m:
 def test_stretches_follow_each_other() -> None:
     first, second = Photographs(0.0, 2.0, 3.0), Photographs(2.0, 3.0, None)
     assert in_order([first, second]) == (first, second)
+    with pytest.raises(ValueError, match="heading"):
+        Photographs(0.0, 2.0, 3.0, nan)
     for wrong in ([second, first], [first, Photographs(1.0, 3.0, 3.0)]):
         with pytest.raises(ValueError, match="begin before"):
             in_order(wrong)
@@ -31,10 +33,13 @@ def test_stretches_follow_each_other() -> None:
 
 def test_a_plan_keeps_them_and_an_older_file_has_none() -> None:
     plan = plan_of(SMALL)
-    stretches = (Photographs(1.5, 6.25, 2.0), Photographs(7.0, 8.0, None))
+    stretches = (Photographs(1.5, 6.25, 2.0, 0.5), Photographs(7.0, 8.0, None))
     text = plan_to_json(replace(plan, photographs=stretches))
     assert plan_from_json(text).photographs == stretches
-    older = text.replace('"photographs": [[1.5, 6.25, 2.0], [7.0, 8.0, null]], ', "")
+    written = '"photographs": [[1.5, 6.25, 2.0, 0.5], [7.0, 8.0, null, null]], '
+    without = plan_from_json(text.replace(written, '"photographs": [[1.5, 6.25, 2.0]], '))
+    assert without.photographs == (Photographs(1.5, 6.25, 2.0),)
+    older = text.replace(written, "")
     assert older != text
     assert plan_from_json(older).photographs == ()
     assert planned_pictures(plan.trajectory, stretches[1:]) == 1

@@ -46,6 +46,32 @@ def test_limits_are_kept_everywhere(curve: FourierCurve, speed: float, limit: fl
     assert rate.max() <= 1.0 + 1e-9
 
 
+@given(
+    curves, st.floats(0.2, 8.0), st.floats(0.1, 3.0), st.tuples(st.floats(0.0, 0.8), st.floats(0.05, 0.2)), st.data()
+)
+@settings(deadline=None, max_examples=25)
+def test_where_it_is_to_be_slow_it_is_and_nowhere_faster_for_it(
+    curve: FourierCurve, speed: float, limit: float, span: tuple[float, float], data: st.DataObject
+) -> None:
+    begin, end = span[0] * curve.duration_s, sum(span) * curve.duration_s
+    most = data.draw(st.floats(0.1, 0.9))
+    law, free = (
+        time_law(curve, speed_m_s=speed, acceleration_m_s2=limit, tilt_rad=0.5, slow=slow)
+        for slow in (((begin, end, most),), ())
+    )
+    arrival, departure = law.time_at([begin, end])
+    t = np.linspace(0.0, law.duration_s, 4001)
+    _, rate, _ = law.jet(t)
+    # The average looks back over the window.
+    inside = (arrival + law.window_s <= t) & (t <= departure - law.window_s)
+    assert rate[inside].max(initial=0.0) <= most + 1e-9
+    assert departure - arrival >= (end - begin) / most - law.window_s
+    assert law.duration_s >= 0.99 * free.duration_s  # the grids differ
+    _, velocity, acceleration = Trajectory((Leg(curve, law),), 10.0).state(t)
+    assert np.linalg.norm(velocity, axis=1).max() <= speed * (1 + 1e-9)
+    assert np.linalg.norm(acceleration, axis=1).max() <= limit * (1 + 1e-6)
+
+
 @given(curves, st.floats(0.2, 8.0), st.floats(0.1, 3.0), st.lists(st.floats(0.0, 1.0), max_size=3))
 @settings(deadline=None, max_examples=25)
 def test_the_law_stands_still_as_long_as_asked(
