@@ -13,7 +13,7 @@ from mission.cli.screen import count, out, print_warnings, reach
 from mission.decimals import decimal
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
-from mission.plan.costs import MEASURED, UNIT, run_costs
+from mission.plan.costs import MEASURED, UNIT
 from mission.planning.run import Run
 from mission.printable import printable
 from mission.spec.clearances import clearances_by_name
@@ -95,9 +95,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "shortest_runs": plan.shortest_runs,
         "cost": str(plan.spec.search.cost),
         "cost_measures": MEASURED[plan.spec.search.cost],
-        "costs": dict(
-            zip(("prefix", "suffix"), run_costs(plan.system.weights, plan.run, plan.spec.search.cost), strict=True)
-        ),
+        "costs": dict(zip(("prefix", "suffix"), plan.costs, strict=True)),
         "best_in_any_order": plan.best_in_any_order,
         "run_index": plan.run_index,
         "runs_passed_over": [asdict(run) for run in plan.passed_over],
@@ -209,7 +207,7 @@ def _print_mesh(mesh: Partition) -> None:
 
 def _costs(plan: FlightPlan) -> str:
     cost = plan.spec.search.cost
-    prefix, suffix = run_costs(plan.system.weights, plan.run, cost)
+    prefix, suffix = plan.costs
     if cost is Cost.TRANSITIONS:
         return f", of {count(plan.run.cost, 'transition')} each"
     unit, _ = UNIT[cost]

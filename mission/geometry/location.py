@@ -31,7 +31,8 @@ class Locator:
     partition: Partition
 
     @cached_property
-    def _tree(self) -> shapely.STRtree:
+    def tree(self) -> shapely.STRtree:
+        """Of the triangles, as polygons."""
         corners = self.partition.corners_m
         return shapely.STRtree(shapely.polygons(np.concatenate((corners, corners[:, :1]), axis=1)))
 
@@ -53,19 +54,19 @@ class Locator:
         finite = np.flatnonzero(np.isfinite(points).all(axis=1))
         none = self.partition.size
         lowest = np.full(len(points), none, dtype=np.int64)
-        which, triangles = self._tree.query(shapely.points(points[finite]), predicate="intersects")
+        which, triangles = self.tree.query(shapely.points(points[finite]), predicate="intersects")
         np.minimum.at(lowest, finite[which], triangles)
         beside = np.flatnonzero(lowest[finite] == none)
         if len(beside):
             rest = finite[beside]
-            which, triangles = self._tree.query_nearest(shapely.points(points[rest]), max_distance=self.closeness_m)
+            which, triangles = self.tree.query_nearest(shapely.points(points[rest]), max_distance=self.closeness_m)
             np.minimum.at(lowest, rest[which], triangles)
         lowest[lowest == none] = OUTSIDE
         return lowest
 
     def triangles_touching(self, point_m: Place) -> IntArray:
         """All triangles that a point lies in, on the edge of or at a corner of, ascending; within ``closeness_m``."""
-        found = self._tree.query(shapely.Point(point_m), predicate="dwithin", distance=self.closeness_m)
+        found = self.tree.query(shapely.Point(point_m), predicate="dwithin", distance=self.closeness_m)
         return np.sort(np.asarray(found, dtype=np.int64))
 
     def crossed(self, p_m: Place, q_m: Place, *, likely: int = OUTSIDE) -> tuple[tuple[int, float], ...]:
@@ -89,7 +90,7 @@ class Locator:
             return ((likely, 0.0),)
         if tuple(p_m) == tuple(q_m):
             return ((int(self.triangle_at(np.array([p_m]))[0]), 0.0),)
-        candidates = np.sort(self._tree.query(shapely.LineString((p_m, q_m)), predicate="intersects"))
+        candidates = np.sort(self.tree.query(shapely.LineString((p_m, q_m)), predicate="intersects"))
         # And without rational numbers: both ends well inside another triangle.
         if len(candidates) == 1 and self._well_inside(int(candidates[0]), p_m, q_m):
             return ((int(candidates[0]), 0.0),)

@@ -102,6 +102,14 @@ def edges_of(areas: Iterable[Area]) -> FloatArray:
     return np.concatenate([np.empty((0, 2, 2)), *(ring_edges(ring) for area in areas for ring in rings_of(area))])
 
 
+def edges_within(edges_m: FloatArray, area: Area) -> FloatArray:
+    """The parts of edges, shape (E, 2, 2), that lie within an area, shape (P, 2, 2)."""
+    parts = shapely.get_parts(shapely.intersection(shapely.linestrings(edges_m), area))
+    lines = parts[(shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & (shapely.length(parts) > 0.0)]
+    ends: FloatArray = shapely.get_coordinates(lines).reshape(-1, 2, 2)
+    return ends
+
+
 def polygonal(shape: shapely.Geometry) -> Area:
     """What of a shape is an area, without the parts and holes that rounding leaves."""
     parts = [

@@ -1,14 +1,53 @@
 """The best runs of a mission: its specification searched with its costs."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 from mission.errors import SearchSizeError
 from mission.plan.specification import Specification, deterministic_of
+from mission.plan.way import Way
 from mission.planning.objective import Objective
 from mission.planning.product import Product
-from mission.planning.search import ShortestRuns, search
+from mission.planning.run import Run
+from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import MissionSpec, Semantics
+
+
+class Runs(Protocol):
+    """Some runs, numbered from 0; ``ShortestRuns`` are all of the least cost."""
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+
+    @property
+    def cost(self) -> int:
+        """The weighed cost of each of them."""
+
+    def __getitem__(self, index: int) -> Run:
+        """The run of a number; IndexError beyond the last."""
+
+    def __iter__(self) -> Iterator[Run]:
+        """One after the other."""
+
+
+@dataclass(frozen=True)
+class OneRun:
+    """The one run that is a shortest way's."""
+
+    run: Run
+    cost: int
+    count: int = 1
+
+    def __getitem__(self, index: int) -> Run:
+        """The run, whose number is 0."""
+        return (self.run,)[index]
+
+    def __iter__(self) -> Iterator[Run]:
+        """It alone."""
+        yield self.run
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,15 +55,17 @@ class BestRuns:
     """What the search found.
 
     Attributes:
-        product: The product that was searched.
+        product: The product of T and the specification.
         runs: The best runs.
         exact: Whether there are no better ones in any order of the tasks that recur. Where these are too many for an
             exact search, the runs are the best among those that meet them in one fixed order.
+        way: The shortest way in the plane along which the one run goes; None where runs were searched in T.
     """
 
     product: Product
-    runs: ShortestRuns
+    runs: Runs
     exact: bool
+    way: Way | None = None
 
 
 def objective_of(spec: MissionSpec) -> Objective:

@@ -1,4 +1,7 @@
-"""What the transitions of T cost: as many as there are, the distance, or the time that they take.
+"""What runs cost: their transitions, or the length of the shortest way along them, or the time that it takes.
+
+Lengths and times are those of ways in the plane (``mission.plan.shortest_way``). The weights of T stand for them where
+runs are searched in T all the same, because a specification counts triangles, and on the way back from laps.
 
 Costs are whole numbers of a small unit, so that runs of equal cost are equal exactly and are counted as such. A stay
 costs as much as the cheapest transition of the map: it leads nowhere, and yet a loop of stays is not free.
@@ -11,17 +14,16 @@ from mission.geometry.simplices import Partition
 from mission.planning.run import Run
 from mission.planning.transition_system import CONTROLS
 from mission.spec.model import Cost
-from mission.steering.facet_control import exit_velocities
 
 UNIT = {Cost.TRANSITIONS: ("", 1.0), Cost.DISTANCE: ("m", 1e-3), Cost.TIME: ("s", 1e-3)}
 """Of each cost the unit in which people read it, and how much of it the whole number 1 stands for."""
 
 MEASURED = {
     Cost.TRANSITIONS: "triangles that are entered, and stays",
-    Cost.DISTANCE: "metres from incentre to incentre through the middles of the edges between",
-    Cost.TIME: "seconds that the fields take at most to leave their triangles",
+    Cost.DISTANCE: "metres of the shortest way with room for the tube",
+    Cost.TIME: "seconds on the fastest way with room for the tube, with its stops",
 }
-"""What each cost counts; the path that is flown is smoother, and another run's may come out shorter."""
+"""What each cost counts."""
 
 
 def transition_weights(partition: Partition, cost: Cost, speed_m_s: float) -> IntArray:
@@ -30,13 +32,13 @@ def transition_weights(partition: Partition, cost: Cost, speed_m_s: float) -> In
     Args:
         partition: M triangles.
         cost: What is counted.
-        speed_m_s: Reference speed c of the fields.
+        speed_m_s: How fast the flight is.
     """
     if cost is Cost.TRANSITIONS:
         return np.ones((partition.size, CONTROLS), dtype=np.int64)
-    exact = passage_lengths(partition) if cost is Cost.DISTANCE else passage_times(partition, speed_m_s)
+    unit_m = UNIT[cost][1] * (speed_m_s if cost is Cost.TIME else 1.0)
     weights = np.ones((partition.size, CONTROLS), dtype=np.int64)
-    weights[:, 1:] = np.maximum(1, np.rint(exact / UNIT[cost][1]))
+    weights[:, 1:] = np.maximum(1, np.rint(passage_lengths(partition) / unit_m))
     weights[:, 0] = weights[:, 1:].min()
     return weights
 
@@ -66,23 +68,3 @@ def passage_lengths(partition: Partition) -> FloatArray:
     to_facet = np.linalg.norm(middles - centres[:, None], axis=-1)
     lengths: FloatArray = to_facet + np.linalg.norm(beyond - middles, axis=-1)
     return lengths
-
-
-def passage_times(partition: Partition, speed_m_s: float) -> FloatArray:
-    """How long each field takes at most to leave its triangle, from wherever it is entered, shape (M, 3), seconds.
-
-    The distance s to the exit facet falls at a rate that is affine in the position: a at the opposite vertex, where s
-    is the height h, and at least b on the facet. So -ds/dt >= b + (a - b) s / h, and s reaches 0 after
-    h log(a / b) / (a - b) at the latest.
-    """
-    velocities = exit_velocities(partition, speed_m_s)
-    rates = np.einsum("mjx,mjvx->mjv", partition.normals, velocities)
-    facets = np.arange(3)
-    apex = rates[:, facets, facets]
-    on_facet = np.minimum(rates[:, facets, (facets + 1) % 3], rates[:, facets, (facets + 2) % 3])
-    # log(a / b) / (a - b) by the relative difference, which may be 0.
-    change = apex / on_facet - 1.0
-    alike = np.abs(change) < 1e-9  # noqa: PLR2004 - below rounding, log(1 + x) / x is 1
-    factor = np.where(alike, 1.0, np.log1p(change) / np.where(alike, 1.0, change))
-    times: FloatArray = partition.heights_m / on_facet * factor
-    return times

@@ -4,14 +4,13 @@ The triangle at which a proof fails is closed, and the best runs of the map that
 while the first of these is not proved in turn. A triangle without which the mission has no run stays open.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from mission.errors import NoPlanError, SearchSizeError
 from mission.plan.best_runs import BestRuns
 from mission.plan.proved_run import NoneProvedError, PassedOver, ProvedRun
-from mission.planning.transition_system import TransitionSystem
 
 MOST_SEARCHES: Final = 6
 """Times that a triangle is closed and the map searched again."""
@@ -73,9 +72,8 @@ class Flown:
 def flown_run(
     best: BestRuns,
     proved: Callable[[BestRuns], ProvedRun],
-    searched: Callable[[TransitionSystem], BestRuns],
+    searched: Callable[[Sequence[int]], BestRuns],
     *,
-    system: TransitionSystem,
     start: int,
     most_searches: int,
 ) -> Flown:
@@ -84,8 +82,7 @@ def flown_run(
     Args:
         best: The best runs.
         proved: Proves one of some best runs; raises NoneProvedError.
-        searched: The best runs of a smaller map; raises NoPlanError where there are none.
-        system: T.
+        searched: The best runs that keep out of some triangles; raises NoPlanError where there are none.
         start: The start triangle, which cannot be closed.
         most_searches: How often a triangle may be closed, and the map searched again.
 
@@ -106,7 +103,7 @@ def flown_run(
         looked_at.add(triangle)
         tried = (*avoided, Avoided(triangle, blamed[triangle]))
         try:
-            found = searched(system.without([each.triangle for each in tried]))
+            found = searched([each.triangle for each in tried])
             return Flown(proved(found), found, failure.passed_over, tried)
         except NoneProvedError as error:
             avoided, blamed = tried, error.blamed | blamed

@@ -24,6 +24,7 @@ from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
 from mission.plan.specification import Specification, deterministic_of
 from mission.plan.tasks import DroppedTask
+from mission.plan.way import Way
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import restricted_triangles
@@ -71,6 +72,7 @@ class FlightPlan:
             is proved; None where it is one of the best.
         covers: Where regions are covered by lanes, in the order of the path.
         photographs: The stretches of the trajectory in which pictures are taken, in order.
+        way: The shortest way in the plane that the run goes along; None where the best runs were searched in T.
     """
 
     spec: MissionSpec
@@ -94,6 +96,7 @@ class FlightPlan:
     avoidance: Avoidance | None = None
     covers: tuple[CoveredVisit, ...] = ()
     photographs: tuple[Photographs, ...] = ()
+    way: Way | None = None
 
     @cached_property
     def planned_pictures(self) -> int:
@@ -151,6 +154,11 @@ class FlightPlan:
         """T of this domain, its restricted triangles closed, with the mission's costs."""
         weights = transition_weights(self.partition, self.spec.search.cost, self.spec.flight.speed_m_s)
         return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted, weights)
+
+    @property
+    def costs(self) -> tuple[float, float]:
+        """What the prefix of the run and one round of its loop cost, in the unit of the mission's costs."""
+        return run_costs(self.system.weights, self.run, self.spec.search.cost) if self.way is None else self.way.costs
 
     @property
     def successors(self) -> IntArray:
@@ -216,8 +224,7 @@ class FlightPlan:
         """What the run that is flown costs, beside the best ones."""
         cost = self.spec.search.cost
         unit = UNIT[cost][0] or str(cost)
-        flown = run_costs(self.system.weights, self.run, cost)
-        parts = zip(("up to the loop", "round it"), avoidance.best_costs, flown, strict=True)
+        parts = zip(("up to the loop", "round it"), avoidance.best_costs, self.costs, strict=True)
         return " and ".join(
             f"{now:.12g} instead of {best:.12g} {unit} {part}" for part, best, now in parts if now != best
         )

@@ -14,8 +14,8 @@ from itertools import islice, pairwise
 from typing import Final
 
 from mission.errors import NoPlanError, UnprovedError
+from mission.plan.best_runs import Runs
 from mission.planning.run import Run
-from mission.planning.search import ShortestRuns
 from mission.steering.path import SteeringPath
 from mission.steering.proved_smoothing import ProvedCurve
 
@@ -71,7 +71,7 @@ class ProvedRun:
 
 
 def proved_run(
-    runs: ShortestRuns,
+    runs: Runs,
     index: int,
     path_of: Callable[[Run], SteeringPath],
     smoothed: Callable[[Run, SteeringPath, bool], ProvedCurve],

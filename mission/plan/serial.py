@@ -26,6 +26,7 @@ from mission.plan.photographs import photographs_from_json, photographs_to_json
 from mission.plan.proved_run import PassedOver
 from mission.plan.specification import of_mission
 from mission.plan.tasks import DroppedTask
+from mission.plan.way import Way
 from mission.planning.run import Run
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
@@ -38,7 +39,14 @@ from mission.steering.trajectory import Trajectory
 
 FORMAT = "ltl-mission plan 3"
 _NAMED = "mission_automaton"
-_OPTIONAL: Final[dict[str, Any]] = {_NAMED: "", "dropped": [], "passed_over": [], "avoidance": None, "photographs": []}
+_OPTIONAL: Final[dict[str, Any]] = {
+    _NAMED: "",
+    "dropped": [],
+    "passed_over": [],
+    "avoidance": None,
+    "photographs": [],
+    "way": None,
+}
 
 _Value = TypeVar("_Value")
 
@@ -71,6 +79,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "passed_over": [asdict(run) for run in plan.passed_over],
         "avoidance": plan.avoidance and asdict(plan.avoidance),
         "run": _run_data(plan.run),
+        "way": plan.way and plan.way.to_json(),
         "path": {
             "lap": path.lap,
             "segments": [
@@ -168,6 +177,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         dropped=dropped,
         covers=part("covers", lambda visits: tuple(CoveredVisit.from_json(visit) for visit in visits)),
         homeward=part("homeward", _homeward),
+        way=part("way", lambda data: None if data is None else Way.from_json(data)),
     )
 
 

@@ -5,12 +5,13 @@ from functools import partial
 import numpy as np
 
 from mission.errors import Fault, NoPlanError, SpecError
+from mission.geometry.arrays import IntArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import Formula
-from mission.plan.best_runs import BestRuns, best_runs, objective_of
-from mission.plan.costs import run_costs, transition_weights
+from mission.plan.best_runs import BestRuns, OneRun, Runs, best_runs, objective_of
+from mission.plan.costs import UNIT, run_costs, transition_weights
 from mission.plan.covering import Covering
 from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
@@ -19,17 +20,17 @@ from mission.plan.narrows import closed_by_clearances
 from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner, trajectory_of
 from mission.plan.proved_run import ProvedRun, proved_run
-from mission.plan.specification import Specification, deterministic_of, of_mission
+from mission.plan.shortest_way import RunSearch
+from mission.plan.specification import deterministic_of, of_mission
 from mission.plan.tasks import dropped_tasks
 from mission.plan.way_back import way_back
 from mission.planning.product import Product
 from mission.planning.recurrence import has_runs
 from mission.planning.refusal import refusal
 from mission.planning.run import Run
-from mission.planning.search import ShortestRuns
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
-from mission.spec.model import MissionSpec, Point
+from mission.spec.model import Cost, MissionSpec, Point
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
 from mission.steering.proved_smoothing import ProvedCurve
@@ -53,7 +54,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     start = spec.start.position_m if start_m is None else start_m
     partition, labelling = build_domain(spec)
     restricted = restricted_triangles(spec, labelling)
-    triangle = _start_triangle(Locator(partition), restricted, start)
+    locator = Locator(partition)
+    triangle = _start_triangle(locator, restricted, start)
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
@@ -62,8 +64,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         product = Product(system, automaton, triangle, spec.semantics)
         return None if has_runs(product) else NoPlanError(refusal(product))
 
-    def searched(within: TransitionSystem, required: Specification) -> BestRuns:
-        return best_runs(within, required, triangle, spec.semantics, objective_of(spec))
+    search = RunSearch(spec, system, partition, labelling, restricted, locator, start, triangle)
 
     try:
         dropped = dropped_tasks(
@@ -72,7 +73,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
             lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
         )
         specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
-        found = searched(system, specification)
+        found = search.best(specification)
     except NoPlanError as error:
         told = explained(error, spec, partition, labelling, start=triangle)
         raise closed_by_clearances(told, spec, start) from error
@@ -101,8 +102,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     flown = flown_run(
         found,
         proved_of,
-        partial(searched, required=specification),
-        system=system,
+        partial(search.best, specification),
         start=triangle,
         most_searches=MOST_SEARCHES if free else 0,
     )
@@ -137,15 +137,22 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         passed_over=flown.passed_over,
         covers=covers,
         photographs=along_lanes(trajectory, covers),
-        avoidance=Avoidance(flown.avoided, run_costs(weights, runs[0], spec.search.cost)) if flown.avoided else None,
+        avoidance=Avoidance(flown.avoided, _costs(found, weights, spec.search.cost)) if flown.avoided else None,
+        way=flown.among.way,
     )
 
 
-def shortest_runs(plan: FlightPlan) -> ShortestRuns:
+def shortest_runs(plan: FlightPlan) -> Runs:
     """All the runs that a plan could have flown at the same cost, clear of what it avoids."""
+    if plan.way is not None:
+        return OneRun(plan.run, round(objective_of(plan.spec).cost(*plan.way.costs) / UNIT[plan.spec.search.cost][1]))
     objective = objective_of(plan.spec)
     system = plan.system if plan.avoidance is None else plan.system.without(plan.avoidance.closed)
     return best_runs(system, plan.required, plan.run.states[0], plan.spec.semantics, objective).runs
+
+
+def _costs(found: BestRuns, weights: IntArray, cost: Cost) -> tuple[float, float]:
+    return run_costs(weights, found.runs[0], cost) if found.way is None else found.way.costs
 
 
 def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) -> int:

@@ -19,7 +19,7 @@ from mission.geometry.arrays import FloatArray, IntArray
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD
 from mission.planning.sweeps import Codes, Graph
-from mission.planning.transition_system import CONTROLS, TransitionSystem
+from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 
 MAX_STATES = 12_000_000
@@ -137,10 +137,10 @@ class Product:
         stays = targets[..., 0].reshape(-1)
         stays[stays == np.arange(self.full_size, dtype=np.int32)] = DEAD
         targets[..., 0] = stays.reshape(targets.shape[:2])
-        rows = targets.reshape(self.full_size, CONTROLS)
+        rows = targets.reshape(self.full_size, self.system.controls)
         there = rows != DEAD
         counts = there[:, 0].astype(np.int32)
-        for column in range(1, CONTROLS):
+        for column in range(1, self.system.controls):
             counts += there[:, column]
         begins = np.zeros(self.full_size + 1, dtype=np.int32)
         np.cumsum(counts, out=begins[1:])

@@ -1,4 +1,4 @@
-"""The transition system T of a partition (paper, Eq. 22), as arrays."""
+"""Transition systems as arrays: T of a partition (paper, Eq. 22), and others with more controls."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 
 CONTROLS = 4
-"""u_0 stays; u_1 to u_3 leave through the facet opposite the first to third vertex."""
+"""Of T: u_0 stays; u_1 to u_3 leave through the facet opposite the first to third vertex."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,10 +19,11 @@ class TransitionSystem:
     """Deterministic: a state and a control have at most one successor.
 
     Attributes:
-        successors: Shape (M, 4), the triangle that each control leads to; -1 where the control is not admissible.
-        letter_of: Shape (M,), index of each triangle's observation in ``letters``.
+        successors: Shape (M, W), the state that each of W controls leads to; -1 where the control is not admissible.
+            States of T are triangles, and it has four controls.
+        letter_of: Shape (M,), index of each state's observation in ``letters``.
         letters: The observations of the domain.
-        weights: Shape (M, 4), what each transition costs, in whole units and at least 1, of controls that are not
+        weights: Shape (M, W), what each transition costs, in whole units and at least 1, of controls that are not
             admissible too; 1 by default, so that a run costs as much as it has transitions. Whole numbers make ties
             exact, and a stay that is not free makes no loop free.
 
@@ -33,7 +34,7 @@ class TransitionSystem:
     successors: IntArray
     letter_of: IntArray
     letters: tuple[frozenset[str], ...]
-    weights: IntArray = field(default_factory=lambda: np.ones((1, CONTROLS), dtype=np.int64))
+    weights: IntArray = field(default_factory=lambda: np.ones((1, 1), dtype=np.int64))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "successors", frozen_ints(self.successors))
@@ -47,14 +48,19 @@ class TransitionSystem:
         """Number of states, M."""
         return len(self.successors)
 
+    @property
+    def controls(self) -> int:
+        """Number of controls, W."""
+        return int(self.successors.shape[1])
+
     @cached_property
     def uniform(self) -> bool:
         """Whether all transitions cost the same."""
         return bool((self.weights == self.weights[0, 0]).all())
 
-    def without(self, triangles: Sequence[int]) -> "TransitionSystem":
-        """The same where no control leads into some triangles."""
-        kept = np.where(np.isin(self.successors, triangles), -1, self.successors)
+    def without(self, states: Sequence[int]) -> "TransitionSystem":
+        """The same where no control leads into some states."""
+        kept = np.where(np.isin(self.successors, states), -1, self.successors)
         return TransitionSystem(kept, self.letter_of, self.letters, self.weights)
 
     @staticmethod

@@ -3,18 +3,17 @@
 from collections.abc import Sequence
 
 import numpy as np
-import shapely
 
 from mission.decimals import decimal, measure
 from mission.errors import Fault, GeometryError, SpecError
 from mission.geometry.arrangement import arranged
-from mission.geometry.arrays import BoolArray, FloatArray
+from mission.geometry.arrays import BoolArray
 from mission.geometry.faces import FacedMesh
 from mission.geometry.location import Locator
 from mission.geometry.refinement import finest_m, refined
 from mission.geometry.regions import Labelling, label_triangles
 from mission.geometry.rings import ring_edges
-from mission.geometry.shapes import Area, edges_of
+from mission.geometry.shapes import edges_of, edges_within
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import SLIVER, EdgesInMesh, slivers, triangulate_nodes
 from mission.spec.areas import Ground, boundary_ground
@@ -125,19 +124,11 @@ def _meshed(domain: Domain, outlines: Outlines) -> FacedMesh:
     rims, areas = edges_of([fence]), edges_of(ground.kept for ground in outlines.grounds.values())
     # What sticks out is cut off before it is meshed: vertices out there would only make triangles inside smaller.
     return refined(
-        arranged(np.concatenate((rims, _straight_parts(areas, fence))), joined_m(outlines.extent_m)),
+        arranged(np.concatenate((rims, edges_within(areas, fence))), joined_m(outlines.extent_m)),
         fence,
         smallest_angle_deg=domain.refinement.smallest_angle_deg,
         largest_m=domain.refinement.largest_m,
     )
-
-
-def _straight_parts(edges_m: FloatArray, within: Area) -> FloatArray:
-    """The parts of edges, shape (E, 2, 2), that lie within an area, shape (P, 2, 2)."""
-    parts = shapely.get_parts(shapely.intersection(shapely.linestrings(edges_m), within))
-    lines = parts[(shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & (shapely.length(parts) > 0.0)]
-    ends: FloatArray = shapely.get_coordinates(lines).reshape(-1, 2, 2)
-    return ends
 
 
 def _missing_edges(mesh: Partition, rings: Sequence[DrawnRing]) -> list[Finding]:

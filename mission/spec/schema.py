@@ -257,8 +257,8 @@ _SEARCH: Final = mapping(
     (),
     {
         "cost": {
-            "description": "What is counted: the transitions between triangles, the metres over the middles of their "
-            "edges, or the seconds that the fields take at most.",
+            "description": "What is counted: the transitions between triangles, the metres of the way, or the seconds "
+            "that it takes with its stops. Metres and seconds do not depend on the mesh.",
             "enum": [cost.value for cost in Cost],
             "default": Cost.TRANSITIONS.value,
         },

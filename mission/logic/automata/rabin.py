@@ -81,6 +81,24 @@ class Rabin:
         used = reduce(or_, (fin | inf for fin, inf in pairs), 0)
         return Rabin(number[rows], np.where(again, self.marks[order] & used, 0), pairs)
 
+    def accepts(self, prefix: Sequence[int], loop: Sequence[int]) -> bool:
+        """Whether the word that reads the letters of a prefix, and those of a loop (one at least) for ever, is one."""
+        state = self.initial
+        for letter in prefix:
+            state = DEAD if state == DEAD else int(self.targets[state, letter])
+        met: dict[int, int] = {}  # what each round that began in a state bore
+        while state != DEAD and state not in met:
+            begin, met[state] = state, 0
+            for letter in loop:
+                if state != DEAD:
+                    met[begin] |= int(self.marks[state, letter])
+                    state = int(self.targets[state, letter])
+        if state == DEAD:
+            return False
+        rounds = list(met)
+        borne = reduce(or_, (met[begin] for begin in rounds[rounds.index(state) :]), 0)
+        return any(borne & fin == 0 and borne & inf == inf for fin, inf in self.pairs)
+
     def alive(self) -> BoolArray:
         """(Q,) whether some word is accepted from each state."""
         heads = np.flatnonzero(np.any([np.zeros(self.size, dtype=np.bool_), *self.recurrent], axis=0))

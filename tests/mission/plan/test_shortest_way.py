@@ -1,0 +1,89 @@
+"""Runs of least length: against brute force on visibility graphs, on meshes of any fineness, and proved."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mission.plan import plan_from_json, plan_mission, plan_to_json
+from mission.spec.loader import load_mission, parse_mission
+from mission.spec.model import BoundaryDomain, Cost, Refinement, Search
+from tests.support.ways import RandomMap, found
+
+MISSIONS = Path(__file__).parents[3] / "missions"
+_NEAR = 1.015
+"""Ways over crossing points are longer than shortest ones by less than this factor."""
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_order_of_visits_is_that_of_a_shortest_way(seed: int) -> None:
+    drawn = RandomMap.of(seed)
+    lengths = drawn.lengths_m()
+    way = found(drawn.mission())
+    least = min(lengths.values())
+    assert 0.995 * least <= way.length_m <= _NEAR * least
+    assert lengths[tuple(way.visits)] <= _NEAR * least
+
+
+@pytest.mark.parametrize("name", ["patrol", "inspection", "survey"])
+@pytest.mark.parametrize("cost", [Cost.DISTANCE, Cost.TIME])
+def test_the_way_does_not_depend_on_the_mesh(name: str, cost: Cost) -> None:
+    spec = replace(load_mission(MISSIONS / f"{name}.yaml"), search=Search(cost))
+    assert isinstance(spec.domain, BoundaryDomain)
+    meshes = [Refinement(20.0, np.inf), Refinement(25.0, 9.0), Refinement(20.0, 4.0)]
+    ways = [found(replace(spec, domain=replace(spec.domain, refinement=mesh))) for mesh in meshes]
+    assert len({way.search.partition.size for way in ways}) == len(meshes)
+    first = ways[0]
+    assert first.best.way is not None
+    for way in ways[1:]:
+        assert way.best.way is not None
+        assert np.array_equal(way.best.way.prefix_m, first.best.way.prefix_m)
+        assert np.array_equal(way.best.way.loop_m, first.best.way.loop_m)
+        assert way.best.way.costs == first.best.way.costs
+        assert way.word == first.word
+
+
+def test_a_stop_that_takes_long_is_worth_a_detour_by_time_alone() -> None:
+    text = """\
+domain:
+  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
+regions:
+  slow: {kind: survey, polygon: [[28, 0], [32, 0], [32, 30], [28, 30]], loiter_s: 60}
+  goal: {kind: survey, polygon: [[50, 2], [58, 2], [58, 10], [50, 10]]}
+mission:
+  formula: F goal
+start:
+  position_m: [5, 5]
+flight: {speed_m_s: 2}
+search: {cost: COST}
+"""
+    straight, around = (found(parse_mission(text.replace("COST", cost).encode())) for cost in ("distance", "time"))
+    assert straight.visits == ["slow", "goal"]
+    assert around.visits == ["goal"]
+    assert straight.length_m < 1.01 * 45.0
+    shortest_m = np.hypot(23.0, 25.0) + 4.0 + np.hypot(18.0, 20.0)  # over the corners of `slow`
+    assert shortest_m / 2.0 < around.length_m < _NEAR * shortest_m / 2.0
+
+
+def test_a_formula_that_counts_triangles_is_met_by_a_run_of_the_mesh() -> None:
+    text = "home: {kind: home, polygon: [[2, 2], [18, 2], [18, 18], [2, 18]]}"
+    spec = parse_mission(
+        f"domain:\n  boundary: [[0, 0], [60, 0], [60, 20], [0, 20]]\nregions:\n  {text}\n"
+        "mission:\n  formula: X X !home & F G home\nstart:\n  position_m: [30, 10]\nsearch: {cost: distance}\n".encode()
+    )
+    way = found(spec)
+    states = way.best.runs[0].states
+    assert "home" not in way.labelling.label((*states, states[-1])[2])
+
+
+def test_a_plan_keeps_its_way() -> None:
+    spec = replace(load_mission(MISSIONS / "survey.yaml"), search=Search(Cost.DISTANCE))
+    plan = plan_mission(spec)
+    again = plan_from_json(plan_to_json(plan))
+    assert plan.way is not None
+    assert again.way is not None
+    assert np.array_equal(again.way.prefix_m, plan.way.prefix_m)
+    assert again.costs == plan.costs
+    assert plan.certificate.holds
+    assert plan.shortest_runs == 1
