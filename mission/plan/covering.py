@@ -185,7 +185,7 @@ class Covering:
         return tuple(
             self._visit(of_curve[id(segment.lanes)], segment.start_s)
             for segment in path.segments
-            if segment.lanes is not None
+            if segment.lanes is not None and id(segment.lanes) in of_curve
         )
 
     def _lanes(self, region: Region, passage: Passage, place_m: Point) -> _Lanes:

@@ -59,8 +59,11 @@ def loiter_stops(
                 if first == 0:
                     continue
                 start_s, end_s = float(leg.knots_s[first]), float(leg.knots_s[last + 1])
-                s, depth_m = _deepest(smoothed, outline, start_s, end_s)
-                _, planned_depth_m = _deepest(leg, outline, start_s, end_s)
+                # Halfway on a way to the roomiest place and back it stands still in any case.
+                ends = [(each.start_s, each.lanes) for each in leg.segments[first : last + 1] if each.lanes]
+                turns_s = [float(begin_s + corner_s) for begin_s, lanes in ends for corner_s in lanes.corners_s[1:-1]]
+                s, depth_m = _deepest(smoothed, outline, start_s, end_s, turns_s)
+                _, planned_depth_m = _deepest(leg, outline, start_s, end_s, turns_s)
                 stops.append(Stop(region.name, begins_s + s, region.loiter_s, depth_m, planned_depth_m))
     return tuple(sorted(stops, key=lambda stop: stop.s))
 
@@ -76,8 +79,10 @@ def shallow_stop(stops: tuple[Stop, ...], tube_m: float) -> str:
     return ""
 
 
-def _deepest(curve: Curve | SteeringPath, outline: BaseGeometry, start_s: float, end_s: float) -> tuple[float, float]:
-    s = np.linspace(start_s, end_s, _SAMPLES_A_VISIT)
+def _deepest(
+    curve: Curve | SteeringPath, outline: BaseGeometry, start_s: float, end_s: float, also_s: list[float]
+) -> tuple[float, float]:
+    s = np.union1d(np.linspace(start_s, end_s, _SAMPLES_A_VISIT), also_s)
     points = shapely.points(curve.position(s))
     depth = np.where(shapely.contains(outline, points), 1.0, -1.0) * shapely.distance(outline.boundary, points)
     best = int(np.argmax(depth))

@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 from mission.errors import UnprovedError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import Rabin
 from mission.plan.covering import CoveredVisit, Covering
+from mission.plan.deep_visits import DeepVisits
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
 from mission.plan.turning import RunIn, run_ins
 from mission.plan.visits import covered_visits, earnest_visits, passage_at
@@ -19,7 +20,7 @@ from mission.spec.finding import dotted, listed
 from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
-from mission.steering.path import SteeringPath, build_path
+from mission.steering.path import LanesFrom, SteeringPath, build_path
 from mission.steering.proved_smoothing import (
     FEWEST_FREQUENCIES,
     MOST_FREQUENCIES,
@@ -54,21 +55,33 @@ class PathPlanner:
             NoPlanError: A region that it visits cannot be covered as the mission asks.
         """
         covers = covered_visits(self.spec, self.partition, self.labelling, automaton, run) if self.covering else {}
-        lanes_in = {
+        lanes_in: dict[int, Sequence[LanesFrom]] = {
             index: tuple(partial(self.covering.lanes, region, passage) for region in regions)
             for index, regions in covers.items()
             if self.covering
             for passage in (passage_at(self.labelling, automaton, run, self.spec.semantics, index),)
         }
+        earnest = earnest_visits(self.spec, self.partition, self.labelling, automaton, run)
+        ends = set() if run.recurrent else {len(run.prefix)}  # there the vehicle stays where it settles
+        for index in sorted(earnest.keys() - lanes_in.keys() - ends):
+            passage = passage_at(self.labelling, automaton, run, self.spec.semantics, index)
+            places = [self.deep.deeper(region, passage, run.states[index]) for region in earnest[index]]
+            ways = tuple(partial(self.deep.way, deep_m=deep_m) for deep_m in places if deep_m is not None)
+            lanes_in |= {index: ways} if ways else {}
         return build_path(
             self.partition,
             run,
             start_m=start_m,
             speed_m_s=self.spec.flight.speed_m_s,
             final_stay_s=self.spec.flight.final_stay_s,
-            settle_in=earnest_visits(self.spec, self.partition, self.labelling, automaton, run),
+            settle_in=frozenset(earnest),
             lanes_in=lanes_in,
         )
+
+    @cached_property
+    def deep(self) -> DeepVisits:
+        """The roomiest places of regions."""
+        return DeepVisits(self.spec, self.partition, self.labelling)
 
     def smoothed(
         self,

@@ -28,8 +28,10 @@ def visits(inside: list[bool]) -> list[tuple[int, int]]:
 
 def earnest_visits(
     spec: MissionSpec, partition: Partition, labelling: Labelling, automaton: Rabin, run: Run
-) -> frozenset[int]:
+) -> dict[int, tuple[Region, ...]]:
     """Indices into ``run.states`` at which the path first settles: one, in the roomiest triangle, for each visit.
+
+    With each are the regions that are visited there; there are none where the path only turns back.
 
     Visits count of survey and home regions that are entered (not of the one in which the flight starts), where the
     region asks for loitering, or where the visit moves the automaton on and the tube is not a line. Where the run
@@ -37,15 +39,16 @@ def earnest_visits(
     """
     tube = spec.flight.disturbance_m_s2 > 0.0
     moved = _moves_on(labelling, automaton, run, spec.semantics)
-    chosen = _turns_back(run)
+    chosen: dict[int, tuple[Region, ...]] = dict.fromkeys(_turns_back(run), ())
     for region in spec.regions:
         if region.kind is RegionKind.RESTRICTED or not (tube or region.loiter_s > 0.0):
             continue
         for first, last in visits([region.name in labelling.label(triangle) for triangle in run.states]):
             if first == 0 or not (region.loiter_s > 0.0 or any(moved[first : last + 1])):
                 continue
-            chosen.add(_roomiest(partition, run, first, last))
-    return frozenset(chosen)
+            index = _roomiest(partition, run, first, last)
+            chosen[index] = (*chosen.get(index, ()), region)
+    return chosen
 
 
 def covered_visits(

@@ -24,7 +24,10 @@ _PANEL = 1.0  # largest change of a field over half a panel, |F| times time
 _SAME_PLACE_M = 1e-3  # a flight that starts so near to its lap starts in it
 
 
-LanesIn = Mapping[int, Sequence[Callable[[Point], RoundedPolyline]]]
+LanesFrom = Callable[[Point], RoundedPolyline]
+"""From a place to a curve that begins and ends there."""
+
+LanesIn = Mapping[int, Sequence[LanesFrom]]
 
 
 @dataclass(frozen=True, eq=False)
