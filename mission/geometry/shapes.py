@@ -88,6 +88,50 @@ def shrunk(area: Area, by_m: float) -> Area:
     return _moved(polygonal(shapely.difference(near, shapely.union_all(_rim(near, by_m, inwards=True)))), origin)
 
 
+def widened(area: Area, by_m: float) -> Area:
+    """All places whose square, reaching ``by_m`` on each axis, meets an area: its Minkowski sum with the square."""
+    if by_m <= 0.0 or area.is_empty:
+        return area
+    return polygonal(shapely.union_all([area, *_bordered(area, by_m)]))
+
+
+def narrowed(area: Area, by_m: float) -> Area:
+    """All places whose square, reaching ``by_m`` on each axis, lies in an area as a whole; may be empty."""
+    if by_m <= 0.0 or area.is_empty:
+        return area
+    found = []
+    for part in shapely.get_parts(area):
+        filled = shapely.Polygon(part.exterior)
+        within = shapely.difference(filled, shapely.union_all(_bordered(filled, by_m)))
+        holes = shapely.polygons(shapely.get_rings(part)[1:])
+        hulls = shapely.convex_hull(holes)
+        solid = np.isclose(shapely.area(hulls), shapely.area(holes), rtol=1e-12, atol=0.0)
+        kept_out = [shapely.union_all([hole, *_bordered(hole, by_m)]) for hole in holes[~solid]]
+        kept_out.extend(_hulls(hulls[solid], by_m))
+        found.append(shapely.difference(within, shapely.union_all(kept_out)))
+    return polygonal(shapely.union_all(found))
+
+
+def without_straight_corners(area: Area, tolerance_m: float) -> Area:
+    """An area without the corners that lie on the line of their neighbours."""
+
+    def kept(ring: FloatArray) -> FloatArray:
+        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+        along = after - before
+        offset = ring - before
+        apart = np.abs(along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0])
+        forward = (offset * (after - ring)).sum(axis=1) > 0.0
+        straight = forward & (apart <= tolerance_m * np.hypot(*along.T))
+        corners: FloatArray = ring[~straight]
+        return corners
+
+    parts = []
+    for part in shapely.get_parts(area):
+        rim, *holes = (kept(ring) for ring in rings_of(part))
+        parts.append(shapely.Polygon(rim, holes))
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+
+
 def rings_of(area: Area) -> list[FloatArray]:
     """The rings of an area, each shape (K, 2) and not closed: of each part the rim, then its holes."""
     return [
@@ -118,6 +162,30 @@ def polygonal(shape: shapely.Geometry) -> Area:
         if isinstance(part, shapely.Polygon) and part.area > _NOTHING_M2
     ]
     return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+
+
+def _bordered(area: Area, by_m: float) -> FloatArray:
+    """The Minkowski sums of the edges of an area with a square, as polygons."""
+    edges = edges_of([area])
+    swapped = edges[:, 0, 0] > edges[:, 1, 0]
+    edges[swapped] = edges[swapped, ::-1]
+    (begins, ends), rises = np.moveaxis(edges, 1, 0), edges[:, 1, 1] >= edges[:, 0, 1]
+    low, high = np.where(rises[:, None], begins, ends), np.where(rises[:, None], ends, begins)
+    lower, upper = np.array([-by_m, -by_m]), np.array([by_m, by_m])
+    right, left = np.array([by_m, -by_m]), np.array([-by_m, by_m])
+    rising = np.stack((begins + lower, begins + right, ends + right, ends + upper, ends + left, begins + left), axis=1)
+    falling = np.stack((begins + lower, low + lower, low + right, ends + upper, high + upper, begins + left), axis=1)
+    sums: FloatArray = shapely.polygons(np.where(rises[:, None, None], rising, falling))
+    return sums
+
+
+def _hulls(convex: FloatArray, by_m: float) -> FloatArray:
+    """The Minkowski sums of convex polygons with a square."""
+    corners, number = shapely.get_coordinates(convex, return_index=True)
+    square = by_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    clouds = (corners[:, None] + square).reshape(-1, 2)
+    sums: FloatArray = shapely.convex_hull(shapely.multipoints(clouds, indices=np.repeat(number, 4)))
+    return sums
 
 
 def _rim(area: Area, width_m: float, *, inwards: bool) -> FloatArray:

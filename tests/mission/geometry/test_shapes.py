@@ -6,7 +6,20 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from mission.geometry.shapes import CORNER_SHARE, DISC_M, DISC_SHARE, disc, grown, rings_of, shrunk, strip, united
+from mission.geometry.shapes import (
+    CORNER_SHARE,
+    DISC_M,
+    DISC_SHARE,
+    disc,
+    grown,
+    narrowed,
+    rings_of,
+    shrunk,
+    strip,
+    united,
+    widened,
+    without_straight_corners,
+)
 
 SQUARE = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]])
 FAR_M = np.array([432_100.25, 5_678_900.5])
@@ -124,3 +137,27 @@ def test_nothing_is_lost_far_from_the_origin() -> None:
         back = shapely.transform(far, lambda places: places - FAR_M)
         assert shapely.symmetric_difference(near, back).area < 1e-5
         assert shapely.hausdorff_distance(near, back) < 1e-8
+
+
+@settings(max_examples=40)
+@given(stars(), lengths, st.integers(0, 2**32))
+def test_a_square_meets_or_lies_in_an_area_as_its_middle_lies_in_the_sums(
+    area: shapely.Polygon, by_m: float, seed: int
+) -> None:
+    outer, inner = widened(area, by_m), narrowed(area, by_m)
+    places = np.random.default_rng(seed).uniform(-90.0, 90.0, (60, 2))
+    for place, meets, lies_in in zip(
+        places,
+        shapely.contains_xy(outer, places),
+        shapely.contains_xy(inner, places),
+        strict=True,
+    ):
+        smaller, larger = (shapely.box(*(place - reach), *(place + reach)) for reach in (by_m - 1e-6, by_m + 1e-6))
+        assert shapely.intersects(smaller, area) <= meets <= shapely.intersects(larger, area)
+        assert shapely.covers(area, larger) <= lies_in <= shapely.covers(area, smaller)
+
+
+def test_corners_on_straight_edges_go_and_others_stay() -> None:
+    ring = [(0.0, 0.0), (5.0, 0.0), (9.0, 0.0), (10.0, 0.0), (10.0, 10.0), (5.0, 10.01), (0.0, 10.0)]
+    (kept,) = rings_of(without_straight_corners(shapely.Polygon(ring), 1e-6))
+    assert len(kept) == 5
