@@ -9,24 +9,21 @@ from mission.geometry.arrays import IntArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
-from mission.logic.formula.syntax import Formula
 from mission.plan.best_runs import BestRuns, OneRun, Runs, best_runs, objective_of
 from mission.plan.costs import UNIT, run_costs, transition_weights
 from mission.plan.covering import Covering
 from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
+from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner, trajectory_of
 from mission.plan.proved_run import ProvedRun, proved_run
 from mission.plan.shortest_way import RunSearch
-from mission.plan.specification import deterministic_of, of_mission
+from mission.plan.specification import of_mission
 from mission.plan.tasks import dropped_tasks
 from mission.plan.way_back import way_back
-from mission.planning.product import Product
-from mission.planning.recurrence import has_runs
-from mission.planning.refusal import refusal
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
@@ -59,17 +56,14 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
-    def refusal_of(tried: Formula) -> NoPlanError | None:
-        automaton = deterministic_of(tried, spec.automaton, labelling.letters)
-        product = Product(system, automaton, triangle, spec.semantics)
-        return None if has_runs(product) else NoPlanError(refusal(product))
-
     search = RunSearch(spec, system, partition, labelling, restricted, locator, start, triangle)
+    covering = Covering(spec, partition, labelling, restricted)
+    planner = PathPlanner(spec, partition, labelling, covering)
 
     try:
         dropped = dropped_tasks(
             spec,
-            refusal_of,
+            Feasibility(search, planner).refusal,
             lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
         )
         specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
@@ -82,8 +76,6 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
-    covering = Covering(spec, partition, labelling, restricted)
-    planner = PathPlanner(spec, partition, labelling, covering)
     refutation = compile_to_alphabet(specification.refutation, labelling.letters)
     prover = prover_of(spec, partition, labelling, refutation, restricted)
 

@@ -250,3 +250,33 @@ def test_effective_formulas_are_conjunctions_in_the_order_of_the_file() -> None:
     spec = spec_of("visit: east", "visit: west, weight: 1", mission="mission: {formula: G !pond}\n")
     assert formula_of(spec) is parse_formula("G !pond & F east & F west")
     assert formula_of(spec, [1]) is conjunction(parse_formula("G !pond"), eventually(parse_formula("east")))
+
+
+COVERED = """\
+domain:
+  boundary: [[0, 0], [120, 0], [120, 80], [0, 80]]
+regions:
+  home: {kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}
+  field: {kind: survey, polygon: [[30, 10], [110, 10], [110, 70], [30, 70]], cover: {spacing_m: 15}}
+  road: {kind: area, polygon: [[66, -5], [74, -5], [74, 85], [66, 85]]}
+  edge: {kind: area, polygon: [[106, -5], [114, -5], [114, 85], [106, 85]]}
+tasks:
+  - sequenced_visit: [field, home]
+  - {avoid: road, weight: ROAD}
+  - {avoid: edge, weight: 1}
+start:
+  position_m: [12, 12]
+flight: {disturbance_m_s2: 0.5}
+"""
+
+
+def test_a_wish_that_leaves_a_region_uncovered_is_given_up() -> None:
+    plan = plan_mission(parse_mission(COVERED.replace("ROAD", "5").encode()))
+    (dropped,) = plan.dropped
+    assert (dropped.task, dropped.weight) == ("avoid road", 5.0)
+    assert dropped.reason.startswith("field cannot be covered: no way leads to ")
+    (visit,) = plan.covers
+    # The other wish is met: no lane reaches the edge.
+    assert visit.lanes_m[..., 0].max() < 106.0
+    with pytest.raises(NoPlanError, match="field cannot be covered: no way leads to"):
+        plan_mission(parse_mission(COVERED.replace(", weight: ROAD", "").encode()))
