@@ -16,6 +16,7 @@ from mission.errors import GeometryError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
+from mission.spec.finding import listed
 from mission.spec.model import Camera, Cover, MissionSpec, Point, Region
 from mission.steering.path import SteeringPath
 from mission.steering.rounded import RoundedPolyline
@@ -213,7 +214,9 @@ class Covering:
         ground = _shrunk(union_of(self.partition, entered), tube_m + room_m)
         place = shapely.Point(place_m)
         ways = shapely.union_all([_shrunk(free, narrow_m), ground, place.buffer(narrow_m).intersection(free)])
-        ground, ways = _reached(region, ground, ways, place)
+        forbidden = sorted(set().union(*(letters[i] for i in np.unique(of[inside & ~entered]).tolist())) - own)
+        lost = f"; the lanes keep out of {listed(forbidden)}, as the mission asks then" if forbidden else ""
+        ground, ways = _reached(region, ground, ways, place, lost)
         try:
             coverage = cover(
                 area,
@@ -230,7 +233,7 @@ class Covering:
             )
         except GeometryError as error:
             widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
-            message = f"{region.name} cannot be covered by {widths}: {error}"
+            message = f"{region.name} cannot be covered by {widths}: {error}{lost}"
             raise NoPlanError(message, regions=(region.name,)) from error
         line = np.concatenate((coverage.approach_m[:-1], coverage.line_m, coverage.leaving_m[1:]))
         # Of each lane the first point of the line; the second is the next one.
@@ -273,12 +276,12 @@ def _swath(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> sha
 
 
 def _reached(
-    region: Region, ground: shapely.Geometry, ways: shapely.Geometry, place: shapely.Point
+    region: Region, ground: shapely.Geometry, ways: shapely.Geometry, place: shapely.Point, why: str
 ) -> tuple[shapely.Geometry, shapely.Geometry]:
     """Of the ground and of where ways may lie, what a place is connected with.
 
     Raises:
-        NoPlanError: More of the ground is not than the mission leaves uncovered.
+        NoPlanError: More of the ground is not than the mission leaves uncovered; ``why`` is what else there is to say.
     """
     parts = shapely.get_parts(ways)
     if ground.is_empty or len(parts) < 2:  # noqa: PLR2004 - nothing is apart
@@ -292,7 +295,7 @@ def _reached(
         raise NoPlanError(
             f"{region.name} cannot be covered: no way leads to {lost.sum() / ground.area:.1%} of it, about "
             f"({x:.1f}, {y:.1f}), from ({place.x:.1f}, {place.y:.1f}), where its lanes begin and end; leave that out, "
-            f"visit it as a region of its own, or set a lower `regions.{region.name}.cover.share`",
+            f"visit it as a region of its own, or set a lower `regions.{region.name}.cover.share`{why}",
             regions=(region.name,),
         )
     return shapely.union_all(pieces[near]), here

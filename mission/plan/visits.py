@@ -87,16 +87,31 @@ def covered_visits(
 
 
 def passage_at(labelling: Labelling, automaton: Rabin, run: Run, semantics: Semantics, index: int) -> Passage:
-    """Which letters may be read, and which change nothing, once a run has come to one of its states."""
-    state = automaton.initial
-    for triangle in run.states[0 if semantics is Semantics.STANDARD else 1 : index + 1]:
-        state = int(automaton.targets[state, labelling.letter_of[triangle]])
+    """Which letters may be read, and which change nothing, once a run has come to one of its states.
+
+    A letter is closed if the word of the run is accepted no longer with that letter in it there, and the run's own
+    after it; in every lap, where the state is in the loop.
+    """
+    state, first, head = automaton.initial, 0 if semantics is Semantics.STANDARD else 1, len(run.prefix)
+    letters = [int(labelling.letter_of[triangle]) for triangle in run.states]
+    for letter in letters[first : index + 1]:
+        state = int(automaton.targets[state, letter])
+    begin, lap, own = letters[first : head + 1], [*letters[head + 1 :], letters[head]], letters[index]
+    repeats = run.recurrent and index >= head
+    at = index - head if repeats else index + 1 - first
+
+    def is_closed(letter: int) -> bool:
+        if letter == own or automaton.targets[state, letter] == DEAD:
+            return letter != own
+        if repeats:
+            return not automaton.accepts(begin, [*lap[:at], letter, own, *lap[at:]])
+        return not automaton.accepts([*begin[:at], letter, own, *begin[at:]], lap)
+
     after, marks = automaton.targets[state], automaton.marks[state]
     once = reduce(or_, (fin for fin, _ in automaton.pairs), 0) & ~marks[labelling.letter_of[run.states[index]]]
     idle = (after == state) & (marks & once == 0)
-    return Passage(
-        closed=frozenset(np.flatnonzero(after == DEAD).tolist()), idle=frozenset(np.flatnonzero(idle).tolist())
-    )
+    closed = frozenset(filter(is_closed, range(len(labelling.letters))))
+    return Passage(closed, frozenset(np.flatnonzero(idle).tolist()) - closed)
 
 
 def _roomiest(partition: Partition, run: Run, first: int, last: int) -> int:

@@ -181,3 +181,43 @@ def test_a_region_that_the_mission_does_not_name_is_not_covered_for_what_lies_in
     home = FIELD_WITH_A_BARN.replace("[[5, 5], [20, 5], [20, 20], [5, 20]]", "[[50, 30], [60, 30], [60, 40], [50, 40]]")
     assert not plan_of(home.replace("F (field & F home)", "F home")).covers
     assert len(plan_of(home.replace("F (field & F home)", "F field & F G home")).covers) == 1
+
+
+LAPPED = """\
+domain:
+  boundary: [[0, 0], [120, 0], [120, 80], [0, 80]]
+regions:
+  home: {kind: home, polygon: [[5, 5], [20, 5], [20, 20], [5, 20]]}
+  field: {kind: survey, polygon: [[30, 10], [110, 10], [110, 70], [30, 70]], cover: {spacing_m: 15, share: 0.9}}
+  k: {kind: area, polygon: K}
+mission:
+  formula: FORMULA
+start:
+  position_m: [12, 12]
+flight: {disturbance_m_s2: 0.5}
+"""
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        "G F field & G F home & F G !k",  # what must end some day must not be in the lap
+        "G F field & G F home & G !k",
+        "G F home & G F field & G (field -> (!k U home))",
+        "F field & F G home & G (field -> (!k U home))",
+    ],
+)
+def test_lanes_keep_out_of_what_would_spoil_the_run(formula: str) -> None:
+    corners = "[[66, 30], [76, 30], [76, 40], [66, 40]]"
+    plan = plan_of(LAPPED.replace("K", corners, 1).replace("FORMULA", formula))
+    assert plan.certificate.holds
+    (visit,) = plan.covers
+    assert shapely.distance(flown(plan), shapely.box(66, 30, 76, 40)) > 0.5
+    assert visit.planned_share > 0.9
+
+
+def test_what_keeps_lanes_out_is_named_where_they_do_not_reach() -> None:
+    text = LAPPED.replace("K", "[[66, -5], [74, -5], [74, 85], [66, 85]]", 1)
+    with pytest.raises(NoPlanError, match="; the lanes keep out of k, as the mission asks then") as refused:
+        plan_of(text.replace("FORMULA", "G F field & G F home & F G !k"))
+    assert refused.value.regions == ("field",)
