@@ -21,7 +21,8 @@ _INVALID = re.compile(r"invalid choice: '(.*)' \(choose from (.*)\)$", re.DOTALL
 _EXIT_CODES = """\
 exit codes:
   0  done; for a flight: the specification was achieved
-  1  flown, but the specification was not achieved; for verify: not proved; for two automata: not equivalent
+  1  flown, but the specification was not achieved; for verify: not proved, or not known to be achieved; for two
+     automata: not equivalent
   2  a file, a formula or an option cannot be used
   3  no plan exists
   4  the link or the vehicle failed
@@ -51,6 +52,19 @@ Fly a mission. Without --connect, the bundled vehicle is started on loopback and
 The flight gets a folder of its own with the record, the plan, the report and the pictures. Ctrl-C ends a flight
 safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once. A flight
 of laps takes one Ctrl-C more: at the first it completes the lap that it is in, and returns.
+"""
+_VERIFY = """\
+Prove a written plan again, and compare it with its mission:
+
+  mission verify plan.json
+
+or judge a flight by its log, whoever flew it and with what:
+
+  mission verify --mission survey.yaml --flight flight.tlog
+
+Logs are telemetry logs of ground stations (.tlog), DataFlash logs of ArduPilot (.bin), ULogs of PX4 (.ulg, with the
+extra `ulog`) and records of this program, packed by gzip or not. The verdict is three-valued: what a log leaves open is
+said to be so, with the time.
 """
 _EXPORT = """\
 Write a plan for autopilots to fly by themselves (.plan of QGroundControl with geofence and rally points, .waypoints of
@@ -149,8 +163,14 @@ def build_parser() -> argparse.ArgumentParser:
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
     plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
 
-    verify = commands.add_parser("verify", help="prove a written plan again, and compare it with its mission")
-    verify.add_argument("plan", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
+    _add_verify(
+        commands.add_parser(
+            "verify",
+            help="prove a written plan again, or judge any flight of which there is a log",
+            description=_VERIFY,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+    )
 
     _add_export(commands.add_parser("export", help="write a plan into a file of other programs", description=_EXPORT))
 
@@ -183,6 +203,36 @@ def _add_run(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--run", type=_whole, metavar="I", help="take the I-th shortest run, counted from 0 (default: as in the file)"
     )
+
+
+def _add_verify(verify: argparse.ArgumentParser) -> None:
+    verify.add_argument("plan", nargs="?", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
+    flight = verify.add_argument_group("a flight")
+    flight.add_argument("--flight", metavar="LOG", help="the log; of a flight of this program, its folder serves too")
+    flight.add_argument("--mission", metavar="FILE", help="what it is judged by (default: the mission of the plan)")
+    flight.add_argument(
+        "--plan",
+        dest="compared",
+        metavar="PLAN.json",
+        help="a plan of the mission: how far the flight was from its path is told, too",
+    )
+    flight.add_argument(
+        "--system", type=_system_id, metavar="N", help="the vehicle, by its system id, of a .tlog that has several"
+    )
+    flight.add_argument(
+        "--flight-number",
+        type=_positive_whole,
+        metavar="N",
+        help="which flight of the log, from 1 (default: the longest)",
+    )
+    flight.add_argument(
+        "--fastest",
+        type=_positive,
+        metavar="M_S",
+        default=20.0,
+        help="no vehicle was faster: bounds where it may have been in gaps, m/s (default: %(default)g)",
+    )
+    flight.add_argument("--json", action="store_true", help="print one JSON object instead of lines")
 
 
 def _add_export(export: argparse.ArgumentParser) -> None:

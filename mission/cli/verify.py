@@ -5,9 +5,10 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Any, Final
 
+from mission.cli import flown
 from mission.cli.inputs import read_plan
 from mission.cli.screen import out
-from mission.errors import NoPlanError
+from mission.errors import Fault, NoPlanError, SpecError
 from mission.plan import (
     FlightPlan,
     certify_again,
@@ -23,6 +24,10 @@ _DOMAIN: Final = ("partition", "labels")  # what the proof stands on
 
 def run(arguments: Namespace) -> int:
     """Read a plan, certify its trajectory anew, plan its mission anew, and say what was proved and what differs."""
+    if arguments.flight is not None:
+        return flown.run(arguments)
+    if arguments.plan is None:
+        raise SpecError((Fault(0, 0, "", "there is nothing to verify", "name a plan, or a log with --flight"),))
     plan, text = read_plan(Path(arguments.plan))
     fault, name = _fault(plan, json.loads(text)), printable(arguments.plan)
     if fault:

@@ -69,6 +69,23 @@ class Locator:
         found = self.tree.query(shapely.Point(point_m), predicate="dwithin", distance=self.closeness_m)
         return np.sort(np.asarray(found, dtype=np.int64))
 
+    def meeting(self, area: shapely.Geometry) -> IntArray:
+        """The triangles that have a point in common with an area, ascending."""
+        return np.sort(np.asarray(self.tree.query(area, predicate="intersects"), dtype=np.int64))
+
+    def leaves(self, area: shapely.Geometry) -> bool:
+        """Whether an area that has a point in the domain reaches its rim."""
+        return bool(len(self._rim.query(area, predicate="intersects")))
+
+    @cached_property
+    def _rim(self) -> shapely.STRtree:
+        """The facets with nothing behind them."""
+        triangles, facets = np.nonzero(self.partition.neighbours == OUTSIDE)
+        corners = self.partition.corners_m[triangles]
+        rows = np.arange(len(triangles))
+        ends = np.stack((corners[rows, facets - 2], corners[rows, facets - 1]), axis=1)
+        return shapely.STRtree(shapely.linestrings(ends))
+
     def crossed(self, p_m: Place, q_m: Place, *, likely: int = OUTSIDE) -> tuple[tuple[int, float], ...]:
         """The triangles that the segment from p to q runs through, in order.
 

@@ -193,7 +193,7 @@ class Covering:
         if region.cover is None:
             raise ValueError(f"{region.name} is not to be covered")
         flight, limits = self.spec.flight, self.spec.limits
-        spacing_m = _spacing_m(region.cover, flight.altitude_m)
+        spacing_m = spacing_of(region.cover, flight.altitude_m)
         inside = np.zeros(len(self.restricted), dtype=np.bool_)
         inside[self.labelling.triangles_of(region.name)] = True
         inside &= ~self.restricted
@@ -305,7 +305,7 @@ def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:
     return shapely.buffer(shape, -margin_m, quad_segs=_QUARTER) if margin_m > 0.0 else shape
 
 
-def _spacing_m(cover: Cover, altitude_m: float) -> float:
+def spacing_of(cover: Cover, altitude_m: float) -> float:
     """Distance between lanes at a height above the ground."""
     if cover.camera is not None:
         return lane_spacing_m(_lens(cover.camera), altitude_m, cover.camera.sidelap)

@@ -7,9 +7,7 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-import shapely
 
-from mission.geometry.regions import union_of
 from mission.monitor.coverage import covered_values
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan
@@ -17,9 +15,8 @@ from mission.report.coverage import covered_again
 from mission.report.reading import Record, Visit
 from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, tilt, tracking_of
-from mission.spec.areas import region_ground
 from mission.spec.clearances import clearances_by_name
-from mission.spec.model import RegionKind
+from mission.spec.restricted import restricted_as_drawn
 from mission.spec.tasks import task_text
 
 
@@ -112,7 +109,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "largest_error_m": _largest(distance),
         "largest_error_per_axis_m": _largest(np.abs(tracking.error_m).ravel()),
         "rms_error_m": float(np.sqrt(np.mean(distance**2))) if tracked else None,
-        "distance_to_restricted_m": distances_m(record, _restricted_shapes(plan)),
+        "distance_to_restricted_m": distances_m(record, restricted_as_drawn(plan.spec, plan.partition, plan.labelling)),
         "judged": _judged(plan, record),
         "word": [
             {
@@ -144,16 +141,6 @@ def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "violations": [
             {"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in monitor.violations
         ],
-    }
-
-
-def _restricted_shapes(plan: FlightPlan) -> dict[str, shapely.Geometry]:
-    """Restricted regions as they are drawn."""
-    restricted = [region for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED]
-    grounds = {region.name: region_ground(region, plan.spec.domain) for region in restricted}
-    return {
-        name: union_of(plan.partition, plan.labelling.triangles_of(name)) if ground is None else ground.drawn
-        for name, ground in grounds.items()
     }
 
 

@@ -1,0 +1,220 @@
+"""``mission verify --flight``: the verdict on a flight of which there is a log, whoever flew it."""
+
+import json
+import math
+from argparse import Namespace
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, Final
+
+from mission.cli.inputs import bad_file, read_plan
+from mission.cli.screen import count, out
+from mission.errors import Fault, RecordError, SpecError, reason
+from mission.monitor.pictures import missing
+from mission.plan import FlightPlan
+from mission.spec.loader import load_mission
+from mission.spec.model import MissionSpec
+from mission.verify.flown.judging import ALL as _ALL
+from mission.verify.flown.judging import Judged, judged
+from mission.verify.flown.possible import Doubt
+from mission.verify.logs.reading import LoggedFlight, read_flight
+from mission.verify.logs.telemetry import Clock, LogError
+
+_PLAN_FILE: Final = "plan.json"
+_MOST_DOUBTS: Final = 10
+_NEARER_M: Final = 0.05
+_SAID: Final = {True: "achieved", False: "not achieved", None: "cannot be told"}
+_MET: Final = {True: "met", False: "not met", None: "cannot be told"}
+
+
+def run(arguments: Namespace) -> int:
+    """Judge the flight of a log by a mission; 0 where it is known to be achieved."""
+    file = Path(arguments.flight)
+    spec, plan = _asked(arguments, file)
+    start_m = spec.start.position_m if plan is None else plan.start_m
+    try:
+        flight = read_flight(
+            file, origin=spec.origin, start_m=start_m, system=arguments.system, number=arguments.flight_number
+        )
+    except OSError as error:
+        raise bad_file(file, f"cannot be read: {reason(error)}", "name the log of a flight") from error
+    except LogError as error:
+        raise LogError(f"{file}: {error}") from error
+    except RecordError as error:
+        raise RecordError(f"{file}: {error}", line=error.line) from error
+    found = judged(spec, flight.track, plan=plan, fastest_m_s=arguments.fastest)
+    if arguments.json:
+        out.out(json.dumps(_values(flight, found), indent=2, allow_nan=False))
+    else:
+        for name, words in _lines(flight, found):
+            out.print(f"{name:<10}{words}", markup=False)
+    return 0 if found.achieved else 1
+
+
+def _asked(arguments: Namespace, file: Path) -> tuple[MissionSpec, FlightPlan | None]:
+    """The mission, and the plan of it that the flight is compared with."""
+    named = arguments.compared or arguments.plan
+    if named is None and arguments.mission is None and (file / _PLAN_FILE).is_file():
+        named = str(file / _PLAN_FILE)
+    if named is None and arguments.mission is None:
+        hint = "name the mission that the flight is judged by: --mission FILE"
+        raise SpecError((Fault(0, 0, "--flight", "a flight is judged by a mission, and there is none", hint),))
+    plan = None if named is None else read_plan(Path(named))[0]
+    if arguments.mission is None and plan is not None:
+        return plan.spec, plan
+    spec = load_mission(arguments.mission)
+    if plan is not None and plan.spec != spec:
+        raise bad_file(Path(named), f"this is not a plan of {arguments.mission}", "plan the mission anew")
+    return spec, plan
+
+
+def _lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, str]]:
+    """What was found, as names and words."""
+    clock = flight.track.clock
+    yield from _log_lines(flight, found)
+    yield "mission", found.specification
+    yield "word", " ".join("..." if each.regions is None else _letter(each.regions) for each in found.word)
+    yield from _measured_lines(flight, found)
+    for violation in found.violations:
+        named = f" ({', '.join(violation.names)})" if violation.names else ""
+        east, north = violation.position_m
+        yield "violation", f"{violation.kind}{named} at {clock.text(violation.time_s)}, at ({east:.1f}, {north:.1f})"
+    # Of a verdict that is known, what does not bear on it is no news.
+    doubts = [doubt for doubt in found.doubts if found.achieved is None or doubt.violates]
+    for doubt in doubts[:_MOST_DOUBTS]:
+        yield "not told", f"{_when(doubt, clock)}: {_what(doubt)}"
+    if len(doubts) > _MOST_DOUBTS:
+        yield "not told", f"and {count(len(doubts) - _MOST_DOUBTS, 'time')} more (--json lists all)"
+    when = "" if found.at_s is None else f" at {clock.text(found.at_s)}"
+    yield "verdict", f"{_SAID[found.achieved]}: {found.reason}{when}"
+
+
+def _log_lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, str]]:
+    """What was read."""
+    track, clock = flight.track, flight.track.clock
+    begin_s, end_s = float(track.t_s[0]), float(track.t_s[-1])
+    which = "" if flight.flights == 1 else f", flight {flight.number} of {flight.flights}"
+    yield "flight", f"{flight.kind}{which}: {clock.text(begin_s)} to {clock.text(end_s)}, {end_s - begin_s:.1f} s"
+    yield "positions", f"{len(track.t_s):,}, up to {found.longest_gap_s:.2f} s apart: {track.frame}"
+    for note in flight.notes:
+        yield "note", note
+    if found.jumps:
+        times = ", ".join(clock.text(t_s) for t_s in found.jumps[:_MOST_DOUBTS])
+        yield "note", f"the position jumped farther than the vehicle flies at {times}"
+
+
+def _measured_lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, str]]:
+    """Distances, shares and counts."""
+    clock = flight.track.clock
+    for near in found.nearness:
+        at = f"({near.position_m[0]:.1f}, {near.position_m[1]:.1f})"
+        least = f"{near.least_m:.2f} m from {near.region} at {clock.text(near.t_s)}, at {at}"
+        open_m = near.least_m - near.surely_m > _NEARER_M
+        yield "nearest", least + (f"; what the log does not tell may be {near.surely_m:.2f} m from it" * open_m)
+    for share in found.covered:
+        between = f"{share.least:.1%}" + (f" to {share.most:.1%}" if share.most > share.least else "")
+        yield "covered", f"{between} of {share.region}, {share.asked:.1%} is asked"
+    if found.pictures:
+        places = [f"{number} over {name}" for name, number in found.pictures.items() if name != _ALL]
+        lost = missing([number for _, number in flight.track.pictures])
+        unheard = [f"nothing was heard of {lost} more"] if lost else []
+        yield "pictures", ", ".join([str(found.pictures[_ALL]), *places, *unheard])
+    for wish in found.wishes:
+        yield "wish", f"{wish.task}: {_MET[wish.met]}"
+    if found.deviation is not None:
+        most = f"at most {found.deviation.largest_m:.2f} m at {clock.text(found.deviation.t_s)}"
+        yield "path", f"{most} from the planned path, rms {found.deviation.rms_m:.2f} m"
+
+
+def _letter(regions: tuple[str, ...]) -> str:
+    return f"{{{', '.join(regions)}}}"
+
+
+def _when(doubt: Doubt, clock: Clock) -> str:
+    if math.isinf(doubt.from_s):
+        return f"before {clock.text(doubt.to_s)}, where the log begins"
+    if math.isinf(doubt.to_s):
+        return f"after {clock.text(doubt.from_s)}, where the log ends"
+    return f"between {clock.text(doubt.from_s)} and {clock.text(doubt.to_s)}"
+
+
+def _what(doubt: Doubt) -> str:
+    parts = [f"whether it entered {', '.join(doubt.restricted)}"] if doubt.restricted else []
+    if doubt.outside:
+        parts.append("whether it left the domain")
+    others = [name for name in doubt.regions if name not in doubt.restricted]
+    if others:
+        parts.append(f"whether it was in {', '.join(others)}")
+    return ", ".join(parts) or "in which order it was where"
+
+
+def _values(flight: LoggedFlight, found: Judged) -> dict[str, Any]:
+    """What was found, as JSON values; times are the vehicle's, ``utc_s`` seconds since 1970 where they are known."""
+    clock = flight.track.clock
+
+    def at(t_s: float) -> dict[str, float | None]:
+        return {"t_s": t_s if math.isfinite(t_s) else None, "utc_s": clock.utc(t_s) if math.isfinite(t_s) else None}
+
+    return {
+        "achieved": found.achieved,
+        "reason": found.reason,
+        "specification": found.specification,
+        "log": {
+            "kind": flight.kind,
+            "flight": flight.number,
+            "flights": flight.flights,
+            "begin": at(float(flight.track.t_s[0])),
+            "end": at(float(flight.track.t_s[-1])),
+            "begins_whole": flight.track.begins_whole,
+            "ends_whole": flight.track.ends_whole,
+            "positions": len(flight.track.t_s),
+            "longest_gap_s": found.longest_gap_s,
+            "frame": flight.track.frame,
+            "notes": [*flight.notes],
+            "jumps": [at(t_s) for t_s in found.jumps],
+        },
+        "word": [
+            {**at(each.t_s), "regions": None if each.regions is None else list(each.regions)} for each in found.word
+        ],
+        "violations": [
+            {
+                **at(each.time_s),
+                "what": each.kind.value,
+                "names": list(each.names),
+                "position_m": list(each.position_m),
+            }
+            for each in found.violations
+        ],
+        "not_told": [
+            {
+                "from": at(each.from_s),
+                "to": at(each.to_s),
+                "regions": list(each.regions),
+                "restricted": list(each.restricted),
+                "outside": each.outside,
+            }
+            for each in found.doubts
+        ],
+        "restricted": [
+            {
+                "region": each.region,
+                "least_m": each.least_m,
+                "surely_m": each.surely_m,
+                "position_m": list(each.position_m),
+                **at(each.t_s),
+            }
+            for each in found.nearness
+        ],
+        "covered": [asdict(each) for each in found.covered],
+        "wishes": [asdict(each) for each in found.wishes],
+        "laps": None if found.laps is None else {"flown": found.laps[0], "asked": found.laps[1]},
+        "pictures": found.pictures,
+        "deviation": None
+        if found.deviation is None
+        else {
+            "largest_m": found.deviation.largest_m,
+            "rms_m": found.deviation.rms_m,
+            **at(found.deviation.t_s),
+        },
+    }

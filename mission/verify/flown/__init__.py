@@ -1,0 +1,1 @@
+"""What a log says of a flight, and what it leaves open."""

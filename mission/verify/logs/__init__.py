@@ -1,0 +1,1 @@
+"""Logs of flights, of this program and of others, as one kind of values."""

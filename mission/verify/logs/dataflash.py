@@ -1,0 +1,206 @@
+"""DataFlash logs (.bin) of ArduPilot: messages of formats that the log itself describes.
+
+https://ardupilot.org/copter/docs/logmessages.html. Each message begins with 0xA3 0x95 and the number of its type, and
+is as long as a message FMT (type 128) of that type says. A damaged stretch costs what is in it and no more.
+"""
+
+import struct
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import BinaryIO, Final, NamedTuple
+
+from mission.errors import GeometryError
+from mission.geometry.geodesy import LatLon
+from mission.verify.logs.telemetry import Collector, Log, LogError, Telemetry, began_otherwise
+
+KIND: Final = "DataFlash log of ArduPilot"
+HEAD: Final = b"\xa3\x95"
+
+_HEADER: Final = 3
+_FORMAT: Final = 128
+_FORMAT_BODY: Final = struct.Struct("<BB4s16s64s")
+_CHUNK: Final = 1 << 20
+_LONGEST: Final = 256
+_US: Final = 1e-6
+_MS: Final = 1e-3
+_E7: Final = 1e-7
+
+_TYPES: Final = {
+    "a": "64s", "b": "b", "B": "B", "g": "e", "h": "h", "H": "H", "i": "i", "I": "I", "f": "f", "n": "4s", "N": "16s",
+    "Z": "64s", "c": "h", "C": "H", "e": "i", "E": "I", "L": "i", "d": "d", "M": "B", "q": "q", "Q": "Q",
+}  # fmt: skip
+"""Letters of formats as those of ``struct``."""
+
+_DEGREES: Final = "L"
+
+_ARMED, _DISARMED, _LANDED, _NOT_LANDED = 10, 11, 18, 28
+"""Numbers of EV."""
+
+_GPS_EPOCH_S: Final = 315_964_800
+_WEEK_S: Final = 604_800
+_LEAP_S: Final = 18  # since 2017
+_FIX_3D: Final = 3
+
+_FIRST: Final = 0  # the estimator and receiver that are read, where there are several
+
+
+class _Layout(NamedTuple):
+    """How to read the messages of one type."""
+
+    name: str
+    unpack: Callable[[bytes], tuple[object, ...]]
+    columns: dict[str, int]
+    degrees: frozenset[int]
+
+    def values(self, body: bytes) -> dict[str, float]:
+        """The numbers of a message by their names; texts are left out."""
+        row = self.unpack(body)
+        return {
+            name: row[place] * _E7 if place in self.degrees else row[place]  # type: ignore[operator, misc]
+            for name, place in self.columns.items()
+            if isinstance(row[place], (int, float))
+        }
+
+
+def read_dataflash(stream: BinaryIO) -> Log:
+    """Read a DataFlash log.
+
+    Raises:
+        LogError: There are no positions in it.
+    """
+    told = _Told()
+    messages = _Messages(stream)
+    for name, values in messages:
+        told.take(name, values)
+    boots = told.finished()
+    if not any(boot.local or boot.world for boot in boots):
+        raise LogError("the log has no positions: no POS, and no XKF1 or NKF1 with an origin; set LOG_BITMASK so")
+    notes = [f"{messages.skipped:,} bytes of the log are no messages and were passed over"] if messages.skipped else []
+    return Log(KIND, tuple(boots), tuple(notes))
+
+
+class _Told:
+    """What the messages say."""
+
+    def __init__(self) -> None:
+        self._told = Collector()
+        self._takers: dict[str, Callable[[float, dict[str, float]], None]] = {
+            "POS": self._position,
+            "XKF1": self._estimate,
+            "NKF1": self._estimate,
+            "ORGN": self._origin,
+            "EV": self._event,
+            "ARM": self._arming,
+            "GPS": self._satellites,
+            "CAM": self._picture,
+        }
+
+    def take(self, name: str, values: dict[str, float]) -> None:
+        """Take one message; what lacks what it should have is left out."""
+        with suppress(KeyError, GeometryError):
+            t_s = values["TimeUS"] * _US
+            self._told.time(t_s)
+            self._takers[name](t_s, values)
+
+    def finished(self) -> list[Telemetry]:
+        """What was told, from start to start; arming and landing are told when they change."""
+        for boot in self._told.boots:
+            began_otherwise(boot.armed)
+            began_otherwise(boot.airborne)
+        return self._told.boots
+
+    def _position(self, t_s: float, values: dict[str, float]) -> None:
+        self._told.world(t_s, values["Lat"], values["Lng"], values["RelHomeAlt"])
+
+    def _estimate(self, t_s: float, values: dict[str, float]) -> None:
+        if values.get("C", _FIRST) == _FIRST:
+            self._told.local(t_s, values["PN"], values["PE"], values["PD"])
+
+    def _origin(self, t_s: float, values: dict[str, float]) -> None:
+        if values["Type"] == 0:  # that of the estimator; 1 is home
+            place = LatLon(values["Lat"], values["Lng"])
+            self._told.note(lambda now, _: now.origins.append((t_s, place)))
+
+    def _event(self, t_s: float, values: dict[str, float]) -> None:
+        number = values["Id"]
+        if number in (_ARMED, _DISARMED):
+            self._told.note(lambda now, _: now.note_armed(t_s, number == _ARMED))
+        elif number in (_LANDED, _NOT_LANDED):
+            self._told.note(lambda now, _: now.note_airborne(t_s, number == _NOT_LANDED))
+
+    def _arming(self, t_s: float, values: dict[str, float]) -> None:
+        armed = values["ArmState"] == 1
+        self._told.note(lambda now, _: now.note_armed(t_s, armed))
+
+    def _satellites(self, t_s: float, values: dict[str, float]) -> None:
+        if values["Status"] >= _FIX_3D and values["GWk"] > 0:
+            utc_s = _GPS_EPOCH_S + values["GWk"] * _WEEK_S + values["GMS"] * _MS - _LEAP_S
+            self._told.note(lambda now, _: now.note_clock(t_s, utc_s))
+
+    def _picture(self, t_s: float, values: dict[str, float]) -> None:
+        number = int(values["Img"])
+        self._told.note(lambda now, _: now.pictures.append((t_s, number)))
+
+
+_WANTED: Final = frozenset(("POS", "XKF1", "NKF1", "ORGN", "EV", "ARM", "GPS", "CAM"))
+
+
+class _Messages:
+    """The messages of a log that are wanted, one at a time.
+
+    Attributes:
+        skipped: Bytes that belong to none.
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self.skipped = 0
+        self._stream = stream
+        self._sizes: dict[int, int] = {_FORMAT: _HEADER + _FORMAT_BODY.size}
+        self._layouts: dict[int, _Layout] = {}
+
+    def __iter__(self) -> Iterator[tuple[str, dict[str, float]]]:
+        data, at, ended = b"", 0, False
+        while True:
+            if not ended and len(data) - at < 2 * _LONGEST:
+                more = self._stream.read(_CHUNK)
+                ended = not more
+                data, at = data[at:] + more, 0
+                continue
+            if len(data) - at < _HEADER:
+                return
+            number = data[at + 2]
+            size = self._sizes.get(number) if data[at : at + 2] == HEAD else None
+            stop = at + (size or 0)
+            if ended and size is not None and stop > len(data):
+                return  # the last one is cut, as in most logs
+            if size is None or data[stop : stop + 2] not in (HEAD, HEAD[:1], b""):
+                onward = data.find(HEAD, at + 1)
+                onward = onward if onward >= 0 else max(at + 1, len(data) - 1)
+                self.skipped += onward - at
+                at = onward
+                continue
+            if number == _FORMAT:
+                self._learn(data[at + _HEADER : stop])
+            elif number in self._layouts:
+                layout = self._layouts[number]
+                yield layout.name, layout.values(data[at + _HEADER : stop])
+            at = stop
+
+    def _learn(self, body: bytes) -> None:
+        number, size, name, letters, columns = _FORMAT_BODY.unpack(body)
+        if number == _FORMAT or size < _HEADER:
+            return
+        self._sizes[number] = size
+        self._layouts.pop(number, None)
+        text, types = _text(name), _text(letters)
+        if text not in _WANTED or not all(letter in _TYPES for letter in types):
+            return
+        layout = struct.Struct("<" + "".join(_TYPES[letter] for letter in types))
+        if layout.size == size - _HEADER:
+            places = {column: place for place, column in enumerate(_text(columns).split(",")) if place < len(types)}
+            degrees = frozenset(place for place, letter in enumerate(types) if letter == _DEGREES)
+            self._layouts[number] = _Layout(text, layout.unpack, places, degrees)
+
+
+def _text(raw: bytes) -> str:
+    return raw.split(b"\0", 1)[0].decode("ascii", "replace")

@@ -1,0 +1,181 @@
+"""Telemetry logs (.tlog) of ground stations: before each MAVLink frame, a big-endian 64-bit count of microseconds.
+
+They hold both directions of a link, and of all vehicles on it. What counts is what autopilots say; when, by their own
+clock, for frames may come in bunches, late or twice. A damaged stretch costs what is in it and no more.
+"""
+
+from collections.abc import Iterator
+from contextlib import suppress
+from typing import BinaryIO, Final
+
+from mission.errors import GeometryError
+from mission.geometry.geodesy import LatLon
+from mission.link.messages import AUTOPILOT_ARDUPILOT, AUTOPILOT_COMPONENT, AUTOPILOT_NONE, Codec
+from mission.link.values import (
+    Attitude,
+    Body,
+    GlobalPosition,
+    Heartbeat,
+    Image,
+    LandedState,
+    Landing,
+    LocalPosition,
+    Origin,
+)
+from mission.verify.logs.telemetry import Collector, Log, LogError
+
+KIND: Final = "telemetry log"
+
+_STAMP: Final = 8
+_V1: Final = 0xFE
+_V2: Final = 0xFD
+_V1_FRAME: Final = 8  # header and checksum
+_V2_FRAME: Final = 12
+_SIGNATURE: Final = 13
+_LONGEST: Final = _STAMP + _V2_FRAME + 255 + _SIGNATURE
+_CHUNK: Final = 1 << 20
+_MS: Final = 1e-3
+_US: Final = 1e-6
+_ACTIVE: Final = 4
+_STANDBY: Final = 3
+"""MAV_STATE_STANDBY and MAV_STATE_ACTIVE: ArduPilot's multicopters say so on the ground, and in the air."""
+
+
+def is_tlog(head: bytes) -> bool:
+    """Whether a file begins with a frame after a count of microseconds."""
+    size = _record_size(head, 0)
+    return size is not None and (len(head) < size + _STAMP + 1 or head[size + _STAMP] in (_V1, _V2))
+
+
+def read_tlog(stream: BinaryIO, system: int | None) -> Log:
+    """Read a telemetry log.
+
+    Args:
+        stream: Its bytes.
+        system: Which vehicle, by its system id; None for the only one.
+
+    Raises:
+        LogError: There is no vehicle in it, or not this one, or several.
+    """
+    systems: dict[int, _Vehicle] = {}
+    records = _Records(stream)
+    codec = Codec(0, 0)
+    for stamp_us, record in records:
+        for frame in codec.judged(record):
+            if frame.component_id == AUTOPILOT_COMPONENT:
+                received = codec.read(frame)
+                systems.setdefault(received.system_id, _Vehicle()).take(received.body, stamp_us * _US)
+    flying = {number: each for number, each in sorted(systems.items()) if each.flies}
+    chosen = _chosen(flying, system)
+    notes = [f"{records.skipped:,} bytes of the log are no frames and were passed over"] if records.skipped else []
+    others = [str(number) for number in flying if number != chosen]
+    if others:
+        notes.append(f"the log has other vehicles, too: {', '.join(others)}")
+    return Log(KIND, tuple(flying[chosen].told.boots), tuple(notes))
+
+
+def _chosen(flying: "dict[int, _Vehicle]", system: int | None) -> int:
+    listed = ", ".join(map(str, flying))
+    if not flying:
+        raise LogError("the log has no positions of any autopilot: no LOCAL_POSITION_NED and no GLOBAL_POSITION_INT")
+    if system is None:
+        if len(flying) > 1:
+            raise LogError(f"the log has several vehicles; choose one with --system: {listed}")
+        return next(iter(flying))
+    if system not in flying:
+        raise LogError(f"the log has no positions of vehicle {system}; those it has are of {listed}")
+    return system
+
+
+class _Vehicle:
+    """What one system told."""
+
+    def __init__(self) -> None:
+        self.told = Collector()
+        self._station = False
+        self._ardupilot = False
+
+    @property
+    def flies(self) -> bool:
+        """Whether it is a vehicle, and told where it was."""
+        return not self._station and any(boot.local or boot.world for boot in self.told.boots)
+
+    def take(self, body: Body, utc_s: float) -> None:
+        """Take one message, logged at that time of the day."""
+        told = self.told
+        if isinstance(body, LocalPosition):
+            told.local(body.time_boot_ms * _MS, *body.position_ned_m)
+            told.note(lambda now, t_s: now.note_clock(t_s, utc_s))
+        elif isinstance(body, GlobalPosition):
+            told.world(body.time_boot_ms * _MS, body.latitude_deg, body.longitude_deg, body.height_above_home_m)
+            told.note(lambda now, t_s: now.note_clock(t_s, utc_s))
+        elif isinstance(body, Attitude):
+            told.time(body.time_boot_ms * _MS)
+        elif isinstance(body, Heartbeat):
+            self._heartbeat(body)
+        elif isinstance(body, Landing) and body.state is not LandedState.UNDEFINED:
+            told.note(lambda now, t_s: now.note_airborne(t_s, body.state is not LandedState.ON_GROUND))
+        elif isinstance(body, Origin):
+            with suppress(GeometryError):  # noise with a right checksum
+                place = LatLon(body.latitude_deg, body.longitude_deg)
+                told.note(lambda now, t_s: now.origins.append((t_s, place)))
+        elif isinstance(body, Image) and body.captured and not body.released:
+            told.note(lambda now, t_s: now.pictures.append((body.boot_s or t_s, body.number)))
+
+    def _heartbeat(self, body: Heartbeat) -> None:
+        if body.autopilot == AUTOPILOT_NONE:
+            self._station = True
+            return
+        self.told.note(lambda now, t_s: now.note_armed(t_s, body.armed))
+        if body.autopilot == AUTOPILOT_ARDUPILOT and body.system_status in (_STANDBY, _ACTIVE):
+            self.told.note(lambda now, t_s: now.note_airborne(t_s, body.system_status == _ACTIVE))
+
+
+class _Records:
+    """The records of a log, one at a time.
+
+    Attributes:
+        skipped: Bytes that belong to none.
+    """
+
+    def __init__(self, stream: BinaryIO) -> None:
+        self.skipped = 0
+        self._stream = stream
+
+    def __iter__(self) -> Iterator[tuple[int, bytes]]:
+        """Each with its count of microseconds, and the bytes of what seems to be its frame."""
+        data, at, ended = b"", 0, False
+        while True:
+            if not ended and len(data) - at < 2 * _LONGEST:
+                more = self._stream.read(_CHUNK)
+                ended = not more
+                data, at = data[at:] + more, 0
+                continue
+            if at >= len(data):
+                return
+            size = _record_size(data, at)
+            stop = at + (size or 0)
+            if ended and size is not None and stop > len(data):
+                return  # the last one is cut, as in most logs
+            # A frame is followed by another record, or by the end.
+            sound = size is not None and stop <= len(data)
+            if sound and stop + _STAMP < len(data):
+                sound = data[stop + _STAMP] in (_V1, _V2)
+            if sound:
+                yield int.from_bytes(data[at : at + _STAMP], "big"), data[at + _STAMP : stop]
+                at = stop
+            else:
+                self.skipped += 1
+                at += 1
+
+
+def _record_size(data: bytes, at: int) -> int | None:
+    """How long the record is that begins there; None where none does."""
+    if len(data) < at + _STAMP + 3:
+        return None
+    magic, length, flags = data[at + _STAMP : at + _STAMP + 3]
+    if magic == _V1:
+        return _STAMP + _V1_FRAME + length
+    if magic == _V2:
+        return _STAMP + _V2_FRAME + length + (_SIGNATURE if flags & 1 else 0)
+    return None
