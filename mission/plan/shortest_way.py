@@ -35,7 +35,10 @@ from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Cost, MissionSpec, Point, Semantics
 
 _LARGEST: Final = 0.1  # of the extent: the longest edge of the mesh
-_APART: Final = 0.015  # of the extent: the distance of crossing points
+_SPACINGS: Final = ((0.015, 1, 5), (0.02, 1, 3), (0.03, 1, 2), (0.03, 1, 1), (0.03, 0, 1))
+"""Distances of crossing points, of the extent, and how many there are on an edge: the finer, the better."""
+_MOST_WAYS: Final = 4_000_000
+"""Ways times states of the automaton, and sets of what recurs, that a search may take; the finest that do are used."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +85,7 @@ class RunSearch:
 
     def _on_a_way(self, specification: Specification, closed: Sequence[int]) -> BestRuns | None:
         automaton = deterministic_of(specification.formula, specification.given, self.labelling.letters)
-        for ground in self._grounds():
+        for ground in self._grounds(_copies(automaton)):
             within = ground.without(self._inside(closed)) if closed else ground
             try:
                 found = self._searched(within.system, specification, within.start)
@@ -99,11 +102,15 @@ class RunSearch:
     def _searched(self, system: TransitionSystem, specification: Specification, start: int) -> BestRuns:
         return best_runs(system, specification, start, self.spec.semantics, objective_of(self.spec))
 
-    def _grounds(self) -> Iterator[Crossings]:
-        """Crossing points: with room for the tube, without, and on the mission's own mesh."""
+    def _grounds(self, copies: int) -> Iterator[Crossings]:
+        """Crossing points: with room for the tube, without, and on the mission's own mesh.
+
+        Args:
+            copies: How many times as large as their ways a search is.
+        """
         for kind in range(3):
             if kind not in self._known:
-                self._known[kind] = self._ground(kind)
+                self._known[kind] = self._ground(kind, copies)
             ground = self._known[kind]
             if ground is not None:
                 yield ground
@@ -112,7 +119,7 @@ class RunSearch:
     def _known(self) -> dict[int, Crossings | None]:
         return {}
 
-    def _ground(self, kind: int) -> Crossings | None:
+    def _ground(self, kind: int, copies: int) -> Crossings | None:
         tube_m = self.spec.flight.tube_m
         if kind == 0 and tube_m == 0.0:
             return None
@@ -130,10 +137,16 @@ class RunSearch:
             self.labelling.letters,
             beginnings=beginnings,
             start_m=self.start_m,
-            spacing=Spacing(_APART * self.partition.extent_m, 1, 5),
+            spacing=self._spacing(mesh.partition, copies),
             unit_m=self._unit_m,
             tolls=self._tolls,
         )
+
+    def _spacing(self, mesh: Partition, copies: int) -> Spacing:
+        finer = (Spacing(share * self.partition.extent_m, *counts) for share, *counts in _SPACINGS[:-1])
+        share, *counts = _SPACINGS[-1]
+        coarsest = Spacing(share * self.partition.extent_m, *counts)
+        return next((spacing for spacing in finer if spacing.ways(mesh) * copies <= _MOST_WAYS), coarsest)
 
     @cached_property
     def _outlines(self) -> Outlines:
@@ -220,6 +233,12 @@ class RunSearch:
         before = ground.points_m[[*run.prefix, run.suffix[0]]]
         around = ground.points_m[[*run.suffix, *run.suffix[: len(run.suffix) > 1]]]
         return Way(_distinct(before), _distinct(around), (float(weights[:head].sum()), float(weights[head:].sum())))
+
+
+def _copies(automaton: Conjunction) -> int:
+    """How many times as large as its map a search is: in tours, what was met counts (``mission.planning.tours``)."""
+    met = max((inf.bit_count() for _, inf in automaton.whole.pairs), default=0)
+    return automaton.size << met if met > 1 else automaton.size
 
 
 def _distinct(points: FloatArray) -> FloatArray:

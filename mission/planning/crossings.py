@@ -40,6 +40,17 @@ class Spacing:
     fewest: int
     most: int
 
+    def between(self, lengths_m: FloatArray) -> IntArray:
+        """How many points there are between the ends of edges of some lengths."""
+        wanted = np.ceil(lengths_m / self.apart_m).astype(np.int64) - 1
+        return np.clip(wanted, self.fewest, self.most)
+
+    def ways(self, mesh: Partition) -> int:
+        """About how many ways straight from point to point there are in a mesh."""
+        counts = self.between(mesh.edge_lengths_m)
+        following = np.roll(counts, -1, axis=1)
+        return int((2 * counts * following + 3 * counts + 1).sum())
+
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
@@ -141,8 +152,7 @@ class _Rims:
         keys, edge_of = np.unique(facet_keys(mesh.triangles, vertices), return_inverse=True)
         edge_of = edge_of.reshape(-1, 3)
         low, high = mesh.vertices_m[keys // vertices], mesh.vertices_m[keys % vertices]
-        wanted = np.ceil(np.linalg.norm(high - low, axis=1) / spacing.apart_m).astype(np.int64) - 1
-        between = np.clip(wanted, spacing.fewest, most)
+        between = spacing.between(np.linalg.norm(high - low, axis=1))
         first = vertices + np.cumsum(between) - between
         edge = np.repeat(np.arange(len(keys)), between)
         rank = np.arange(len(edge)) - (first[edge] - vertices)

@@ -133,19 +133,16 @@ class Product:
     @cached_property
     def graph(self) -> Graph:
         """The transitions as a graph."""
-        targets = np.take(self._entered, self.system.successors, axis=1, mode="wrap")  # (q, x, control)
-        stays = targets[..., 0].reshape(-1)
-        stays[stays == np.arange(self.full_size, dtype=np.int32)] = DEAD
-        targets[..., 0] = stays.reshape(targets.shape[:2])
-        rows = targets.reshape(self.full_size, self.system.controls)
-        there = rows != DEAD
-        counts = there[:, 0].astype(np.int32)
-        for column in range(1, self.system.controls):
-            counts += there[:, column]
-        begins = np.zeros(self.full_size + 1, dtype=np.int32)
-        np.cumsum(counts, out=begins[1:])
-        if self.system.uniform:
-            return Graph(rows[there], begins, float(self.system.weights[0, 0]))
-        costs = self.system.weights.astype(np.float64)
-        weights = np.broadcast_to(costs, (self.automaton.size, *costs.shape))
-        return Graph(rows[there], begins, weights.reshape(rows.shape)[there])
+        system = self.system
+        rows, controls = system.transitions
+        targets = np.take(self._entered, system.successors[rows, controls], axis=1)  # (q, transition of T)
+        own = np.arange(self.automaton.size, dtype=np.int32)[:, None] * np.int32(system.size) + rows.astype(np.int32)
+        there = (targets != DEAD) & (targets != own)
+        kept = np.zeros(there.size + 1, dtype=np.int32)
+        np.cumsum(there, out=kept[1:])
+        first = np.searchsorted(rows, np.arange(system.size))
+        begins = np.append(kept[(np.arange(self.automaton.size)[:, None] * len(rows) + first).ravel()], kept[-1])
+        if system.uniform:
+            return Graph(targets[there], begins, float(system.weights[0, 0]))
+        costs = np.broadcast_to(system.weights[rows, controls].astype(np.float64), targets.shape)
+        return Graph(targets[there], begins, costs[there])

@@ -54,6 +54,12 @@ class TransitionSystem:
         return int(self.successors.shape[1])
 
     @cached_property
+    def transitions(self) -> tuple[IntArray, IntArray]:
+        """States and controls of all admissible transitions, (E,) each, ordered by state and then by control."""
+        states, controls = np.nonzero(self.successors >= 0)
+        return states, controls
+
+    @cached_property
     def uniform(self) -> bool:
         """Whether all transitions cost the same."""
         return bool((self.weights == self.weights[0, 0]).all())
