@@ -18,7 +18,7 @@ from mission.geometry.arrangement import arranged
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.location import Locator
 from mission.geometry.refinement import refined
-from mission.geometry.shapes import Area, edges_of, edges_within, polygonal
+from mission.geometry.shapes import Area, edges_of, edges_within, narrowed, polygonal
 from mission.geometry.simplices import ROUNDING, Partition
 
 JOINED: Final = 1e-4
@@ -84,7 +84,7 @@ class Outlines:
         area = self._area()
         rims, borders = self.rims_m, self.borders_m
         if clearance_m > 0.0:
-            area = polygonal(shapely.difference(area, shapely.union_all(_squares(rims, clearance_m))))
+            area = narrowed(area, clearance_m)
             if area.is_empty:
                 raise GeometryError("no room is left between the rims")
             rims, borders = edges_of([area]), edges_within(borders, area)
@@ -141,10 +141,3 @@ def _ordered(edges: FloatArray) -> FloatArray:
     edges = np.where(swapped[:, None, None], edges[:, ::-1], edges)
     ordered: FloatArray = edges[np.lexsort(edges.reshape(-1, 4).T[::-1])]
     return ordered
-
-
-def _squares(edges: FloatArray, half_m: float) -> FloatArray:
-    """What squares of a half width cover whose centres run along edges, as polygons, shape (E,)."""
-    corners = half_m * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    around = (edges[:, :, None] + corners).reshape(len(edges), 8, 2)
-    return np.asarray(shapely.convex_hull(shapely.multipoints(shapely.points(around))))

@@ -1,14 +1,14 @@
 """The way back: what a flight of laps does after the last one.
 
 The vehicle returns to a region of kind ``home``, or to the triangle in which it started where there is none, on the
-shortest way in T on which nothing is violated: whatever number of laps was flown, neither the word up to the landing
+best way on which nothing is violated: whatever number of laps was flown, neither the word up to the landing
 nor any of its prefixes is bad (``mission.logic.automata.safety``), and no more is the word that goes on by staying
 there. So the verdict "nothing was violated so far" holds to the end, although a formula that asks for laps for ever is
 satisfied by no flight that ends. The way is found with the words that the tube around the laps may have spelled, and it
 is proved like every other path, with the automaton of the bad prefixes in the place of that of the negated formula.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,12 +53,17 @@ def ends_of_flight(spec: MissionSpec, labelling: Labelling, restricted: BoolArra
 
 
 def ways_back(
-    system: TransitionSystem, safety: Safety, reached: Mapping[int, int], *, lap_triangle: int, ends: BoolArray
+    way: Callable[[Safety, BoolArray], Run | None],
+    safety: Safety,
+    reached: Mapping[int, int],
+    *,
+    lap_triangle: int,
+    ends: BoolArray,
 ) -> Iterator[Run]:
     """Ways on which nothing is violated: a shortest one to where the flight may end, then staying where the laps end.
 
     Args:
-        system: T of the domain.
+        way: Finds a best run into some triangles on which nothing is violated.
         safety: The bad prefixes of the formula.
         reached: The states of ``safety`` (bits) that are possible after the laps, in each triangle.
         lap_triangle: The triangle in which the laps begin and end.
@@ -70,17 +75,17 @@ def ways_back(
     onward = safety.after(state for state in range(len(safety.rows)) if states >> state & 1)
     if onward.initial == onward.bad:
         return
-    here = np.arange(system.size) == lap_triangle
+    here = np.arange(len(ends)) == lap_triangle
     for goal in (here,) if ends[lap_triangle] else (ends, here):
-        run = _way(system, onward, lap_triangle, goal)
+        run = way(onward, goal)
         if run is not None:
             yield run
 
 
-def _way(system: TransitionSystem, onward: Safety, start: int, goal: BoolArray) -> Run | None:
-    """A shortest run that comes into ``goal`` and stays there without a bad prefix; None where there is none."""
+def way_in(system: TransitionSystem, onward: Safety, start: int, goal: BoolArray) -> Run | None:
+    """A best run that comes into some states (M,) and stays there without a bad prefix; None where there is none."""
     letters = len(system.letters)
-    # Each letter twice: the second time for triangles of the goal.
+    # Each letter twice: the second time for states of the goal.
     marked = replace(system, letter_of=system.letter_of + letters * goal, letters=(*system.letters, *system.letters))
     try:
         runs = search(Product(marked, _arriving(onward), start, Semantics.PAPER))

@@ -6,39 +6,31 @@ for it, from the outlines of what the regions part alone (``mission.planning.cro
 goes through. On the way there is room for the tube wherever the map has room for it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Final
 
 import numpy as np
 import shapely
 
-from mission.errors import GeometryError, NoPlanError, SearchSizeError
-from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.geometry.location import Locator
-from mission.geometry.outline_mesh import JOINED, ClassedMesh, Outlines
-from mission.geometry.regions import Labelling, union_of
+from mission.errors import NoPlanError, SearchSizeError
+from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.simplices import Partition
-from mission.geometry.triangulation import selected
 from mission.logic.automata.conjunction import Conjunction
+from mission.logic.automata.safety import Safety
 from mission.plan.best_runs import BestRuns, OneRun, best_runs, objective_of
 from mission.plan.costs import UNIT, passage_lengths
+from mission.plan.ground import Grounds
+from mission.plan.homeward import way_in
 from mission.plan.specification import Specification, deterministic_of
 from mission.plan.way import Way
-from mission.planning.crossings import Crossings, Spacing, crossings
+from mission.planning.crossings import Crossings
 from mission.planning.product import Product
 from mission.planning.run import Run
 from mission.planning.traced import Tracer, stretches
 from mission.planning.transition_system import TransitionSystem
-from mission.spec.model import Cost, MissionSpec, Point, Semantics
-
-_LARGEST: Final = 0.1  # of the extent: the longest edge of the mesh
-_SPACINGS: Final = ((0.015, 1, 5), (0.02, 1, 3), (0.03, 1, 2), (0.03, 1, 1), (0.03, 0, 1))
-"""Distances of crossing points, of the extent, and how many there are on an edge: the finer, the better."""
-_MOST_WAYS: Final = 4_000_000
-"""Ways times states of the automaton, and sets of what recurs, that a search may take; the finest that do are used."""
+from mission.spec.model import Cost, MissionSpec, Semantics
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,24 +38,12 @@ class RunSearch:
     """Searches the best runs of one mission, by whatever cost.
 
     Attributes:
-        spec: The mission.
         system: T, with weights.
-        partition: Its triangles.
-        labelling: Their labels.
-        restricted: Shape (M,), triangles that must not be entered.
-        locator: Finds triangles.
-        start_m: Where the flight begins.
-        triangle: The triangle there.
+        grounds: Crossing points on the map.
     """
 
-    spec: MissionSpec
     system: TransitionSystem
-    partition: Partition
-    labelling: Labelling
-    restricted: BoolArray
-    locator: Locator
-    start_m: Point
-    triangle: int
+    grounds: Grounds
 
     def best(self, specification: Specification, closed: Sequence[int] = ()) -> BestRuns:
         """The best runs that keep out of some triangles: all with the fewest transitions, or one on a shortest way.
@@ -80,129 +60,94 @@ class RunSearch:
             AutomatonSizeError: As in ``best_runs``.
             SearchSizeError: Likewise.
         """
-        found = None if self.spec.search.cost is Cost.TRANSITIONS else self._on_a_way(specification, closed)
-        return found or self._searched(self.system.without(closed), specification, self.triangle)
+        found = None if self._spec.search.cost is Cost.TRANSITIONS else self._on_a_way(specification, closed)
+        return found or self._searched(self.system.without(closed), specification, self.grounds.triangle)
+
+    def homeward(self, way: Way | None, onward: Safety, goal: BoolArray, *, lap_triangle: int) -> Run | None:
+        """The best run from where laps end into one of some triangles (M,), to stay there.
+
+        Args:
+            way: That of the laps; None where they are of a run in T.
+            onward: What must not be read on the way.
+            goal: The triangles.
+            lap_triangle: The triangle in which the laps end.
+
+        Returns:
+            None where there is none.
+        """
+        if way is not None:
+            ways = (self._homeward_on(ground, way, onward, lap_triangle, goal) for ground in self.grounds.each())
+            run = next((one for one in ways if one is not None), None)
+            if run is not None:
+                return run
+        return way_in(self.system, onward, lap_triangle, goal)
 
     def _on_a_way(self, specification: Specification, closed: Sequence[int]) -> BestRuns | None:
-        automaton = deterministic_of(specification.formula, specification.given, self.labelling.letters)
-        for ground in self._grounds(_copies(automaton)):
-            within = ground.without(self._inside(closed)) if closed else ground
+        automaton = deterministic_of(specification.formula, specification.given, self.system.letters)
+        for ground in self.grounds.each(_copies(automaton)):
+            within = ground.without(self.grounds.inside(closed)) if closed else ground
             try:
                 found = self._searched(within.system, specification, within.start)
             except (NoPlanError, SearchSizeError):
                 continue
-            run = self._traced(within, found.runs[0])
+            run = self._traced(within, found.runs[0], self.grounds.triangle)
             if run is not None and self._accepts(automaton, run):
                 counted = TransitionSystem(self.system.successors, self.system.letter_of, self.system.letters)
-                product = Product(counted, found.product.automaton, self.triangle, self.spec.semantics)
+                product = Product(counted, found.product.automaton, self.grounds.triangle, self._spec.semantics)
                 one = OneRun(run, found.runs.cost)
                 return BestRuns(product, one, found.exact, self._way(within, found.runs[0]))
         return None
 
-    def _searched(self, system: TransitionSystem, specification: Specification, start: int) -> BestRuns:
-        return best_runs(system, specification, start, self.spec.semantics, objective_of(self.spec))
-
-    def _grounds(self, copies: int) -> Iterator[Crossings]:
-        """Crossing points: with room for the tube, without, and on the mission's own mesh.
-
-        Args:
-            copies: How many times as large as their ways a search is.
-        """
-        for kind in range(3):
-            if kind not in self._known:
-                self._known[kind] = self._ground(kind, copies)
-            ground = self._known[kind]
-            if ground is not None:
-                yield ground
-
-    @cached_property
-    def _known(self) -> dict[int, Crossings | None]:
-        return {}
-
-    def _ground(self, kind: int, copies: int) -> Crossings | None:
-        tube_m = self.spec.flight.tube_m
-        if kind == 0 and tube_m == 0.0:
+    def _homeward_on(
+        self, ground: Crossings, way: Way, onward: Safety, lap_triangle: int, goal: BoolArray
+    ) -> Run | None:
+        letter = self.system.letter_of[lap_triangle]
+        here = (ground.points_m == way.prefix_m[-1]).all(axis=1) & (ground.system.letter_of == letter)
+        if not here.any():
             return None
-        try:
-            mesh = self._own_mesh() if kind == 2 else self._outlines.mesh(tube_m * (kind == 0), largest_share=_LARGEST)  # noqa: PLR2004
-        except GeometryError:
-            return None
-        touching = Locator(mesh.partition).triangles_touching(self.start_m)
-        beginnings = touching[mesh.class_of[touching] == self.labelling.letter_of[self.triangle]]
-        if not len(beginnings):
-            return None
-        return crossings(
-            mesh.partition,
-            mesh.class_of,
-            self.labelling.letters,
-            beginnings=beginnings,
-            start_m=self.start_m,
-            spacing=self._spacing(mesh.partition, copies),
-            unit_m=self._unit_m,
-            tolls=self._tolls,
+        # A state is in the goal where it touches a triangle of it that is of its letter.
+        states, triangles = self.grounds.locator.tree.query(
+            shapely.points(ground.points_m), predicate="dwithin", distance=self.grounds.near_m
         )
+        inside = np.zeros(ground.system.size, dtype=np.bool_)
+        inside[states[goal[triangles] & (self.system.letter_of[triangles] == ground.system.letter_of[states])]] = True
+        found = way_in(ground.system, onward, int(np.argmax(here)), inside)
+        return None if found is None else self._traced(ground, found, lap_triangle, goal)
 
-    def _spacing(self, mesh: Partition, copies: int) -> Spacing:
-        finer = (Spacing(share * self.partition.extent_m, *counts) for share, *counts in _SPACINGS[:-1])
-        share, *counts = _SPACINGS[-1]
-        coarsest = Spacing(share * self.partition.extent_m, *counts)
-        return next((spacing for spacing in finer if spacing.ways(mesh) * copies <= _MOST_WAYS), coarsest)
-
-    @cached_property
-    def _outlines(self) -> Outlines:
-        return Outlines.of(self.locator, self.labelling.letter_of, self.restricted)
-
-    def _own_mesh(self) -> ClassedMesh:
-        keep = ~self.restricted
-        partition = self.partition
-        open_mesh = selected(partition.vertices_m, partition.triangles, partition.neighbours, keep)
-        return ClassedMesh(open_mesh, self.labelling.letter_of[keep])
+    def _searched(self, system: TransitionSystem, specification: Specification, start: int) -> BestRuns:
+        return best_runs(system, specification, start, self._spec.semantics, objective_of(self._spec))
 
     @property
-    def _unit_m(self) -> float:
-        """The length that weighs 1."""
-        unit = UNIT[self.spec.search.cost][1]
-        return unit * self.spec.flight.speed_m_s if self.spec.search.cost is Cost.TIME else unit
+    def _spec(self) -> MissionSpec:
+        return self.grounds.spec
 
-    @cached_property
-    def _tolls(self) -> IntArray:
-        """What it costs to come from one letter to another, shape (letters, letters): stops, where time counts."""
-        letters = self.labelling.letters
-        tolls = np.ones((len(letters), len(letters)))
-        if self.spec.search.cost is Cost.TIME:
-            halt_s = self.spec.flight.speed_m_s / self.spec.limits.acceleration_m_s2
-            for region in self.spec.regions:
-                inside = np.array([region.name in letter for letter in letters])
-                if region.loiter_s > 0.0:
-                    tolls += (~inside[:, None] & inside) * (region.loiter_s + halt_s) / UNIT[Cost.TIME][1]
-        return np.rint(tolls).astype(np.int64)
-
-    def _inside(self, triangles: Sequence[int]) -> shapely.Geometry:
-        """What is well inside some triangles."""
-        area = union_of(self.partition, np.array(triangles, dtype=np.int64))
-        return shapely.buffer(area, -JOINED * self.partition.extent_m)
+    @property
+    def _partition(self) -> Partition:
+        return self.grounds.locator.partition
 
     @cached_property
     def _tracer(self) -> Tracer:
         return Tracer(
-            self.partition,
-            self.locator.tree,
-            self.labelling.letter_of,
-            ~self.restricted,
-            passage_lengths(self.partition),
-            JOINED * self.partition.extent_m,
+            self._partition,
+            self.grounds.locator.tree,
+            self.system.letter_of,
+            ~self.grounds.restricted,
+            passage_lengths(self._partition),
+            self.grounds.near_m,
         )
 
-    def _traced(self, ground: Crossings, run: Run) -> Run | None:
-        """The run of T along a run over crossing points; None where there is none."""
-        before, around = [*run.prefix, run.suffix[0]], [*run.suffix, run.suffix[0]]
-        head = self._chain(ground, before, self.triangle)
+    def _traced(self, ground: Crossings, run: Run, first: int, ends: BoolArray | None = None) -> Run | None:
+        """The run of T along a run over crossing points, from a triangle on; None where there is none.
+
+        Where the flight stays, it may be asked in which of some triangles.
+        """
+        head = self._chain(ground, [*run.prefix, run.suffix[0]], first, ends)
         if head is None:
             return None
-        if len(run.suffix) == 1:
-            loop: tuple[int, ...] | None = (head[-1],)
-        else:
-            loop = self._chain(ground, around, head[-1], head[-1])
+        loop: tuple[int, ...] | None = (head[-1],)
+        if len(run.suffix) > 1:
+            around = np.arange(self._partition.size) == head[-1]
+            loop = self._chain(ground, [*run.suffix, run.suffix[0]], head[-1], around)
             loop = loop and (loop[:-1] or loop)
         if loop is None:
             return None
@@ -211,23 +156,23 @@ class RunSearch:
         return Run(head[:-1], loop, tuple(controls))
 
     def _chain(
-        self, ground: Crossings, states: list[int], first: int, last: int | None = None
+        self, ground: Crossings, states: list[int], first: int, ends: BoolArray | None
     ) -> tuple[int, ...] | None:
         way = stretches(ground.system.letter_of[states], ground.points_m[states])
-        return self._tracer.chain(way, first, last)
+        return self._tracer.chain(way, first, ends)
 
     def _control(self, here: int, there: int) -> int:
-        return 0 if here == there else 1 + self.partition.neighbours[here].tolist().index(there)
+        return 0 if here == there else 1 + self._partition.neighbours[here].tolist().index(there)
 
     def _accepts(self, automaton: Conjunction, run: Run) -> bool:
-        prefix, loop = ([int(self.labelling.letter_of[t]) for t in part] for part in (run.prefix, run.suffix))
-        if self.spec.semantics is Semantics.PAPER:
+        prefix, loop = ([int(self.system.letter_of[t]) for t in part] for part in (run.prefix, run.suffix))
+        if self._spec.semantics is Semantics.PAPER:
             # The start's label is not read; where the loop begins there, it is read at the end of each round.
             prefix, loop = (prefix[1:], loop) if prefix else ([], [*loop[1:], loop[0]])
         return automaton.whole.accepts(prefix, loop)
 
     def _way(self, ground: Crossings, run: Run) -> Way:
-        unit = UNIT[self.spec.search.cost][1]
+        unit = UNIT[self._spec.search.cost][1]
         weights = ground.system.weights[list(run.states), list(run.controls)] * unit
         head = len(run.prefix)
         before = ground.points_m[[*run.prefix, run.suffix[0]]]

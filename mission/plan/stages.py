@@ -16,6 +16,7 @@ from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan, prover_of
+from mission.plan.ground import Grounds
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner, trajectory_of
@@ -56,7 +57,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
-    search = RunSearch(spec, system, partition, labelling, restricted, locator, start, triangle)
+    search = RunSearch(system, Grounds(spec, labelling, restricted, locator, start, triangle))
     covering = Covering(spec, partition, labelling, restricted)
     planner = PathPlanner(spec, partition, labelling, covering)
 
@@ -102,7 +103,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     curve, homeward = proved.curve, None
     if chosen.recurrent:
         safety = safety_of(flown.among.product.automaton.whole)
-        back = way_back(planner, system, safety, restricted, laps=chosen, proved=proved)
+        onward = partial(search.homeward, flown.among.way, lap_triangle=chosen.suffix[0])
+        back = way_back(planner, onward, safety, restricted, laps=chosen, proved=proved)
         if back is not None:
             homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
     stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))

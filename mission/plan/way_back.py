@@ -1,5 +1,6 @@
 """Plans the way back from the laps: the first one of ``homeward.ways_back`` that can be smoothed with a proof."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -10,7 +11,6 @@ from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward, ends_of_flight, ways_back
 from mission.plan.proved_path import PathPlanner
 from mission.planning.run import Run
-from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
@@ -28,7 +28,7 @@ class WayBack:
 
 def way_back(
     planner: PathPlanner,
-    system: TransitionSystem,
+    way: Callable[[Safety, BoolArray], Run | None],
     safety: Safety,
     restricted: BoolArray,
     *,
@@ -39,7 +39,7 @@ def way_back(
 
     Args:
         planner: Of the mission.
-        system: T of its domain.
+        way: Finds a best run from where the laps end into some triangles, on which nothing is violated.
         safety: What its specification forbids in finite time, over the letters of T.
         restricted: Shape (M,), triangles that must not be entered.
         laps: The run of the laps.
@@ -53,7 +53,7 @@ def way_back(
         prover = prover_of(planner.spec, planner.partition, planner.labelling, refutation, restricted)
         reached = prover.reached(proved.curve, proved.certificate)
         ends = ends_of_flight(planner.spec, planner.labelling, restricted, laps.states[0])
-        found = list(ways_back(system, safety, reached, lap_triangle=laps.suffix[0], ends=ends))
+        found = list(ways_back(way, safety, reached, lap_triangle=laps.suffix[0], ends=ends))
     except AutomatonSizeError:
         return None
     # The label of the triangle in which the laps end was read when they did.

@@ -59,25 +59,27 @@ class Tracer:
     lengths: FloatArray
     near_m: float
 
-    def chain(self, way: tuple[Stretch, ...], first: int, last: int | None = None) -> tuple[int, ...] | None:
+    def chain(self, way: tuple[Stretch, ...], first: int, ends: BoolArray | None = None) -> tuple[int, ...] | None:
         """The cheapest chain of neighbouring triangles along a way.
 
         Args:
             way: Its stretches.
             first: The triangle in which it begins.
-            last: The one in which it ends; any at its end by default.
+            ends: Shape (M,), in which it may end; any at its end by default.
 
         Returns:
             Triangles, ``first`` included; None where no chain reads these letters.
         """
         near_m = self.near_m
         while True:
-            found = self._chain(way, first, last, near_m)
+            found = self._chain(way, first, ends, near_m)
             if found is not None or near_m > self.partition.extent_m:
                 return found
             near_m *= _WIDER
 
-    def _chain(self, way: tuple[Stretch, ...], first: int, last: int | None, near_m: float) -> tuple[int, ...] | None:
+    def _chain(
+        self, way: tuple[Stretch, ...], first: int, ends: BoolArray | None, near_m: float
+    ) -> tuple[int, ...] | None:
         levels = [self._at(_line(stretch.points_m), near_m, stretch.letter) for stretch in way]
         begins = np.cumsum([0, *map(len, levels)])
         triangles, level = np.concatenate(levels), np.repeat(np.arange(len(way)), np.diff(begins))
@@ -94,10 +96,9 @@ class Tracer:
                     edges.append((number, node[at, beyond], cost))
                 if (at + 1, beyond) in node and {triangle, beyond} <= changes[at]:
                     edges.append((number, node[at + 1, beyond], cost))
-        ends = (
-            self._at(shapely.Point(way[-1].points_m[-1]), near_m, way[-1].letter).tolist() if last is None else [last]
-        )
-        goals = [node[len(way) - 1, triangle] for triangle in ends if (len(way) - 1, triangle) in node]
+        at_end = self._at(shapely.Point(way[-1].points_m[-1]), near_m, way[-1].letter)
+        lasts = at_end if ends is None else at_end[ends[at_end]]
+        goals = [node[len(way) - 1, triangle] for triangle in lasts.tolist() if (len(way) - 1, triangle) in node]
         if not goals or (not edges and source not in goals):
             return None
         rows, columns, costs = np.array(edges, dtype=np.float64).reshape(-1, 3).T

@@ -14,8 +14,10 @@ from scipy.sparse.csgraph import dijkstra
 from mission.geometry.arrays import FloatArray
 from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
 from mission.plan.best_runs import BestRuns
 from mission.plan.costs import transition_weights
+from mission.plan.ground import Grounds
 from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import of_mission
 from mission.planning.transition_system import TransitionSystem
@@ -33,7 +35,11 @@ class Found:
 
     @property
     def labelling(self) -> Labelling:
-        return self.search.labelling
+        return self.search.grounds.labelling
+
+    @property
+    def partition(self) -> Partition:
+        return self.search.grounds.locator.partition
 
     @property
     def word(self) -> list[str]:
@@ -61,12 +67,12 @@ def search_of(spec: MissionSpec) -> RunSearch:
     triangle = int(locator.triangle_at(np.array([start]))[0])
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
-    return RunSearch(spec, system, partition, labelling, restricted, locator, start, triangle)
+    return RunSearch(system, Grounds(spec, labelling, restricted, locator, start, triangle))
 
 
 def found(spec: MissionSpec) -> Found:
     search = search_of(spec)
-    return Found(search, search.best(of_mission(spec, search.labelling.letters)))
+    return Found(search, search.best(of_mission(spec, search.system.letters)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import BoundaryDomain, Cost, Refinement, Search
+from tests.support.small_missions import ROUNDS, plan_of
 from tests.support.ways import RandomMap, found
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -33,7 +35,7 @@ def test_the_way_does_not_depend_on_the_mesh(name: str, cost: Cost) -> None:
     assert isinstance(spec.domain, BoundaryDomain)
     meshes = [Refinement(20.0, np.inf), Refinement(25.0, 9.0), Refinement(20.0, 4.0)]
     ways = [found(replace(spec, domain=replace(spec.domain, refinement=mesh))) for mesh in meshes]
-    assert len({way.search.partition.size for way in ways}) == len(meshes)
+    assert len({way.partition.size for way in ways}) == len(meshes)
     first = ways[0]
     assert first.best.way is not None
     for way in ways[1:]:
@@ -87,3 +89,16 @@ def test_a_plan_keeps_its_way() -> None:
     assert again.costs == plan.costs
     assert plan.certificate.holds
     assert plan.shortest_runs == 1
+
+
+def test_the_way_back_from_laps_goes_straight_home() -> None:
+    mesh = "  mesh: {largest_m: 3}\nregions:\n"
+    plan = plan_of(ROUNDS.replace("regions:\n", mesh) + "search: {cost: distance}\n")
+    assert plan.way is not None
+    assert plan.homeward is not None
+    back = shapely.shortest_line(shapely.Point(plan.way.loop_m[-1]), plan.area_of("home"))
+    assert not shapely.intersects(back, plan.area_of("pond"))
+    run = plan.homeward.run
+    off = shapely.distance(shapely.polygons(plan.partition.corners_m[list(run.states)]), back)
+    assert off.max() < 0.75
+    assert "home" in plan.labelling.label(run.suffix[0])

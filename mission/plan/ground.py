@@ -1,0 +1,136 @@
+"""Crossing points on a mission's map, with room for the tube, without, or on its own mesh."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+import shapely
+
+from mission.errors import GeometryError
+from mission.geometry.arrays import BoolArray, IntArray
+from mission.geometry.location import Locator
+from mission.geometry.outline_mesh import JOINED, ClassedMesh, Outlines
+from mission.geometry.regions import Labelling, union_of
+from mission.geometry.simplices import Partition
+from mission.geometry.triangulation import selected
+from mission.plan.costs import UNIT
+from mission.planning.crossings import Crossings, Spacing, crossings
+from mission.spec.model import Cost, MissionSpec, Point
+
+_LARGEST: Final = 0.1  # of the extent: the longest edge of the mesh
+_SPACINGS: Final = ((0.015, 1, 5), (0.02, 1, 3), (0.03, 1, 2), (0.03, 1, 1), (0.03, 0, 1))
+"""Distances of crossing points, of the extent, and how many there are on an edge: the finer, the better."""
+_MOST_WAYS: Final = 4_000_000
+"""Ways times copies of the map that a search may take; the finest spacing that does is used."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grounds:
+    """The crossing points of one mission.
+
+    Attributes:
+        spec: The mission.
+        labelling: The labels of its triangles.
+        restricted: Shape (M,), triangles that must not be entered.
+        locator: Finds triangles.
+        start_m: Where the flight begins.
+        triangle: The triangle there.
+    """
+
+    spec: MissionSpec
+    labelling: Labelling
+    restricted: BoolArray
+    locator: Locator
+    start_m: Point
+    triangle: int
+
+    def each(self, copies: int = 1) -> Iterator[Crossings]:
+        """Crossing points with room for the tube, without, and on the mission's own mesh, as far as there are any.
+
+        They are made when they are first asked for.
+
+        Args:
+            copies: How many times as large as the map a search over them is.
+        """
+        for room, own in ((True, False), (False, False), (False, True)):
+            if (room, own) not in self._made:
+                self._made[room, own] = self._crossings(room=room, own=own, copies=copies)
+            made = self._made[room, own]
+            if made is not None:
+                yield made
+
+    def inside(self, triangles: Sequence[int]) -> shapely.Geometry:
+        """What is well inside some triangles of the mission."""
+        area = union_of(self._partition, np.array(triangles, dtype=np.int64))
+        return shapely.buffer(area, -self.near_m)
+
+    @property
+    def near_m(self) -> float:
+        """How far ways may be off the outlines of the mission."""
+        return JOINED * self._partition.extent_m
+
+    @property
+    def _partition(self) -> Partition:
+        return self.locator.partition
+
+    @cached_property
+    def _made(self) -> dict[tuple[bool, bool], Crossings | None]:
+        return {}
+
+    def _crossings(self, *, room: bool, own: bool, copies: int) -> Crossings | None:
+        tube_m = self.spec.flight.tube_m
+        if room and tube_m == 0.0:
+            return None
+        try:
+            mesh = self._own_mesh() if own else self._outlines.mesh(tube_m if room else 0.0, largest_share=_LARGEST)
+        except GeometryError:
+            return None
+        touching = Locator(mesh.partition).triangles_touching(self.start_m)
+        beginnings = touching[mesh.class_of[touching] == self.labelling.letter_of[self.triangle]]
+        if not len(beginnings):
+            return None
+        return crossings(
+            mesh.partition,
+            mesh.class_of,
+            self.labelling.letters,
+            beginnings=beginnings,
+            start_m=self.start_m,
+            spacing=self._spacing(mesh.partition, copies),
+            unit_m=self._unit_m,
+            tolls=self._tolls,
+        )
+
+    def _spacing(self, mesh: Partition, copies: int) -> Spacing:
+        spacings = [Spacing(share * self._partition.extent_m, *counts) for share, *counts in _SPACINGS]
+        return next((one for one in spacings if one.ways(mesh) * copies <= _MOST_WAYS), spacings[-1])
+
+    @cached_property
+    def _outlines(self) -> Outlines:
+        return Outlines.of(self.locator, self.labelling.letter_of, self.restricted)
+
+    def _own_mesh(self) -> ClassedMesh:
+        keep, mesh = ~self.restricted, self._partition
+        return ClassedMesh(
+            selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, keep), self.labelling.letter_of[keep]
+        )
+
+    @property
+    def _unit_m(self) -> float:
+        """The length that weighs 1."""
+        unit = UNIT[self.spec.search.cost][1]
+        return unit * self.spec.flight.speed_m_s if self.spec.search.cost is Cost.TIME else unit
+
+    @cached_property
+    def _tolls(self) -> IntArray:
+        """What it costs to come from one letter to another, shape (letters, letters): stops, where time counts."""
+        letters = self.labelling.letters
+        tolls = np.ones((len(letters), len(letters)))
+        if self.spec.search.cost is Cost.TIME:
+            halt_s = self.spec.flight.speed_m_s / self.spec.limits.acceleration_m_s2
+            for region in self.spec.regions:
+                inside = np.array([region.name in letter for letter in letters])
+                if region.loiter_s > 0.0:
+                    tolls += (~inside[:, None] & inside) * (region.loiter_s + halt_s) / UNIT[Cost.TIME][1]
+        return np.rint(tolls).astype(np.int64)
