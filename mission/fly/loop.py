@@ -16,10 +16,11 @@ from mission.fly.result import FlightResult, Progress
 from mission.fly.retreat import retreat, speak, switch_off_camera
 from mission.fly.watch import FlightWatch
 from mission.link.contact import LinkOptions
-from mission.link.course import Course
+from mission.link.course import Bounds, Course
 from mission.link.ending import Ending
 from mission.link.session import Session
 from mission.link.transport import Transport
+from mission.monitor.attitude import GRAVITY_M_S2
 from mission.monitor.coverage import Covered, coverage_text, judged
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.gaps import gaps_text
@@ -240,7 +241,9 @@ class _Flight:
             tube_m=self.plan.certificate.tube_m,
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
-        course = Course(self.plan.trajectory, heading, self.plan.photographs)
+        lean_m_s2 = GRAVITY_M_S2 * math.tan(spec.limits.tilt_rad)
+        bounds = Bounds(self.plan.certificate.tube_m, lean_m_s2=lean_m_s2)
+        course = Course(self.plan.trajectory, heading, bounds, self.plan.photographs)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 

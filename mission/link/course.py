@@ -68,6 +68,20 @@ class Flown(Protocol):
         ...
 
 
+class Bounds(NamedTuple):
+    """What keeps a flight within what was proved of it.
+
+    Attributes:
+        tube_m: How far from the trajectory the vehicle may be on each axis; 0 where nothing is known of that.
+        reach_m: How much of the tube is for corrections of the setpoints.
+        lean_m_s2: The acceleration that the largest tilt gives.
+    """
+
+    tube_m: float = 0.0
+    reach_m: float = 0.0
+    lean_m_s2: float = math.inf
+
+
 class Course:
     """A trajectory with the heading that goes with it: the direction of flight, taken up without haste.
 
@@ -75,14 +89,22 @@ class Course:
 
     Attributes:
         heading_rad: The heading asked for last, clockwise from north.
+        bounds: What its flight is to stay within.
     """
 
-    def __init__(self, trajectory: Flown, heading_rad: float, photographs: tuple[Photographs, ...] = ()) -> None:
+    def __init__(
+        self,
+        trajectory: Flown,
+        heading_rad: float,
+        bounds: Bounds | None = None,
+        photographs: tuple[Photographs, ...] = (),
+    ) -> None:
         """Begin with the heading that the vehicle has."""
         self._trajectory = trajectory
         self._photographs = photographs
         self._ends_s = [stretch.end_s for stretch in photographs]
         self.heading_rad = heading_rad
+        self.bounds = bounds or Bounds()
         self._turned_s: float | None = None
         self._blocks: dict[int, list[list[float]]] = {}
 

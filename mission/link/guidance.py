@@ -3,13 +3,19 @@
 import math
 from typing import Final
 
+from mission.link.correction import Correction
 from mission.link.course import Course, Reference
 from mission.link.frames import Anchor, Vector, ned_from_enu
+from mission.link.pace import Pace
 from mission.link.values import LocalSetpoint
 from mission.monitor.gaps import GAP_S, Gap, Missing
 
 _STEADY_M: Final = 0.3
 _STEADY_M_S: Final = 0.3
+_AHEAD_S: Final = (0.0, 0.75, 1.5)
+"""On the trajectory: where it is looked whether the vehicle can fly so fast."""
+
+_SHARE_OF_LEAN: Final = 0.9
 
 
 class Guidance:
@@ -17,10 +23,13 @@ class Guidance:
 
     The trajectory goes on while setpoints are sent. Where none was for a while, it goes on from where the last one
     stood: what was not asked for was not flown either, and a setpoint that leaps leads across what was not proved.
+    Where the vehicle does not keep up, it goes on more slowly (``pace``), and what is asked for differs from what is
+    planned by a bounded ``correction``.
 
     Attributes:
         course: What is flown.
         anchor: Ties the domain to the vehicle's local frame.
+        correction: What is asked for beyond what is planned.
     """
 
     def __init__(self, course: Course, anchor: Anchor, period_s: float) -> None:
@@ -29,11 +38,10 @@ class Guidance:
         self.anchor = anchor
         self._period_s = period_s
         self._next_s = -math.inf
-        self._from_s = math.inf
+        self.correction = Correction(course.bounds.reach_m)
+        self._pace = Pace(course.bounds.tube_m)
         self._until_s = math.inf
         self._sent_s = math.inf
-        self._pause = (0.0, 0.0)
-        self._paused_s = 0.0
         self._off_m = math.inf
         self._steady_from_s = math.inf
 
@@ -49,7 +57,7 @@ class Guidance:
 
     def begin(self, vehicle_s: float) -> None:
         """Let the trajectory begin now."""
-        self._from_s = vehicle_s
+        self._pace.begin(vehicle_s)
 
     def end(self, vehicle_s: float) -> None:
         """Lead no further: the trajectory is given up."""
@@ -74,30 +82,45 @@ class Guidance:
         return self.course.duration_s - max(self._elapsed_s(at_s), 0.0)
 
     def _elapsed_s(self, at_s: float) -> float:
-        """Time on the trajectory, which is less than what has passed by its pauses; negative before its start."""
-        if at_s - self._sent_s > GAP_S:
-            at_s = self._sent_s
-        stood_s, went_on_s = self._pause
-        return at_s - self._from_s - self._paused_s - (min(max(at_s, stood_s), went_on_s) - stood_s)
+        """Time on the trajectory, which stands where no setpoint is sent; negative before its start."""
+        return self._pace.elapsed_s(self._sent_s if at_s - self._sent_s > GAP_S else at_s)
 
     def reference(self, at_s: float) -> Reference:
-        """The point to be at, at a vehicle time."""
-        return self.course.reference(self.flown_s(at_s))
+        """The point to be at, at a vehicle time, with velocity and acceleration by the pace at which it is passed."""
+        position, velocity, acceleration = self.course.reference(self.flown_s(at_s))
+        beat = self._pace.beat(at_s)
+        if beat.rate == 1.0 and beat.growth_per_s == 0.0:
+            return Reference(position, velocity, acceleration)
+        square, growth = beat.rate**2, beat.growth_per_s
+        (vx, vy, vz), (ax, ay, az) = velocity, acceleration
+        return Reference(
+            position,
+            (beat.rate * vx, beat.rate * vy, beat.rate * vz),
+            (square * ax + growth * vx, square * ay + growth * vy, square * az + growth * vz),
+        )
 
-    def observe(self, at_s: float, position_m: Vector, velocity_m_s: Vector) -> Vector:
+    def observe(
+        self, at_s: float, position_m: Vector, velocity_m_s: Vector, attitude_rad: Vector | None = None
+    ) -> Reference:
         """Take a report: how far the vehicle is off, and since when it has been still where it should be.
 
         Returns:
-            Where it should have been.
+            Where it should have been, and how fast.
         """
-        wanted = self.reference(at_s).position_m
-        self._off_m = math.hypot(position_m[0] - wanted[0], position_m[1] - wanted[1])
+        planned = self.reference(at_s)
+        wanted = planned.position_m
+        error = (position_m[0] - wanted[0], position_m[1] - wanted[1])
+        if self.trajectory_s(at_s) is None or at_s - self._sent_s > GAP_S:
+            self.correction.rest()
+        else:
+            self.correction.observe(at_s, error, planned.velocity_m_s, velocity_m_s, attitude_rad)
+        self._off_m = math.hypot(*error)
         still = self._off_m <= _STEADY_M and math.hypot(*velocity_m_s) <= _STEADY_M_S
         if not still or abs(position_m[2] - wanted[2]) > 2.0 * _STEADY_M:
             self._steady_from_s = math.inf
         elif math.isinf(self._steady_from_s):
             self._steady_from_s = at_s
-        return wanted
+        return planned
 
     def steady_s(self, at_s: float) -> float:
         """How long the vehicle has been still at the setpoint."""
@@ -113,12 +136,18 @@ class Guidance:
         gap = self._pause_until(vehicle_s)
         self._sent_s = vehicle_s
         self._next_s = max(self._next_s + self._period_s, vehicle_s + 0.5 * self._period_s)
+        if (trajectory_s := self.trajectory_s(vehicle_s)) is not None:
+            ahead = [self.course.reference(trajectory_s + later_s) for later_s in _AHEAD_S]
+            lean_m_s2 = _SHARE_OF_LEAN * self.course.bounds.lean_m_s2
+            most_rate = min(self.correction.rate_within(lean_m_s2, point) for point in ahead)
+            self._pace.adapt(vehicle_s, self.correction.behind_m, most_rate, ahead[0])
         reference = self.reference(vehicle_s)
+        asked = self.correction.corrected(reference)
         setpoint = LocalSetpoint(
             time_boot_ms=round(vehicle_s * 1000.0),
-            position_ned_m=self.anchor.to_vehicle(reference.position_m),
-            velocity_ned_m_s=ned_from_enu(reference.velocity_m_s),
-            acceleration_ned_m_s2=ned_from_enu(reference.acceleration_m_s2),
+            position_ned_m=self.anchor.to_vehicle(asked.position_m),
+            velocity_ned_m_s=ned_from_enu(asked.velocity_m_s),
+            acceleration_ned_m_s2=ned_from_enu(asked.acceleration_m_s2),
             yaw_rad=self.course.turn(reference, self.flown_s(vehicle_s), vehicle_s),
         )
         return reference, setpoint, gap
@@ -128,6 +157,5 @@ class Guidance:
         gap_s = vehicle_s - self._sent_s
         if gap_s <= GAP_S or not 0.0 <= self._elapsed_s(self._sent_s) < self.course.duration_s:
             return None
-        self._paused_s += self._pause[1] - self._pause[0]
-        self._pause = (self._sent_s, vehicle_s)
+        self._pace.pause(self._sent_s, vehicle_s)
         return Gap(Missing.SETPOINT, self._sent_s, gap_s)

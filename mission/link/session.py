@@ -263,9 +263,9 @@ class Session:
         at_s = self.vehicle.position_at_s
         position = self.guidance.anchor.to_domain(report.position_ned_m)
         velocity = enu_from_ned(report.velocity_ned_m_s)
-        planned = self.guidance.observe(at_s, position, velocity)
         attitude = None if self.vehicle.attitude is None else self.vehicle.attitude.angles_rad
-        self._note(Moved(at_s, position, velocity, attitude, planned, self.guidance.trajectory_s(at_s)))
+        planned = self.guidance.observe(at_s, position, velocity, attitude)
+        self._note(Moved(at_s, position, velocity, attitude, planned.position_m, self.guidance.trajectory_s(at_s)))
 
     def _look_who_flies(self, heartbeat: Heartbeat, vehicle_s: float | None, now_s: float) -> None:
         if heartbeat.armed:

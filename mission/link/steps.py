@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from mission.link.messages import disarm
+from mission.link.pace import LEAST_RATE
 from mission.link.values import Command, LandedState
 from mission.link.vehicle_state import VehicleState
 from mission.monitor.stage import Stage
@@ -161,7 +162,7 @@ def flight_steps(modes: frozenset[int], duration_s: float) -> tuple[Step, ...]:
             stage=Stage.FLY,
             confirmed=lambda scene: scene.left_s <= 0.0,
             missing="did not come to the end of the trajectory",
-            limit_s=2.0 * duration_s + 60.0,
+            limit_s=duration_s / LEAST_RATE + 60.0,
             modes=modes,
             armed=True,
             streaming=True,

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from mission.monitor.attitude import tilt
 from mission.monitor.coverage import covered_values
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan
 from mission.report.coverage import covered_again
 from mission.report.reading import Record, Visit
 from mission.report.replay import judged_again
-from mission.report.tracking import distances_m, tilt, tracking_of
+from mission.report.tracking import distances_m, tracking_of
 from mission.spec.clearances import clearances_by_name
 from mission.spec.restricted import restricted_as_drawn
 from mission.spec.tasks import task_text

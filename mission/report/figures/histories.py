@@ -9,11 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from mission.monitor.attitude import horizontal_acceleration, tilt
 from mission.plan import FlightPlan
 from mission.report.figures.canvas import drawing, new_figure, titled
 from mission.report.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
 from mission.report.reading import Record
-from mission.report.tracking import horizontal_acceleration, tilt, tracking_of
+from mission.report.tracking import tracking_of
 
 WIDTH_PT, ROW_PT = 700.0, 135.0
 SAMPLES = 2000

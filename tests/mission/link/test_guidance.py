@@ -27,7 +27,7 @@ def test_after_a_gap_it_goes_on_from_where_the_last_setpoint_stood(gap_s: float)
     stood = guidance.reference(BEGAN_S + 5.0)
     left_s = guidance.left_s(BEGAN_S + 5.0)
     # While nothing is sent, that is where the vehicle should be.
-    assert guidance.observe(BEGAN_S + 5.0 + gap_s - 0.05, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)) == stood.position_m
+    assert guidance.observe(BEGAN_S + 5.0 + gap_s - 0.05, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)) == stood
     due = guidance.due(BEGAN_S + 5.0 + gap_s)
     assert due is not None
     reference, _, gap = due

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from mission.monitor.attitude import horizontal_acceleration, tilt
 from mission.report.page import page
 from mission.report.reading import Track, Visit, parse_record
 from mission.report.report import write_report
 from mission.report.summary import condensed, summary
-from mission.report.tracking import distances_m, horizontal_acceleration, tilt, tracking_of
+from mission.report.tracking import distances_m, tracking_of
 from tests.support.drawn_plans import PAPER_TOUR, SURVEY_TOUR, Tour, flight_of, plan_of, record_of
 
 

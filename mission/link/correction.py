@@ -1,0 +1,143 @@
+"""What the autopilot leaves open: a slow and bounded correction of the setpoints by the following error.
+
+With the error e = p - p* on an axis (reported less planned, at the time of the report), three things are added:
+
+- To the position, an offset c' = -e / T - c / T_0, kept within the reach. It takes out what stays, and fades where
+  nothing does. A vehicle that needed none of it would be led off by the reach at most: it is part of the tube.
+- To the velocity, -0.7 e per second, kept within ``_MOST_PULL_M_S``. It points at the path from wherever the vehicle
+  is, so it leads no vehicle off.
+- To the acceleration, share * k * v*, with the drag k for which the vehicle leans (``drag``) and the planned velocity.
+  Both autopilots learn a steady push by an integral of some seconds' time, so they are late after each change of the
+  drag that comes with speed: PX4 in its own simulator by 2 m. The share is 1 until the vehicle is seen ahead of the
+  trajectory, as one with an observer of its own is, and falls then.
+
+All of it is frozen where nothing is flown, across gaps, and while the vehicle is farther off than ``_FARTHEST_M``.
+"""
+
+import math
+from typing import Final
+
+from mission.link.course import Reference
+from mission.link.drag import DragEstimate
+from mission.link.frames import Vector
+from mission.monitor.gaps import GAP_S
+
+OFFSET_S: Final = 10.0
+"""T: an error that stays is half taken out after about seven seconds."""
+
+FADING_S: Final = 30.0
+"""T_0: how long an offset lasts that nothing asks for any more."""
+
+_PULL_PER_S: Final = 0.7
+_MOST_PULL_M_S: Final = 1.0
+_FARTHEST_M: Final = 3.0
+_SHARE_PER_S2: Final = 1.0
+_SLOW_M2_S2: Final = 0.5
+_LITTLE_DRAG_PER_S: Final = 0.15
+"""What the laws of autopilots make up for by themselves."""
+
+_DRAG_GROWTH_PER_S2: Final = 0.5
+_MOST_PUSH_M_S2: Final = 5.0
+_HALVINGS: Final = 10
+
+
+class Correction:
+    """The correction of one flight; ENU, level axes only.
+
+    Attributes:
+        offset_m: What is added to the position.
+        drag_per_s: What is multiplied by the planned velocity and added to the acceleration.
+        error_m: The error of the last report that counted.
+        behind_m: The same without what the vehicle is ahead of the trajectory, the larger of both axes.
+    """
+
+    def __init__(self, reach_m: float) -> None:
+        """Correct nothing yet; ``reach_m`` bounds the offset on each axis."""
+        self.offset_m = (0.0, 0.0)
+        self.drag_per_s = 0.0
+        self.error_m = (0.0, 0.0)
+        self.behind_m = 0.0
+        self._reach_m = reach_m
+        self._drag = DragEstimate()
+        self._share = 1.0
+        self._seen_s = math.inf
+
+    def observe(
+        self,
+        t_s: float,
+        error_m: tuple[float, float],
+        planned_m_s: Vector,
+        flown_m_s: Vector,
+        attitude_rad: Vector | None,
+    ) -> None:
+        """Learn from a report on the trajectory.
+
+        Args:
+            t_s: Vehicle time of the report.
+            error_m: Reported less planned position.
+            planned_m_s: Planned velocity at that time.
+            flown_m_s: Reported velocity.
+            attitude_rad: Roll, pitch, yaw against NED; None where nothing is known of it.
+        """
+        passed_s = t_s - self._seen_s
+        self._seen_s = t_s
+        along = error_m[0] * planned_m_s[0] + error_m[1] * planned_m_s[1]
+        square = planned_m_s[0] ** 2 + planned_m_s[1] ** 2
+        ahead = max(along, 0.0) / (square or 1.0)
+        self.behind_m = max(abs(e - ahead * v) for e, v in zip(error_m, planned_m_s, strict=False))
+        if math.hypot(*error_m) > _FARTHEST_M:
+            self.error_m = (0.0, 0.0)
+            return
+        self.error_m = error_m
+        if not 0.0 < passed_s <= GAP_S:
+            return
+        east, north = (
+            _clipped(c - passed_s * (e / OFFSET_S + c / FADING_S), self._reach_m)
+            for c, e in zip(self.offset_m, error_m, strict=True)
+        )
+        self.offset_m = (east, north)
+        self._share = min(max(self._share - passed_s * _SHARE_PER_S2 * along / (square + _SLOW_M2_S2), 0.0), 1.0)
+        if attitude_rad is not None:
+            self._drag.observe(t_s, flown_m_s, attitude_rad)
+        growth = _DRAG_GROWTH_PER_S2 * passed_s
+        wanted = self._share * max(self._drag.drag_per_s - _LITTLE_DRAG_PER_S, 0.0)
+        self.drag_per_s += _clipped(wanted - self.drag_per_s, growth)
+
+    def corrected(self, planned: Reference) -> Reference:
+        """What to ask for instead of a planned point."""
+        (x, y, z), (vx, vy, vz), (ax, ay, az) = planned
+        pull_x, pull_y = (_clipped(-_PULL_PER_S * e, _MOST_PULL_M_S) for e in self.error_m)
+        push_x, push_y = (_clipped(self.drag_per_s * v, _MOST_PUSH_M_S2) for v in (vx, vy))
+        return Reference(
+            (x + self.offset_m[0], y + self.offset_m[1], z),
+            (vx + pull_x, vy + pull_y, vz),
+            (ax + push_x, ay + push_y, az),
+        )
+
+    def rate_within(self, lean_m_s2: float, planned: Reference) -> float:
+        """The largest rate, up to 1, at which a point of the trajectory is flown without leaning more than that.
+
+        Flown at a rate s, it needs k (s v* - w) + s^2 a* of the lean.
+
+        Args:
+            lean_m_s2: g tan(lean).
+            planned: At the trajectory's own pace.
+        """
+        (still_x, still_y, _), drag = self._drag.lean_m_s2
+        if drag <= _LITTLE_DRAG_PER_S:
+            return 1.0
+        (vx, vy, _), (ax, ay, _) = planned.velocity_m_s, planned.acceleration_m_s2
+        low, high = 0.0, 2.0
+        for _ in range(_HALVINGS):
+            rate = 0.5 * (low + high)
+            east, north = still_x + rate * (drag * vx + rate * ax), still_y + rate * (drag * vy + rate * ay)
+            low, high = (rate, high) if math.hypot(east, north) <= lean_m_s2 else (low, rate)
+        return min(low, 1.0)
+
+    def rest(self) -> None:
+        """Nothing is flown: ask for the planned points, moved by the offset that was learned."""
+        self.error_m, self.behind_m, self._seen_s = (0.0, 0.0), 0.0, math.inf
+
+
+def _clipped(value: float, most: float) -> float:
+    return max(-most, min(value, most))

@@ -1,0 +1,142 @@
+"""The correction of setpoints: bounded whatever is reported, nothing without an error, and it lets go again."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mission.link.correction import FADING_S, OFFSET_S, Correction
+from mission.link.course import Reference
+from tests.support.swinging import flown
+
+REACH_M = 0.2
+PERIOD_S = 0.1
+STILL = (0.0, 0.0, 0.0)
+PLANNED = Reference((10.0, 20.0, 5.0), (3.0, -1.0, 0.0), (0.5, 0.2, 0.0))
+
+vectors = st.tuples(*[st.floats(-40.0, 40.0)] * 3)
+reports = st.lists(
+    st.tuples(
+        st.floats(-1.0, 2.0),
+        st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0)),
+        vectors,
+        vectors,
+        st.none() | st.tuples(*[st.floats(-1.2, 1.2)] * 3),
+    ),
+    max_size=80,
+)
+
+
+def observed(error_m: tuple[float, float], seconds: float, correction: Correction | None = None) -> Correction:
+    """A correction that was told of the same error at 10 Hz, of a vehicle that was to stand still."""
+    correction = correction or Correction(REACH_M)
+    for tick in range(round(seconds / PERIOD_S) + 1):
+        correction.observe(tick * PERIOD_S, error_m, STILL, STILL, None)
+    return correction
+
+
+@given(reports)
+def test_it_never_reaches_beyond_its_bounds(told: list[tuple]) -> None:  # type: ignore[type-arg]
+    correction, t_s = Correction(REACH_M), 0.0
+    for step_s, error_m, planned, moved, attitude in told:
+        t_s += step_s
+        correction.observe(t_s, error_m, planned, moved, attitude)
+        asked = correction.corrected(PLANNED)
+        for axis in (0, 1):
+            assert abs(asked.position_m[axis] - PLANNED.position_m[axis]) <= REACH_M + 1e-12
+            assert abs(asked.velocity_m_s[axis] - PLANNED.velocity_m_s[axis]) <= 1.0 + 1e-12
+            # Drag is made up for along the planned velocity only.
+            push = asked.acceleration_m_s2[axis] - PLANNED.acceleration_m_s2[axis]
+            assert 0.0 <= push / PLANNED.velocity_m_s[axis] <= 2.0 + 1e-12
+        assert (asked.position_m[2], asked.velocity_m_s[2], asked.acceleration_m_s2[2]) == (5.0, 0.0, 0.0)
+
+
+def test_without_an_error_nothing_is_changed() -> None:
+    correction = Correction(REACH_M)
+    for tick in range(100):
+        correction.observe(tick * PERIOD_S, (0.0, 0.0), (3.0, 0.0, 0.0), (3.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    assert correction.corrected(PLANNED) == PLANNED
+
+
+@given(st.floats(-3.0, 3.0))
+def test_what_stays_is_taken_out_at_the_stated_pace(error_m: float) -> None:
+    correction = observed((error_m, 0.0), 1.0)
+    slowly = -error_m / OFFSET_S
+    expected = max(-REACH_M, min(slowly, REACH_M))
+    assert correction.offset_m[0] == pytest.approx(expected, rel=0.03)
+    assert correction.offset_m[1] == 0.0
+
+
+def test_a_long_error_winds_nothing_up() -> None:
+    """After an hour at the bound it turns back as soon as the error does."""
+    correction = observed((1.0, 0.0), 3600.0)
+    assert correction.offset_m[0] == pytest.approx(-REACH_M)
+    for tick in range(21):
+        correction.observe(4000.0 + tick * PERIOD_S, (-1.0, 0.0), STILL, STILL, None)
+    assert correction.offset_m[0] == pytest.approx(-REACH_M + 2.0 / OFFSET_S, abs=0.02)
+
+
+def test_it_fades_when_nothing_asks_for_it() -> None:
+    correction = observed((1.0, 0.0), 60.0)
+    observed((0.0, 0.0), FADING_S, correction)
+    assert correction.offset_m[0] == pytest.approx(-REACH_M * 0.368, rel=0.02)
+
+
+@pytest.mark.parametrize("gap_s", [0.6, 30.0])
+def test_across_a_gap_it_is_frozen(gap_s: float) -> None:
+    correction = observed((1.0, 0.0), 1.0)
+    before = correction.offset_m
+    correction.observe(1.0 + gap_s, (1.0, 0.0), STILL, STILL, None)
+    assert correction.offset_m == before
+
+
+def test_far_from_the_path_it_is_frozen() -> None:
+    """A position that leaps is no following error."""
+    correction = observed((0.5, 0.0), 1.0)
+    before = correction.offset_m
+    observed((5.0, 0.0), 10.0, correction)
+    assert correction.offset_m == before
+    assert correction.corrected(PLANNED).velocity_m_s == PLANNED.velocity_m_s
+
+
+def test_at_rest_only_what_was_learned_of_the_place_is_kept() -> None:
+    correction = observed((0.5, 0.0), 1.0)
+    correction.rest()
+    asked = correction.corrected(PLANNED)
+    assert asked.velocity_m_s == PLANNED.velocity_m_s
+    assert asked.position_m[0] == PLANNED.position_m[0] + correction.offset_m[0]
+    # And what comes after the rest is not taken for a report a moment later.
+    before = correction.offset_m
+    correction.observe(1.1, (0.5, 0.0), STILL, STILL, None)
+    assert correction.offset_m == before
+
+
+def test_what_the_vehicle_is_ahead_is_no_reason_to_wait() -> None:
+    correction = Correction(REACH_M)
+    correction.observe(0.0, (0.6, 0.1), (4.0, 0.0, 0.0), STILL, None)
+    assert correction.behind_m == pytest.approx(0.1)
+    correction.observe(0.1, (-0.6, 0.1), (4.0, 0.0, 0.0), STILL, None)
+    assert correction.behind_m == pytest.approx(0.6)
+
+
+@given(
+    st.floats(0.3, 1.5),
+    st.tuples(st.floats(-4.0, 4.0), st.floats(-4.0, 4.0)),
+    st.tuples(st.floats(-8.0, 8.0), st.floats(-8.0, 8.0)),
+)
+def test_the_rate_is_the_largest_that_the_lean_allows(
+    drag_per_s: float, wind_m_s: tuple[float, float], velocity_m_s: tuple[float, float]
+) -> None:
+    """Against k |s v - w| itself, for a vehicle that has swung to and fro in that wind."""
+    correction = Correction(REACH_M)
+    correction._drag = flown(drag_per_s, wind_m_s)
+    planned = Reference((0.0, 0.0, 0.0), (*velocity_m_s, 0.0), STILL)
+
+    def lean(rate: float) -> float:
+        return drag_per_s * math.hypot(*(rate * v - w for v, w in zip(velocity_m_s, wind_m_s, strict=True)))
+
+    rate = correction.rate_within(4.5, planned)
+    assert rate == 0.0 or lean(rate) <= 4.5 * 1.08 + 0.2
+    if 0.0 < rate < 0.999:
+        assert lean(rate) >= 4.5 * 0.92 - 0.2
