@@ -63,13 +63,13 @@ def _tried(draft: Draft) -> Trial:
 
 def _others(first: Trial) -> Iterator[Guesses]:
     """What else can be guessed: a narrower tube, no lanes where they do not fit, no lanes that nobody asked for."""
-    if not isinstance(first.error, NoPlanError):
-        return
     shares = _TUBE_SHARES if first.draft.tube_guessed else (1.0,)
     guessed = frozenset(first.draft.guessed)
-    blamed = guessed & frozenset(first.error.regions)
     if first.draft.tube_guessed:
         yield from (Guesses(share) for share in shares)
+    if not isinstance(first.error, NoPlanError):
+        return  # no lanes are at fault
+    blamed = guessed & frozenset(first.error.regions)
     for dropped in dict.fromkeys((blamed, guessed)):
         if dropped:
             yield from (Guesses(share, dropped) for share in shares)

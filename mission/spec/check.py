@@ -9,7 +9,8 @@ from mission.logic.formula.syntax import propositions
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.model import Point, Region, RegionKind
-from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS
+from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS, default_of
+from mission.spec.start_check import NO_TUBE, Tube
 from mission.spec.task_check import task_findings, weight_findings
 from mission.spec.values import domain_of, point_of, region_of
 
@@ -39,8 +40,16 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
     if all(is_clean(("domain", key), structural) for key in DOMAIN_KEYS):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
-        findings.extend(examine_domain(domain_of(data["domain"]), known, start_m)[2])
+        findings.extend(examine_domain(domain_of(data["domain"]), known, start_m, _tube_of(data, structural))[2])
     return findings
+
+
+def _tube_of(data: Any, structural: list[Finding]) -> Tube:  # noqa: ANN401 - any JSON value
+    """The tube that the flight asks for; none where that is not sound."""
+    flight, keys = data.get("flight", {}), ("disturbance_m_s2", "time_constant_s")
+    if not all(is_clean(("flight", key), structural) for key in keys):
+        return NO_TUBE
+    return Tube(*(float(flight.get(key, default_of("flight", key))) for key in keys))
 
 
 def is_clean(path: Path, findings: list[Finding]) -> bool:

@@ -31,7 +31,7 @@ from mission.spec.model import (
 )
 from mission.spec.outlines import BOUNDARY, Outlines, place, sound_outlines
 from mission.spec.scale import pair
-from mission.spec.start_check import reach, start_findings
+from mission.spec.start_check import NO_TUBE, Tube, reach, start_findings
 
 Domain = NodesDomain | BoundaryDomain
 
@@ -61,7 +61,7 @@ def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
 
 
 def examine_domain(
-    domain: Domain, regions: Sequence[Region], start_m: Point | None
+    domain: Domain, regions: Sequence[Region], start_m: Point | None, tube: Tube = NO_TUBE
 ) -> tuple[Partition | None, Labelling | None, list[Finding]]:
     """Mesh as far as it can be had, labels where nothing is wrong, and everything that is wrong.
 
@@ -69,6 +69,7 @@ def examine_domain(
         domain: Nodes or boundary.
         regions: Those whose shape is known.
         start_m: Where the flight begins; None where that is unknown.
+        tube: What the proof adds to its path.
     """
     outlines, findings = sound_outlines(domain, regions)
     if any(finding.path[0] == "domain" for finding in findings):
@@ -97,7 +98,7 @@ def examine_domain(
     findings.extend(_degenerate(partition, domain, outlines))
     if start_m is not None:
         restricted = {region: members[region.name] for region in regions if _forbids(region) and region.name in members}
-        findings.extend(start_findings(start_m, locator, restricted, outlines))
+        findings.extend(start_findings(start_m, locator, restricted, outlines, tube))
     findings = list(dict.fromkeys(findings))
     return partition, None if findings else label_triangles(partition.size, members), findings
 

@@ -152,6 +152,13 @@ FAULTS_OF_PLACES = [
         "start.position_m",
         "the start (5, 5) is 3.97 m from Keep, within its clearance of 5 m",
     ),
+    (
+        "start_within_tube",
+        10,
+        15,
+        "start.position_m",
+        "the start (5, 3.5) is 0.431 m from Keep with its clearance of 5 m, within the tube of the proof, 2 m each way",
+    ),
     ("start_outside", 11, 15, "start.position_m", "the start (-5, 15) lies outside the domain"),
     ("start_restricted", 11, 15, "start.position_m", "the start (38, 15) lies in the restricted region Keep"),
     ("too_few_nodes", 3, 10, "domain.nodes", "expected at least 3 items, found 2"),
