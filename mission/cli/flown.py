@@ -12,7 +12,8 @@ from mission.cli.inputs import bad_file, read_plan
 from mission.cli.screen import count, out
 from mission.errors import Fault, RecordError, SpecError, reason
 from mission.monitor.pictures import missing
-from mission.plan import FlightPlan
+from mission.plan import FlightPlan, plan_mission
+from mission.spec.areas import clearance_of
 from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec
 from mission.verify.flown.judging import ALL as _ALL
@@ -43,11 +44,14 @@ def run(arguments: Namespace) -> int:
         raise LogError(f"{file}: {error}") from error
     except RecordError as error:
         raise RecordError(f"{file}: {error}", line=error.line) from error
+    anew_m = flight.track.planned_from_m
+    if plan is not None and anew_m is not None and anew_m != plan.start_m:
+        plan = plan_mission(spec, start_m=anew_m, run=plan.asked_run)
     found = judged(spec, flight.track, plan=plan, fastest_m_s=arguments.fastest)
     if arguments.json:
         out.out(json.dumps(_values(flight, found), indent=2, allow_nan=False))
     else:
-        for name, words in _lines(flight, found):
+        for name, words in _lines(flight, found, spec):
             out.print(f"{name:<10}{words}", markup=False)
     return 0 if found.achieved else 1
 
@@ -69,7 +73,7 @@ def _asked(arguments: Namespace, file: Path) -> tuple[MissionSpec, FlightPlan | 
     return spec, plan
 
 
-def _lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, str]]:
+def _lines(flight: LoggedFlight, found: Judged, spec: MissionSpec) -> Iterator[tuple[str, str]]:
     """What was found, as names and words."""
     clock = flight.track.clock
     yield from _log_lines(flight, found)
@@ -77,7 +81,7 @@ def _lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, str]]:
     yield "word", " ".join("..." if each.regions is None else _letter(each.regions) for each in found.word)
     yield from _measured_lines(flight, found)
     for violation in found.violations:
-        named = f" ({', '.join(violation.names)})" if violation.names else ""
+        named = _named(violation.names, spec)
         east, north = violation.position_m
         yield "violation", f"{violation.kind}{named} at {clock.text(violation.time_s)}, at ({east:.1f}, {north:.1f})"
     # Of a verdict that is known, what does not bear on it is no news.
@@ -125,6 +129,13 @@ def _measured_lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, 
     if found.deviation is not None:
         most = f"at most {found.deviation.largest_m:.2f} m at {clock.text(found.deviation.t_s)}"
         yield "path", f"{most} from the planned path, rms {found.deviation.rms_m:.2f} m"
+
+
+def _named(names: tuple[str, ...], spec: MissionSpec) -> str:
+    """Regions that were entered, with their clearances: distances are measured to regions without these."""
+    clearances = {region.name: clearance_of(region, spec.domain) for region in spec.regions}
+    words = [name + (f" with its clearance of {clearances[name]:g} m" if clearances[name] else "") for name in names]
+    return f" ({', '.join(words)})" if words else ""
 
 
 def _letter(regions: tuple[str, ...]) -> str:

@@ -7,7 +7,7 @@ deterministic automaton of the mission; what all of them agree on is known, and 
 """
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, TypeVar
 
 import numpy as np
@@ -135,6 +135,7 @@ class _Follower:
                 self._go_on(index)
         elif len(self._at):
             self._stand(0)
+        self._found.doubts = _merged(self._found.doubts)
         return self._found
 
     def _plain(self) -> BoolArray:
@@ -314,6 +315,18 @@ class _Follower:
             begin_s, end_s = self._reaches.t_s[index : index + 2].tolist()
             names = tuple(sorted(regions)), tuple(sorted(restricted))
             self._found.doubts.append(Doubt(begin_s, end_s, *names, outside=outside))
+
+
+def _merged(doubts: list[Doubt]) -> list[Doubt]:
+    """Doubts of the same kind that follow each other without a break as one."""
+    merged: list[Doubt] = []
+    for doubt in doubts:
+        last = merged[-1] if merged else None
+        if last is not None and last == replace(doubt, from_s=last.from_s, to_s=doubt.from_s):
+            merged[-1] = replace(last, to_s=doubt.to_s)
+            continue
+        merged.append(doubt)
+    return merged
 
 
 def _closure(starts: set[Node], onward: Callable[[Node], Iterable[Node]]) -> set[Node] | None:

@@ -7,6 +7,7 @@ is as long as a message FMT (type 128) of that type says. A damaged stretch cost
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from typing import BinaryIO, Final, NamedTuple
 
 from mission.errors import GeometryError
@@ -40,8 +41,6 @@ _GPS_EPOCH_S: Final = 315_964_800
 _WEEK_S: Final = 604_800
 _LEAP_S: Final = 18  # since 2017
 _FIX_3D: Final = 3
-
-_FIRST: Final = 0  # the estimator and receiver that are read, where there are several
 
 
 class _Layout(NamedTuple):
@@ -84,10 +83,14 @@ class _Told:
 
     def __init__(self) -> None:
         self._told = Collector()
+        self._estimator = ""
+        self._core = 0
         self._takers: dict[str, Callable[[float, dict[str, float]], None]] = {
             "POS": self._position,
-            "XKF1": self._estimate,
-            "NKF1": self._estimate,
+            "XKF1": partial(self._estimate, "XKF1"),
+            "NKF1": partial(self._estimate, "NKF1"),
+            "XKF4": partial(self._primary, "XKF1"),
+            "NKF4": partial(self._primary, "NKF1"),
             "ORGN": self._origin,
             "EV": self._event,
             "ARM": self._arming,
@@ -112,9 +115,14 @@ class _Told:
     def _position(self, t_s: float, values: dict[str, float]) -> None:
         self._told.world(t_s, values["Lat"], values["Lng"], values["RelHomeAlt"])
 
-    def _estimate(self, t_s: float, values: dict[str, float]) -> None:
-        if values.get("C", _FIRST) == _FIRST:
+    def _estimate(self, name: str, t_s: float, values: dict[str, float]) -> None:
+        self._estimator = self._estimator or name  # two kinds may run side by side
+        if self._estimator == name and values.get("C", 0) == self._core:
             self._told.local(t_s, values["PN"], values["PE"], values["PD"])
+
+    def _primary(self, name: str, _: float, values: dict[str, float]) -> None:
+        if self._estimator == name:
+            self._core = int(values["PI"])
 
     def _origin(self, t_s: float, values: dict[str, float]) -> None:
         if values["Type"] == 0:  # that of the estimator; 1 is home
@@ -142,7 +150,7 @@ class _Told:
         self._told.note(lambda now, _: now.pictures.append((t_s, number)))
 
 
-_WANTED: Final = frozenset(("POS", "XKF1", "NKF1", "ORGN", "EV", "ARM", "GPS", "CAM"))
+_WANTED: Final = frozenset(("POS", "XKF1", "XKF4", "NKF1", "NKF4", "ORGN", "EV", "ARM", "GPS", "CAM"))
 
 
 class _Messages:

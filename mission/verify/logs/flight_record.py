@@ -40,6 +40,7 @@ def track_of_record(record: Record) -> Track:
     if not len(times):
         raise LogError("the record has no positions of a flight: the vehicle never took off")
     begun = [t_s for t_s, stage in zip(track.t_s.tolist(), track.stages, strict=True) if stage is Stage.FLY]
+    starts = [event.values["start_m"] for event in record.events if event.text == "planned"]
     stages = [event.values.get("stage") for event in record.events if event.text == "stage"]
     return Track(
         t_s=times,
@@ -50,4 +51,5 @@ def track_of_record(record: Record) -> Track:
         pictures=tuple((each.t_s, each.number) for each in record.pictures),
         clock=Clock.of(()),
         frame="positions in the mission's domain, as they were recorded",
+        planned_from_m=(float(starts[-1][0]), float(starts[-1][1])) if starts else None,
     )

@@ -119,7 +119,8 @@ class _Vehicle:
             with suppress(GeometryError):  # noise with a right checksum
                 place = LatLon(body.latitude_deg, body.longitude_deg)
                 told.note(lambda now, t_s: now.origins.append((t_s, place)))
-        elif isinstance(body, Image) and body.captured and not body.released:
+        elif isinstance(body, Image) and body.captured:
+            # Of a release, the image itself may be told later, or on another link: by its number it is the same.
             told.note(lambda now, t_s: now.pictures.append((body.boot_s or t_s, body.number)))
 
     def _heartbeat(self, body: Heartbeat) -> None:

@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from mission.errors import GeometryError
 from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.geometry.geodesy import REACH_M, LatLon, enu_offset_m
@@ -12,6 +14,8 @@ from mission.spec.model import Point
 from mission.verify.logs.flights import Airborne
 from mission.verify.logs.telemetry import Clock, LogError
 
+_SPHERE_SHARE: Final = 0.005
+_AGREE_M: Final = 2.0
 _MOVED_M: Final = 0.5
 """An origin that is told anew so far away is another one."""
 
@@ -29,6 +33,7 @@ class Track:
         pictures: Times and numbers of the pictures that the vehicle told of.
         clock: The time of the day.
         frame: What the positions are, and how they were brought into the domain, in words.
+        planned_from_m: Where the vehicle stood when its plan was made anew; None where nothing is known of that.
     """
 
     t_s: FloatArray
@@ -39,6 +44,7 @@ class Track:
     pictures: tuple[tuple[float, int], ...]
     clock: Clock
     frame: str
+    planned_from_m: Point | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t_s", frozen_floats(self.t_s))
@@ -61,18 +67,13 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
     if not len(local) and not len(world):
         raise LogError("the log has no positions of this flight; was the vehicle sure of where it was?")
     frame = _local_origin(flight)
-    # The estimator's own frame is the finer one; where it is told less often, or not placed, the globe serves.
-    if len(local) >= len(world) and (origin is None or frame is not None):
-        rows, name = local, "local positions"
-        places = local[:, [2, 1]]
+    if len(local) and (origin is None or frame is not None) and _is_local_better(local, world, origin):
+        rows, name, places = local, "local positions", local[:, [2, 1]]
         if origin is not None and frame is not None:
             places = places + _apart(origin, frame)
     elif len(world):
         rows, name = world, "positions on Earth"
-        seen_from = origin or LatLon(*world[0, 1:3].tolist())
-        places, away = enu_offsets_m(seen_from, world[:, 1:3])
-        if away.max() > REACH_M:
-            raise LogError(f"the flight is {away.max() / 1000.0:.0f} km away from the mission's origin")
+        places = _offsets(origin or LatLon(*world[0, 1:3].tolist()), world)
     else:
         raise LogError(
             "the mission lies at a place on Earth, and the log has local positions only, without "
@@ -90,10 +91,45 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
         word_from_s=float(times[0]),
         begins_whole=flight.begins_whole and bool(times[0] - flight.begin_s <= GAP_S),
         ends_whole=flight.ends_whole and bool(flight.end_s - times[-1] <= GAP_S),
-        pictures=tuple(each for each in told.pictures if flight.begin_s <= each[0] <= flight.end_s),
+        pictures=_pictures(flight),
         clock=Clock.of(told.clock),
         frame=name,
     )
+
+
+def _is_local_better(local: FloatArray, world: FloatArray, origin: LatLon | None) -> bool:
+    """Which positions to take: a mission on Earth is flown there, and another one in the vehicle's own metres.
+
+    Autopilots make metres of degrees by a sphere, which is up to 0.5 % off. Whichever has gaps that the other has not
+    gives way, and so do local positions that are too far from those on Earth to be the vehicle's.
+    """
+    if not len(world):
+        return True
+    gaps_s = [float(np.diff(rows[:, 0]).max(initial=0.0)) for rows in (local, world)]
+    if origin is not None:
+        return gaps_s[1] > max(GAP_S, gaps_s[0])
+    if gaps_s[0] > max(GAP_S, gaps_s[1]):
+        return False
+    moved = _offsets(LatLon(*world[0, 1:3].tolist()), world)
+    there = np.column_stack([np.interp(world[:, 0], local[:, 0], local[:, column]) for column in (2, 1)])
+    apart = np.hypot(*(there - there[0] - moved).T) - _SPHERE_SHARE * np.hypot(*moved.T)
+    return bool(apart.max() < _AGREE_M)
+
+
+def _offsets(origin: LatLon, world: FloatArray) -> FloatArray:
+    places, away = enu_offsets_m(origin, world[:, 1:3])
+    if away.max() > REACH_M:
+        raise LogError(f"the flight is {away.max() / 1000.0:.0f} km away from the mission's origin")
+    return places
+
+
+def _pictures(flight: Airborne) -> tuple[tuple[float, int], ...]:
+    """Pictures of a flight, each once: they may be told twice, by release and image, or on several links."""
+    first: dict[int, float] = {}
+    for t_s, number in flight.told.pictures:
+        if flight.begin_s <= t_s <= flight.end_s:
+            first.setdefault(number, t_s)
+    return tuple((t_s, number) for number, t_s in first.items())
 
 
 def _during(rows: FloatArray, flight: Airborne) -> FloatArray:

@@ -124,6 +124,7 @@ def test_gaps_are_gaps_in_the_verdict_and_no_guesses(
 
 
 @pytest.mark.long
+@pytest.mark.timeout(1200)
 @settings(max_examples=3000, deadline=None)
 @given(*CUT_FLIGHTS)
 def test_thousands_of_logs_with_gaps(formula: str, places: list[Point], gaps: list[tuple[float, float]]) -> None:

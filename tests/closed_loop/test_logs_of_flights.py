@@ -1,0 +1,97 @@
+"""Flights of the bundled vehicle judged by their logs: the record of this program, and what a ground station hears."""
+
+import io
+import struct
+from pathlib import Path
+
+import pytest
+
+from mission.fly import FlightOptions, fly
+from mission.link.framing import split
+from mission.plan import FlightPlan
+from mission.report.reading import Record, parse_record
+from mission.report.record import FlightRecord
+from mission.verify.flown.judging import Judged, judged
+from mission.verify.logs.flight_record import track_of_record
+from mission.verify.logs.reading import read_flight
+from tests.support.lockstep import LockstepVehicle, vehicle_of
+from tests.support.small_missions import ROUNDS, SMALL, plan_of
+
+
+class HeardVehicle(LockstepVehicle):
+    """Writes a telemetry log of what it says."""
+
+    def __init__(self, flavour: str) -> None:
+        super().__init__(vehicle_of(flavour, seed=3))
+        self.log = bytearray()
+
+    def receive(self, within_s: float) -> list[bytes]:
+        heard = super().receive(within_s)
+        for datagram in heard:
+            for frame in split(datagram)[0]:
+                self.log += struct.pack(">Q", 1_790_000_000_000_000 + int(self.now_s() * 1e6)) + frame.data
+        return heard
+
+
+def flown(plan: FlightPlan, flavour: str) -> tuple[Record, bytes]:
+    vehicle, sink = HeardVehicle(flavour), io.BytesIO()
+    record = FlightRecord(sink, mission="heard")
+    fly(plan, vehicle, vehicle, record, options=FlightOptions(land_when_stopped=True))
+    return parse_record(sink.getvalue()), bytes(vehicle.log)
+
+
+def word_of(found: Judged) -> list[list[str]]:
+    return [list(letter.regions or ()) for letter in found.word]
+
+
+@pytest.mark.parametrize(("text", "flavour"), [(SMALL, "px4"), (ROUNDS, "ardupilot")], ids=["stays", "laps"])
+def test_both_logs_say_what_was_known_in_flight(text: str, flavour: str, tmp_path: Path) -> None:
+    plan = plan_of(text)
+    record, heard = flown(plan, flavour)
+    assert record.verdict is not None
+    file = tmp_path / "heard.tlog"
+    file.write_bytes(heard)
+    own = judged(plan.spec, track_of_record(record), plan=plan)
+    station = judged(plan.spec, read_flight(file, origin=None, start_m=plan.start_m).track, plan=plan)
+    assert record.verdict["achieved"]
+    letters = [
+        letter for k, letter in enumerate(record.verdict["word"]) if k == 0 or letter != record.verdict["word"][k - 1]
+    ]
+    for found in (own, station):
+        assert found.achieved, found.reason
+        assert word_of(found) == letters
+        assert not found.violations
+        assert found.deviation is not None
+        assert found.deviation.largest_m < 0.5
+        if plan.run.recurrent:
+            assert found.laps == (record.verdict["laps"], plan.spec.flight.laps)
+    assert own.nearness[0].least_m == pytest.approx(station.nearness[0].least_m, abs=0.05)
+
+
+def test_a_record_of_a_flight_that_was_cut_leaves_the_rest_open() -> None:
+    plan = plan_of(SMALL)
+    record, _ = flown(plan, "ardupilot")
+    half = len(record.track.t_s) // 2
+    assert judged(plan.spec, track_of_record(record)).achieved
+    stages = [event for event in record.events if event.text == "stage" and event.t_s < record.track.t_s[half]]
+    cut = Record(
+        record.mission,
+        record.vehicle,
+        type(record.track)(
+            record.track.t_s[:half],
+            record.track.position_m[:half],
+            record.track.velocity_m_s[:half],
+            record.track.attitude_rad[:half],
+            record.track.stages[:half],
+        ),
+        record.setpoints,
+        record.visits,
+        tuple(stages),
+        record.pictures,
+        record.texts,
+        None,
+        cut=True,
+    )
+    found = judged(plan.spec, track_of_record(cut))
+    assert found.achieved is None
+    assert "ends in the air" in found.reason
