@@ -54,7 +54,7 @@ safely: the vehicle lands, or holds where it is not the bundled one; a second Ct
 of laps takes one Ctrl-C more: at the first it completes the lap that it is in, and returns.
 """
 _VERIFY = """\
-Prove a written plan again, and compare it with its mission:
+Judge each claim of a written plan:
 
   mission verify plan.json
 
@@ -166,7 +166,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_verify(
         commands.add_parser(
             "verify",
-            help="prove a written plan again, or judge any flight of which there is a log",
+            help="judge a written plan, or any flight of which there is a log",
             description=_VERIFY,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )

@@ -1,4 +1,4 @@
-"""``mission verify``: prove a written plan again, and compare what stands beside the proof with its mission."""
+"""``mission verify``: judge what a written plan claims, and compare what the planner chose with its mission."""
 
 import json
 from argparse import Namespace
@@ -9,53 +9,58 @@ from mission.cli import flown
 from mission.cli.inputs import read_plan
 from mission.cli.screen import out
 from mission.errors import Fault, NoPlanError, SpecError
-from mission.plan import (
-    FlightPlan,
-    certify_again,
-    certify_homeward_again,
-    difference,
-    plan_mission,
-    plan_to_json,
-)
+from mission.plan import FlightPlan, difference, plan_mission, plan_to_json
 from mission.printable import printable
+from mission.verify.plans import JUDGED, Claim, claims
 
-_DOMAIN: Final = ("partition", "labels")  # what the proof stands on
+_CHOSEN: Final = ("region", "heading_deg", "exact", "ways_m", "lanes_m", "planned_share")  # of lanes
 
 
 def run(arguments: Namespace) -> int:
-    """Read a plan, certify its trajectory anew, plan its mission anew, and say what was proved and what differs."""
+    """Read a plan, judge each of its claims, and say which are true; 0 where all are."""
     if arguments.flight is not None:
         return flown.run(arguments)
     if arguments.plan is None:
         raise SpecError((Fault(0, 0, "", "there is nothing to verify", "name a plan, or a log with --flight"),))
     plan, text = read_plan(Path(arguments.plan))
-    fault, name = _fault(plan, json.loads(text)), printable(arguments.plan)
+    judged = (*claims(text), _choices(plan, json.loads(text)))
+    fault = next((claim for claim in judged if claim.fault), None)
+    if arguments.json:
+        document = {"plan": arguments.plan, "proved": fault is None, "claims": [claim._asdict() for claim in judged]}
+        out.out(json.dumps(document, ensure_ascii=False))
+        return int(fault is not None)
     if fault:
-        out.print(f"{name}: not proved: {fault}", markup=False)
-        return 1
-    out.print(
-        f"{name}: proved: every word within {plan.certificate.tube_m:g} m per axis of the trajectory "
-        f"satisfies {plan.specification}\n"
-        f"the rest of the file is what its mission plans to from this start",
-        markup=False,
-    )
-    return 0
+        out.print(f"{printable(arguments.plan)}: not proved: {fault.fault}", markup=False)
+    else:
+        out.print(
+            f"{printable(arguments.plan)}: proved: every word within {plan.certificate.tube_m:g} m per axis of the "
+            f"trajectory satisfies {plan.specification}",
+            markup=False,
+        )
+    for claim in judged:
+        said = f"wrong: {claim.fault}" if claim.fault else f"ok     {claim.figure}"
+        out.print(f"  {claim.name:<12}  {said.rstrip()}", markup=False)
+    return int(fault is not None)
 
 
-def _fault(plan: FlightPlan, written: dict[str, Any]) -> str | None:
-    """Why the file is no proved plan of the mission in it; a proof covers no more than the trajectory's word."""
+def _choices(plan: FlightPlan, written: dict[str, Any]) -> Claim:
+    """Whether the planner chooses the same for the mission in the file: what no flight depends on, such as figures."""
     try:
         due = json.loads(plan_to_json(plan_mission(plan.spec, start_m=plan.start_m, run=plan.asked_run)))
     except NoPlanError as error:
-        return f"its mission has no plan from this start: {error}"
-    stated, built = ({part: document[part] for part in _DOMAIN} for document in (written, due))
-    return difference(stated, built) or _unproved(plan) or difference(written, due)
+        return Claim("choices", f"its mission has no plan from this start: {error}", "")
+    count = plan.shortest_runs
+    figure = f"run {plan.run_index} of {count}, and all else that is told, as its mission plans to"
+    return Claim("choices", difference(_told(written), _told(due)), figure)
 
 
-def _unproved(plan: FlightPlan) -> str | None:
-    """Why the trajectory has no proof over the domain in the file; None where it has one."""
-    certificate = certify_again(plan)
-    if not certificate.holds:
-        return certificate.reason
-    homeward = certify_homeward_again(plan, certificate)
-    return f"the way back {homeward.reason}" if homeward is not None and not homeward.holds else None
+def _told(document: dict[str, Any]) -> dict[str, Any]:
+    """What a plan tells beside what is judged, or more than can be judged without planning."""
+    back = document["homeward"]
+    return {
+        **{key: value for key, value in document.items() if key not in JUDGED},
+        "run": document["run"],
+        "covers": [{key: visit[key] for key in _CHOSEN} for visit in document["covers"]],
+        "certificate": {"reason": document["certificate"]["reason"]},
+        "homeward": back and {"certificate": {"reason": back["certificate"]["reason"]}},
+    }

@@ -2,7 +2,7 @@
 
 from mission.plan.comparison import difference
 from mission.plan.covering import CoveredVisit
-from mission.plan.flight_plan import FlightPlan, certify_again, certify_homeward_again, prover_of
+from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.proved_path import trajectory_of
 from mission.plan.serial import plan_from_json, plan_to_json
 from mission.plan.stages import plan_mission, shortest_runs
@@ -12,8 +12,6 @@ __all__ = [
     "CoveredVisit",
     "DroppedTask",
     "FlightPlan",
-    "certify_again",
-    "certify_homeward_again",
     "difference",
     "formula_of",
     "plan_from_json",

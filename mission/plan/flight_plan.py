@@ -13,7 +13,6 @@ from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.automata.combination import union
 from mission.logic.automata.rabin import Rabin
-from mission.logic.automata.safety import safety_of
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import UNIT, run_costs, transition_weights
@@ -143,12 +142,6 @@ class FlightPlan:
         """The smoothed path, each leg once."""
         return self.trajectory.curve
 
-    @property
-    def certified(self) -> JoinedCurve:
-        """What the certificate is about: the path, but for the way back from the laps."""
-        lap = self.trajectory.lap
-        return self.curve if lap is None else JoinedCurve(self.curve.legs[: lap + 1])
-
     @cached_property
     def system(self) -> TransitionSystem:
         """T of this domain, its restricted triangles closed, with the mission's costs."""
@@ -274,27 +267,3 @@ def prover_of(
         restricted=restricted,
         tube_m=spec.flight.tube_m,
     )
-
-
-def certify_again(plan: FlightPlan) -> Certificate:
-    """Prove a plan's trajectory anew, from the trajectory, the domain and what it must satisfy alone."""
-    prover = prover_of(plan.spec, plan.partition, plan.labelling, plan.compiled_refutation, plan.restricted)
-    return prover.certify(plan.certified, repeats=plan.trajectory.lap is not None)
-
-
-def certify_homeward_again(plan: FlightPlan, certificate: Certificate) -> Certificate | None:
-    """Prove the way back from a plan's laps anew; None where there is none.
-
-    Args:
-        plan: The plan.
-        certificate: Of its laps, as from ``certify_again``.
-
-    Raises:
-        AutomatonSizeError: As in ``deterministic_of``.
-    """
-    if len(plan.curve.legs) == len(plan.certified.legs):
-        return None
-    safety = safety_of(plan.deterministic)
-    prover = prover_of(plan.spec, plan.partition, plan.labelling, safety.refutation(), plan.restricted)
-    reached = prover.reached(plan.certified, certificate)
-    return prover.certify(JoinedCurve(plan.curve.legs[len(plan.certified.legs) :]), begins=reached)

@@ -10,7 +10,6 @@ import pytest
 
 from mission.cli import main
 from tests.support.commands import MISSIONS, ran
-from tests.support.small_missions import ROUNDS
 
 Forgery = Callable[[dict[str, Any]], None]
 VALUES: tuple[object, ...] = (None, [], {}, -1, 10**30, "x", 1e308, True, [[1]], float("nan"), 0, [1e300, 1e300])
@@ -56,7 +55,7 @@ def dive(plan: dict[str, Any]) -> None:
     [
         (move_the_survey, "`labels.letter_of."),
         (bend_the_path, "may"),
-        (hurry, "`trajectory.legs.0.law.knots_s.1` is "),
+        (hurry, "the law of leg 0: its rates do not lead to its places"),
         (dive, "`trajectory.altitude_m` is 0.5, and "),
     ],
 )
@@ -76,44 +75,6 @@ def test_a_forged_plan_is_not_proved(
 def _places(value: object, path: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
     inner = value.items() if isinstance(value, dict) else enumerate(value[:3]) if isinstance(value, list) else ()
     return [path, *(place for key, part in inner for place in _places(part, (*path, key)))]
-
-
-def _kinds(value: object, place: tuple[str | int, ...] = (), kind: str = "") -> dict[str, tuple[str | int, ...]]:
-    """Of each kind of number, word or truth in a document the place of one."""
-    if isinstance(value, dict):
-        inner: Any = [(key, part, f"{kind}.{key}") for key, part in value.items()]
-    elif isinstance(value, list):
-        inner = [(number, part, f"{kind}.#") for number, part in enumerate(value)]
-    else:
-        return {kind: place}
-    return {what: where for key, part, below in inner for what, where in _kinds(part, (*place, key), below).items()}
-
-
-def _altered(value: object) -> object:
-    if isinstance(value, bool):
-        return not value
-    if isinstance(value, int | float):
-        return value + 1
-    return f"{value} " if isinstance(value, str) else 1
-
-
-def test_whatever_is_changed_beside_the_mission_is_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The mission is what a plan is measured by; each other kind of entry is altered once, in a plan with laps."""
-    mission, file = tmp_path / "rounds.yaml", tmp_path / "plan.json"
-    mission.write_text(ROUNDS, encoding="utf-8")
-    assert ran(capsys, "plan", str(mission), "--out", str(file)).code == 0
-    whole = file.read_text(encoding="utf-8")
-    assert ran(capsys, "verify", str(file)).code == 0
-    kinds = {what: where for what, where in _kinds(json.loads(whole)).items() if where[0] != "mission"}
-    assert len(kinds) > 50
-    for what, (*way, last) in kinds.items():
-        document = json.loads(whole)
-        part: Any = document
-        for key in way:
-            part = part[key]
-        part[last] = _altered(part[last])
-        file.write_text(json.dumps(document), encoding="utf-8")
-        assert ran(capsys, "verify", str(file)).code in (1, 2), what
 
 
 @pytest.mark.parametrize("seed", range(30))

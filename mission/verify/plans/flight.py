@@ -1,0 +1,134 @@
+"""How the curve is flown: within the limits, with the stops, the lanes and the pictures that the mission asks for."""
+
+from collections.abc import Iterator
+from itertools import groupby
+from math import atan2, isclose, pi, remainder, tan
+from typing import Final, NamedTuple
+
+import numpy as np
+import shapely
+
+from mission.geometry.regions import union_of
+from mission.verify.plans.lanes import cover_faults
+from mission.verify.plans.proof import Verdict
+from mission.verify.plans.written import Written
+
+GRAVITY_M_S2: Final = 9.80665
+_SAME: Final = 1e-9
+_SAME_S: Final = 1e-6
+_TURN_RAD_S: Final = pi / 4.0  # what a vehicle turns at, and then it comes to rest
+_SETTLE_S: Final = 0.5
+_STRAIGHT_RAD: Final = 0.01
+
+
+def limits_kept(plan: Written) -> Verdict:
+    """Each leg from rest to rest within the limits, at rest wherever the curve turns at once."""
+    limits, durations = plan.spec.limits, []
+    level = min(limits.acceleration_m_s2, GRAVITY_M_S2 * tan(limits.tilt_rad))
+    for number, (curve, law) in enumerate(zip(plan.legs, plan.laws, strict=True)):
+        end_s, rests = float(curve.ends_s[-1]), [rest.s for rest in law.rests()]
+        turns = [s for s in curve.jumps_s.tolist() if min(abs(s - rest) for rest in rests) > _SAME * end_s]
+        fault = (
+            law.fault
+            or ("it ends elsewhere than its curve" if abs(law.place_s - end_s) > _SAME * end_s else None)
+            or (f"it does not rest at {turns[0]:.3f} s, where its curve turns at once" if turns else None)
+            or law.excess(curve, limits.speed_m_s, level)
+        )
+        if fault:
+            return f"the law of leg {number}: {fault}", ""
+        durations.append(law.duration_s)
+    return None, f"{sum(durations):.1f} s, at most {limits.speed_m_s:g} m/s and {level:.3g} m/s^2"
+
+
+def stops_made(plan: Written) -> Verdict:
+    """A stop for each time that the path enters a region to loiter in, with the whole tube inside, and no others."""
+    stops = [(float(s), float(seconds)) for s, seconds in plan.data["stops"]]
+    due = sorted(_stays(plan), key=lambda stay: stay[1])
+    if len(stops) != len(due):
+        return f"there are {len(stops)} stops, and the path enters {len(due)} times where it is to loiter", ""
+    half = plan.spec.flight.tube_m + plan.ground.slack_m
+    for number, ((s, seconds), (region, begin, end, asked)) in enumerate(zip(stops, due, strict=True)):
+        x, y = plan.curve.at(np.array([s]))[0].tolist()
+        _, met, outside = plan.ground.met(np.array([shapely.box(x - half, y - half, x + half, y + half)]))
+        inside = not outside[0] and all(region in plan.labelling.label(triangle) for triangle in met.tolist())
+        if seconds != asked or not begin - _SAME_S <= s <= end + _SAME_S or not inside:
+            return f"`stops.{number}` is not {asked:g} s in {region}, with all of the tube inside", ""
+    legs = zip(plan.laws, plan.starts_s.tolist(), strict=False)
+    held = sorted(
+        (start + rest.s, rest.seconds) for law, start in legs for rest in law.rests() if rest.seconds > _SAME_S
+    )
+    for stop in stops:
+        if not any(isclose(stop[0], s, abs_tol=_SAME_S) and seconds >= stop[1] - _SAME_S for s, seconds in held):
+            return f"the trajectory does not stand still for {stop[1]:g} s at {stop[0]:.3f} s on its curve", ""
+    # Before a lane that is photographed the vehicle may wait until it has turned.
+    places = [s for s, _ in stops] + [lane.begin_s for lane in _photographed(plan)]
+    others = [s for s, seconds in held if not any(isclose(s, place, abs_tol=_SAME_S) for place in places)]
+    fault = f"the trajectory stands still at {others[0]:.3f} s on its curve, for no stop" if others else None
+    return fault, f"{len(stops)} stops, {sum(seconds for _, seconds in stops):g} s"
+
+
+def _stays(plan: Written) -> Iterator[tuple[str, float, float, float]]:
+    """Each time that the path enters a region to loiter in: its name, when it comes and goes, and the time to stay."""
+    for leg, start in zip(plan.segments, plan.starts_s.tolist(), strict=False):
+        begins = [start + each["start_s"] - leg[0]["start_s"] for each in leg]
+        ends = [*begins[1:], begins[-1] + leg[-1]["duration_s"]]
+        for region in (each for each in plan.spec.regions if each.loiter_s > 0.0):
+            inside = [region.name in plan.labelling.label(each["triangle"]) for each in leg]
+            for within, group in groupby(range(len(leg)), key=inside.__getitem__):
+                first, *others = group
+                if within and first > 0:
+                    yield region.name, begins[first], ends[[first, *others][-1]], region.loiter_s
+
+
+def lanes_cover(plan: Written) -> Verdict:
+    """Each visit that covers: its lanes are flown, and cover as much as it says; each flight of lanes is a visit."""
+    visits = plan.data["covers"]
+    flown = [each["start_s"] for each in plan.data["path"]["segments"] if "lanes" in each]
+    for visit in visits:
+        if not any(isclose(visit["start_s"], s, abs_tol=_SAME_S) for s in flown):
+            return f"no lanes of {visit['region']} begin at {visit['start_s']:.3f} s on the path", ""
+    for visit in visits:
+        own = np.zeros(plan.partition.size, dtype=np.bool_)
+        own[plan.labelling.triangles_of(visit["region"])] = True
+        area = union_of(plan.partition, own & ~plan.restricted)
+        for fault in cover_faults(plan.spec, visit, area, plan.curve):
+            return f"{visit['region']} {fault}", ""
+    return None, f"{sum(len(visit['lanes_m']) for visit in visits)} lanes in {len(visits)} visits"
+
+
+class _Lane(NamedTuple):
+    """A lane that is photographed: where on the curve, the distance of pictures, and the heading from north."""
+
+    begin_s: float
+    end_s: float
+    trigger_m: float
+    heading_rad: float
+
+
+def _photographed(plan: Written) -> list[_Lane]:
+    found = []
+    for visit in plan.data["covers"]:
+        if visit["trigger_m"] is not None:
+            for (begin, end), ((x, y), (u, v)) in zip(visit["lanes_s"], visit["lanes_m"], strict=True):
+                found.append(_Lane(begin, end, visit["trigger_m"], atan2(u - x, v - y)))
+    return [lane for lane in found if lane.begin_s < lane.end_s]
+
+
+def pictures_taken(plan: Written) -> Verdict:
+    """A stretch of pictures along each lane of a region of which some are to be taken, with the time to turn before."""
+    lanes, stretches = _photographed(plan), plan.data.get("photographs", ())
+    if len(stretches) != len(lanes):
+        return f"pictures are taken in {len(stretches)} stretches, and there are {len(lanes)} lanes to take them in", ""
+    begun: tuple[int, float, float] | None = None  # the leg of the lane before, when it ended, and its heading
+    for number, ((begin, end, distance, heading), lane) in enumerate(zip(stretches, lanes, strict=True)):
+        told = plan.place(float(begin)), plan.place(float(end)), distance, heading
+        if not all(isclose(one, due, rel_tol=_SAME, abs_tol=_SAME_S) for one, due in zip(told, lane, strict=True)):
+            return f"`photographs.{number}` is not along its lane, {lane.begin_s:.3f} s to {lane.end_s:.3f} s", ""
+        leg = int(np.searchsorted(plan.starts_s[1:-1], lane.begin_s, side="right"))
+        since, turn = sum(law.duration_s for law in plan.laws[:leg]), pi
+        if begun is not None and begun[0] == leg:
+            since, turn = begun[1], abs(remainder(heading - begun[2], 2.0 * pi))
+        if turn > _STRAIGHT_RAD and begin - since < turn / _TURN_RAD_S + _SETTLE_S - _SAME_S:
+            return f"before `photographs.{number}` there is too little time to turn by {turn:.2f} rad", ""
+        begun = leg, end, heading
+    return None, f"{len(stretches)} stretches"

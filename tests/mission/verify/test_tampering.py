@@ -1,0 +1,170 @@
+"""A plan that was tampered with is found: each kind of entry of its file is altered, and `mission verify` says so."""
+
+import json
+from collections.abc import Callable, Iterator
+from functools import cache
+from math import isclose
+from pathlib import Path
+from typing import Any, Final
+
+import pytest
+
+import mission.cli.verify
+from mission.cli import main
+from mission.plan import FlightPlan, plan_mission, plan_to_json
+from mission.spec.loader import load_mission
+from mission.spec.model import MissionSpec, Point
+from tests.support.commands import MISSIONS
+from tests.support.small_missions import FLOWN_BRISKLY, ROUNDS, SMALL, plan_of
+
+PHOTOGRAPHED = (
+    """\
+domain:
+  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
+regions:
+  home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]], loiter_s: 1}
+  field:
+    kind: survey
+    polygon: [[26, 6], [54, 6], [54, 34], [26, 34]]
+    cover: {camera: {field_of_view_deg: [80, 60], overlap: 0.5, sidelap: 0.1}, heading_deg: 90, share: 0.9}
+tasks:
+  - visit: [field]
+  - avoid: [field]
+    weight: 1
+mission:
+  formula: F (field & F G home)
+start:
+  position_m: [9, 8]
+"""
+    + FLOWN_BRISKLY
+)
+
+LEFT_AS_IT_IS: Final = {
+    ".certificate.clearance_m: a little": "a lower bound that is a little lower, or still below the truth, is one",
+    ".certificate.knots_s.#: a little": "pieces with the same triangles may meet anywhere where the tube is in both",
+    ".certificate.possible.#: order": "a set has no order",
+    ".homeward.certificate.clearance_m: a little": "as of the laps",
+    ".homeward.certificate.knots_s.#: a little": "as of the laps",
+    ".homeward.certificate.possible.#: order": "as of the laps",
+    ".photographs: gone": "without it there are none, which is so where no camera is",
+    ".trajectory.legs.#.law.window_s: a little": "without stops, an average over another time keeps the limits too",
+    ".trajectory.legs.#.law.window_s: much": "the same",
+}
+"""What may pass, with the reason why no claim is touched; entry and alteration."""
+
+Place = tuple[str | int, ...]
+GONE: Final = object()
+
+
+def entries(value: object, place: Place = (), kind: str = "") -> Iterator[tuple[str, Place, Any]]:
+    """Every entry of a document: what kind it is (numbers of lists left out), where, and its value."""
+    if isinstance(value, dict | list):
+        inner = value.items() if isinstance(value, dict) else enumerate(value)
+        for key, part in inner:
+            of = f"{kind}.{key if isinstance(value, dict) else '#'}"
+            yield of, (*place, key), part
+            yield from entries(part, (*place, key), of)
+
+
+def alterations(value: object) -> dict[str, Any]:
+    """Values that an entry might be given instead."""
+    if isinstance(value, bool):
+        return {"turned": not value}
+    if isinstance(value, int):
+        return {"a little": value + 1, "much": 10 * value + 7}
+    if isinstance(value, float):
+        return {"a little": value + 1e-5 * max(1.0, abs(value)), "much": 3.0 * value + 10.0}
+    if isinstance(value, str):
+        return {"letter": f"{value}x"}
+    if isinstance(value, list) and value:
+        ends = value[0], value[-1]
+        numbers = all(isinstance(end, float) for end in ends)
+        alike = isclose(*ends, abs_tol=1e-9) if numbers else ends[0] == ends[1]  # rounding
+        return {**({} if alike else {"order": [value[-1], *value[1:-1], value[0]]}), "shorter": value[:-1]}
+    return {"nothing": 1 if value is None else None}
+
+
+def altered(document: object, place: Place, value: object) -> str:
+    copy: Any = json.loads(json.dumps(document))
+    part: Any = copy
+    for key in place[:-1]:
+        part = part[key]
+    if value is GONE:
+        del part[place[-1]]
+    else:
+        part[place[-1]] = value
+    return json.dumps(copy)
+
+
+def plans() -> dict[str, Callable[[], FlightPlan]]:
+    return {
+        "laps": lambda: plan_of(ROUNDS),
+        "stops": lambda: plan_of(SMALL),
+        "lanes": lambda: plan_of(PHOTOGRAPHED),
+        "paper": lambda: plan_mission(load_mission(MISSIONS / "paper.yaml")),
+        "survey": lambda: plan_mission(load_mission(MISSIONS / "survey.yaml")),
+    }
+
+
+@pytest.fixture
+def planned_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same mission is planned once."""
+    known: dict[str, FlightPlan] = {}
+
+    def plan_known(spec: MissionSpec, *, start_m: Point, run: int | None) -> FlightPlan:
+        key = repr((spec, start_m, run))
+        if key not in known:
+            known[key] = plan_mission(spec, start_m=start_m, run=run)
+        return known[key]
+
+    monkeypatch.setattr(mission.cli.verify, "plan_mission", plan_known)
+
+
+@cache
+def whole(name: str) -> str:
+    return plan_to_json(plans()[name]())
+
+
+def tried(name: str, *, samples: int, turn: int | None = None) -> Iterator[tuple[str, Place, Any]]:
+    """Alterations of entries of a plan: kind and alteration, place, and value.
+
+    Args:
+        name: Which plan.
+        samples: How many entries of each kind.
+        turn: Which of the alterations of each; all of them by default.
+    """
+    kinds: dict[str, list[tuple[Place, Any]]] = {}
+    for kind, place, value in entries(json.loads(whole(name))):
+        if place[0] != "mission":  # what a plan is measured by
+            kinds.setdefault(kind, []).append((place, value))
+    for number, (kind, all_of_it) in enumerate(kinds.items()):
+        for place, value in all_of_it[:: max(1, -(-len(all_of_it) // samples))]:
+            ways = list({**alterations(value), "gone": GONE}.items())
+            for what, new in ways if turn is None else [ways[(number + turn) % len(ways)]]:
+                yield f"{kind}: {what}", place, new
+
+
+def passed(name: str, file: Path, **which: int | None) -> list[str]:
+    """The alterations that are not found."""
+    document, through = json.loads(whole(name)), []
+    for what, place, new in tried(name, samples=which["samples"] or 1, turn=which.get("turn")):
+        file.write_text(altered(document, place, new), encoding="utf-8")
+        if main(["verify", str(file)]) not in (1, 2):
+            through.append(what)
+    return through
+
+
+@pytest.mark.usefixtures("planned_once")
+@pytest.mark.parametrize(("name", "turn"), [("laps", 0), ("lanes", 1)])
+def test_an_altered_entry_is_found(name: str, turn: int, tmp_path: Path) -> None:
+    file = tmp_path / "plan.json"
+    file.write_text(whole(name), encoding="utf-8")
+    assert main(["verify", str(file)]) == 0
+    assert set(passed(name, file, samples=1, turn=turn)) <= LEFT_AS_IT_IS.keys()
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("planned_once")
+@pytest.mark.parametrize("name", plans())
+def test_whatever_is_altered_is_found(name: str, tmp_path: Path) -> None:
+    assert set(passed(name, tmp_path / "plan.json", samples=4)) <= LEFT_AS_IT_IS.keys()
