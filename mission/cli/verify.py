@@ -23,7 +23,7 @@ def run(arguments: Namespace) -> int:
     if arguments.plan is None:
         raise SpecError((Fault(0, 0, "", "there is nothing to verify", "name a plan, or a log with --flight"),))
     plan, text = read_plan(Path(arguments.plan))
-    judged = (*claims(text), _choices(plan, json.loads(text)))
+    judged = (*claims(text, arguments.plan), _choices(plan, json.loads(text)))
     fault = next((claim for claim in judged if claim.fault), None)
     if arguments.json:
         document = {"plan": arguments.plan, "proved": fault is None, "claims": [claim._asdict() for claim in judged]}

@@ -8,7 +8,7 @@ and it does not matter who named them.
 import json
 from collections.abc import Callable, Iterator, Mapping
 from itertools import groupby, pairwise
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -60,20 +60,23 @@ class Claim(NamedTuple):
     figure: str
 
 
-def claims(text: str) -> Iterator[Claim]:
+def claims(text: str, source: str = "") -> Iterator[Claim]:
     """Judge what a plan file claims, one after the other; where its domain is not its mission's, nothing else.
+
+    Args:
+        text: The file.
+        source: Its name, for what cannot be read.
 
     Raises:
         SpecError: It is no plan, or its mission has faults.
     """
     try:
-        data = json.loads(text)
+        data = json.loads(text, parse_constant=_finite)
         named = str(data.get("mission_automaton", "")).encode()
         plan = Written(data, parse_mission(json.dumps(data["mission"]).encode(), read=lambda _: named))
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
-        raise SpecError(
-            (Fault(0, 0, "", "this is not a plan", "name a file that 'mission plan --out' wrote"),)
-        ) from error
+        fault = Fault(0, 0, "", "this is not a plan", "name a file that 'mission plan --out' wrote")
+        raise SpecError((fault,), source) from error
     for name, judge in _CLAIMS.items():
         claim = _judged(plan, name, judge)
         yield claim
@@ -81,9 +84,15 @@ def claims(text: str) -> Iterator[Claim]:
             return
 
 
+def _finite(name: str) -> NoReturn:
+    raise ValueError(f"a plan has no number {name}")
+
+
 def _judged(plan: Written, name: str, judge: Callable[[Written], Verdict]) -> Claim:
     try:
-        return Claim(name, *judge(plan))
+        # What is no number compares as false, and would pass.
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            return Claim(name, *judge(plan))
     except _UNREADABLE as error:
         return Claim(name, f"it cannot be read: {error or type(error).__name__}", "")
 
