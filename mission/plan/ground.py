@@ -15,6 +15,8 @@ from mission.geometry.outline_mesh import JOINED, ClassedMesh, Outlines
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import selected
+from mission.logic.automata.conjunction import Conjunction
+from mission.logic.automata.rabin import DEAD
 from mission.plan.costs import UNIT
 from mission.planning.crossings import Crossings, Spacing, crossings
 from mission.spec.model import Cost, MissionSpec, Point
@@ -46,18 +48,22 @@ class Grounds:
     start_m: Point
     triangle: int
 
-    def each(self, copies: int = 1) -> Iterator[Crossings]:
+    def each(self, automaton: Conjunction) -> Iterator[Crossings]:
         """Crossing points with room for the tube, without, and on the mission's own mesh, as far as there are any.
 
         They are made when they are first asked for.
 
         Args:
-            copies: How many times as large as the map a search over them is.
+            automaton: What is searched with. What it never reads is kept out of like what is restricted.
         """
+        never = (automaton.whole.targets == DEAD).all(axis=0)
+        never[self.labelling.letter_of[self.triangle]] = False
         for room, own in ((True, False), (False, False), (False, True)):
-            if (room, own) not in self._made:
-                self._made[room, own] = self._crossings(room=room, own=own, copies=copies)
-            made = self._made[room, own]
+            key = (room, own, never.tobytes())
+            if key not in self._made:
+                blocked = self.restricted | never[self.labelling.letter_of]
+                self._made[key] = self._crossings(blocked, room=room, own=own, copies=_copies(automaton))
+            made = self._made[key]
             if made is not None:
                 yield made
 
@@ -76,15 +82,19 @@ class Grounds:
         return self.locator.partition
 
     @cached_property
-    def _made(self) -> dict[tuple[bool, bool], Crossings | None]:
+    def _made(self) -> dict[tuple[bool, bool, bytes], Crossings | None]:
         return {}
 
-    def _crossings(self, *, room: bool, own: bool, copies: int) -> Crossings | None:
-        tube_m = self.spec.flight.tube_m
-        if room and tube_m == 0.0:
+    def _crossings(self, blocked: BoolArray, *, room: bool, own: bool, copies: int) -> Crossings | None:
+        clearance_m = self.spec.flight.tube_m if room else 0.0
+        if room and clearance_m == 0.0:
             return None
         try:
-            mesh = self._own_mesh() if own else self._outlines.mesh(tube_m if room else 0.0, largest_share=_LARGEST)
+            if own:
+                mesh = self._own_mesh(~blocked)
+            else:
+                outlines = Outlines.of(self.locator, self.labelling.letter_of, blocked)
+                mesh = outlines.mesh(clearance_m, largest_share=_LARGEST)
         except GeometryError:
             return None
         touching = Locator(mesh.partition).triangles_touching(self.start_m)
@@ -106,15 +116,10 @@ class Grounds:
         spacings = [Spacing(share * self._partition.extent_m, *counts) for share, *counts in _SPACINGS]
         return next((one for one in spacings if one.ways(mesh) * copies <= _MOST_WAYS), spacings[-1])
 
-    @cached_property
-    def _outlines(self) -> Outlines:
-        return Outlines.of(self.locator, self.labelling.letter_of, self.restricted)
-
-    def _own_mesh(self) -> ClassedMesh:
-        keep, mesh = ~self.restricted, self._partition
-        return ClassedMesh(
-            selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, keep), self.labelling.letter_of[keep]
-        )
+    def _own_mesh(self, kept: BoolArray) -> ClassedMesh:
+        mesh = self._partition
+        open_mesh = selected(mesh.vertices_m, mesh.triangles, mesh.neighbours, kept)
+        return ClassedMesh(open_mesh, self.labelling.letter_of[kept])
 
     @property
     def _unit_m(self) -> float:
@@ -134,3 +139,9 @@ class Grounds:
                 if region.loiter_s > 0.0:
                     tolls += (~inside[:, None] & inside) * (region.loiter_s + halt_s) / UNIT[Cost.TIME][1]
         return np.rint(tolls).astype(np.int64)
+
+
+def _copies(automaton: Conjunction) -> int:
+    """How many times as large as its map a search is: in tours, what was met counts (``mission.planning.tours``)."""
+    met = max((inf.bit_count() for _, inf in automaton.whole.pairs), default=0)
+    return automaton.size << met if met > 1 else automaton.size

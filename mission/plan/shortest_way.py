@@ -63,11 +63,11 @@ class RunSearch:
         found = None if self._spec.search.cost is Cost.TRANSITIONS else self._on_a_way(specification, closed)
         return found or self._searched(self.system.without(closed), specification, self.grounds.triangle)
 
-    def homeward(self, way: Way | None, onward: Safety, goal: BoolArray, *, lap_triangle: int) -> Run | None:
+    def homeward(self, laps: BestRuns, onward: Safety, goal: BoolArray, *, lap_triangle: int) -> Run | None:
         """The best run from where laps end into one of some triangles (M,), to stay there.
 
         Args:
-            way: That of the laps; None where they are of a run in T.
+            laps: What was searched for them.
             onward: What must not be read on the way.
             goal: The triangles.
             lap_triangle: The triangle in which the laps end.
@@ -75,8 +75,9 @@ class RunSearch:
         Returns:
             None where there is none.
         """
-        if way is not None:
-            ways = (self._homeward_on(ground, way, onward, lap_triangle, goal) for ground in self.grounds.each())
+        if laps.way is not None:
+            end, grounds = laps.way.prefix_m[-1], self.grounds.each(laps.product.automaton)
+            ways = (self._homeward_on(ground, end, onward, lap_triangle, goal) for ground in grounds)
             run = next((one for one in ways if one is not None), None)
             if run is not None:
                 return run
@@ -84,7 +85,7 @@ class RunSearch:
 
     def _on_a_way(self, specification: Specification, closed: Sequence[int]) -> BestRuns | None:
         automaton = deterministic_of(specification.formula, specification.given, self.system.letters)
-        for ground in self.grounds.each(_copies(automaton)):
+        for ground in self.grounds.each(automaton):
             within = ground.without(self.grounds.inside(closed)) if closed else ground
             try:
                 found = self._searched(within.system, specification, within.start)
@@ -99,10 +100,10 @@ class RunSearch:
         return None
 
     def _homeward_on(
-        self, ground: Crossings, way: Way, onward: Safety, lap_triangle: int, goal: BoolArray
+        self, ground: Crossings, end_m: FloatArray, onward: Safety, lap_triangle: int, goal: BoolArray
     ) -> Run | None:
         letter = self.system.letter_of[lap_triangle]
-        here = (ground.points_m == way.prefix_m[-1]).all(axis=1) & (ground.system.letter_of == letter)
+        here = (ground.points_m == end_m).all(axis=1) & (ground.system.letter_of == letter)
         if not here.any():
             return None
         # A state is in the goal where it touches a triangle of it that is of its letter.
@@ -178,12 +179,6 @@ class RunSearch:
         before = ground.points_m[[*run.prefix, run.suffix[0]]]
         around = ground.points_m[[*run.suffix, *run.suffix[: len(run.suffix) > 1]]]
         return Way(_distinct(before), _distinct(around), (float(weights[:head].sum()), float(weights[head:].sum())))
-
-
-def _copies(automaton: Conjunction) -> int:
-    """How many times as large as its map a search is: in tours, what was met counts (``mission.planning.tours``)."""
-    met = max((inf.bit_count() for _, inf in automaton.whole.pairs), default=0)
-    return automaton.size << met if met > 1 else automaton.size
 
 
 def _distinct(points: FloatArray) -> FloatArray:

@@ -103,7 +103,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     curve, homeward = proved.curve, None
     if chosen.recurrent:
         safety = safety_of(flown.among.product.automaton.whole)
-        onward = partial(search.homeward, flown.among.way, lap_triangle=chosen.suffix[0])
+        onward = partial(search.homeward, flown.among, lap_triangle=chosen.suffix[0])
         back = way_back(planner, onward, safety, restricted, laps=chosen, proved=proved)
         if back is not None:
             homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))

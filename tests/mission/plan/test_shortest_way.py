@@ -102,3 +102,28 @@ def test_the_way_back_from_laps_goes_straight_home() -> None:
     off = shapely.distance(shapely.polygons(plan.partition.corners_m[list(run.states)]), back)
     assert off.max() < 0.75
     assert "home" in plan.labelling.label(run.suffix[0])
+
+
+def test_there_is_room_for_the_tube_beside_what_the_formula_forbids() -> None:
+    """Through a gap of 1.5 m the way is shorter; the tube is 1 m to each side."""
+    text = """\
+domain:
+  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
+regions:
+  road: {kind: area, polygon: [[28, 0], [32, 0], [32, 20], [28, 20]]}
+  wall: {kind: KIND, polygon: [[28, 21.5], [32, 21.5], [32, 34], [28, 34]]}
+  goal: {kind: survey, polygon: [[50, 16], [58, 16], [58, 24], [50, 24]]}
+mission:
+  formula: F goal & G !road & G !wall
+start:
+  position_m: [5, 20]
+flight: {disturbance_m_s2: TUBE, time_constant_s: 1}
+search: {cost: distance}
+"""
+    lengths = {}
+    for tube in ("0.5", "1"):
+        for kind in ("area", "restricted"):
+            way = found(parse_mission(text.replace("TUBE", tube).replace("KIND", kind).encode()))
+            lengths[tube, kind] = way.length_m
+    assert lengths["0.5", "area"] == lengths["0.5", "restricted"] < 46.0
+    assert lengths["1", "area"] == lengths["1", "restricted"] > 50.0
