@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from mission.errors import SearchSizeError
+from mission.logic.automata.conjunction import Conjunction
 from mission.plan.specification import Specification, deterministic_of
 from mission.plan.way import Way
 from mission.planning.objective import Objective
@@ -78,14 +79,26 @@ def best_runs(
 ) -> BestRuns:
     """Search the product of a transition system with a specification.
 
+    Raises:
+        NoPlanError: As in ``best_accepted``.
+        AutomatonSizeError: If a part of the specification, or all together, asks for too many states.
+        SearchSizeError: As in ``best_accepted``.
+    """
+    automaton = deterministic_of(specification.formula, specification.given, system.letters)
+    return best_accepted(system, automaton, start, semantics, objective)
+
+
+def best_accepted(
+    system: TransitionSystem, automaton: Conjunction, start: int, semantics: Semantics, objective: Objective
+) -> BestRuns:
+    """The same with an automaton over the letters of the system.
+
     Tasks that recur are met in whatever order is best.
 
     Raises:
         NoPlanError: If there is no run.
-        AutomatonSizeError: If a part of the specification, or all together, asks for too many states.
-        SearchSizeError: If triangles times states are too many.
+        SearchSizeError: If states of the system times those of the automaton are too many.
     """
-    automaton = deterministic_of(specification.formula, specification.given, system.letters)
     product = Product(system, automaton, start, semantics)
     try:
         return BestRuns(product, search(product, objective), exact=True)

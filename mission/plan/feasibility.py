@@ -30,17 +30,17 @@ class Feasibility:
         A run that covers regions is met only if lanes lead through these while nothing of the formula is violated. That
         is asked of a best run: of others, lanes begin elsewhere in the same region.
         """
-        search, grounds, letters = self.search, self.search.grounds, self.search.system.letters
-        spec = grounds.spec
+        search, maps, letters = self.search, self.search.maps, self.search.system.letters
+        spec = maps.spec
         automaton = deterministic_of(tried, spec.automaton, letters)
-        product = Product(search.system, automaton, grounds.triangle, spec.semantics)
+        product = Product(search.system, automaton, maps.triangle, spec.semantics)
         if not has_runs(product):
             return NoPlanError(refusal(product))
         if not any(region.cover for region in spec.regions):
             return None
         best = search.best(Specification(tried, spec.automaton, letters))
         try:
-            self.planner.path(best.runs[0], best.product.automaton.whole, grounds.start_m)
+            self.planner.path(best.runs[0], best.product.automaton.whole, maps.start_m)
         except NoPlanError as error:
             return error
         return None

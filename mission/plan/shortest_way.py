@@ -19,9 +19,9 @@ from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.safety import Safety
-from mission.plan.best_runs import BestRuns, OneRun, best_runs, objective_of
+from mission.plan.best_runs import BestRuns, OneRun, best_accepted, objective_of
 from mission.plan.costs import UNIT, passage_lengths
-from mission.plan.ground import Grounds
+from mission.plan.crossing_maps import CrossingMaps
 from mission.plan.homeward import way_in
 from mission.plan.specification import Specification, deterministic_of
 from mission.plan.way import Way
@@ -39,11 +39,11 @@ class RunSearch:
 
     Attributes:
         system: T, with weights.
-        grounds: Crossing points on the map.
+        maps: Crossing points on the map.
     """
 
     system: TransitionSystem
-    grounds: Grounds
+    maps: CrossingMaps
 
     def best(self, specification: Specification, closed: Sequence[int] = ()) -> BestRuns:
         """The best runs that keep out of some triangles: all with the fewest transitions, or one on a shortest way.
@@ -57,11 +57,12 @@ class RunSearch:
 
         Raises:
             NoPlanError: If there is no run.
-            AutomatonSizeError: As in ``best_runs``.
-            SearchSizeError: Likewise.
+            AutomatonSizeError: If a part of the specification, or all together, asks for too many states.
+            SearchSizeError: If triangles times states are too many.
         """
-        found = None if self._spec.search.cost is Cost.TRANSITIONS else self._on_a_way(specification, closed)
-        return found or self._searched(self.system.without(closed), specification, self.grounds.triangle)
+        automaton = deterministic_of(specification.formula, specification.given, self.system.letters)
+        found = None if self._spec.search.cost is Cost.TRANSITIONS else self._on_a_way(automaton, closed)
+        return found or self._searched(self.system.without(closed), automaton, self.maps.triangle)
 
     def homeward(self, laps: BestRuns, onward: Safety, goal: BoolArray, *, lap_triangle: int) -> Run | None:
         """The best run from where laps end into one of some triangles (M,), to stay there.
@@ -76,25 +77,24 @@ class RunSearch:
             None where there is none.
         """
         if laps.way is not None:
-            end, grounds = laps.way.prefix_m[-1], self.grounds.each(laps.product.automaton)
-            ways = (self._homeward_on(ground, end, onward, lap_triangle, goal) for ground in grounds)
+            end, maps = laps.way.prefix_m[-1], self.maps.each(laps.product.automaton)
+            ways = (self._homeward_on(ground, end, onward, lap_triangle, goal) for ground in maps)
             run = next((one for one in ways if one is not None), None)
             if run is not None:
                 return run
         return way_in(self.system, onward, lap_triangle, goal)
 
-    def _on_a_way(self, specification: Specification, closed: Sequence[int]) -> BestRuns | None:
-        automaton = deterministic_of(specification.formula, specification.given, self.system.letters)
-        for ground in self.grounds.each(automaton):
-            within = ground.without(self.grounds.inside(closed)) if closed else ground
+    def _on_a_way(self, automaton: Conjunction, closed: Sequence[int]) -> BestRuns | None:
+        for ground in self.maps.each(automaton):
+            within = ground.without(self.maps.inside(closed)) if closed else ground
             try:
-                found = self._searched(within.system, specification, within.start)
+                found = self._searched(within.system, automaton, within.start)
             except (NoPlanError, SearchSizeError):
                 continue
-            run = self._traced(within, found.runs[0], self.grounds.triangle)
+            run = self._traced(within, found.runs[0], self.maps.triangle)
             if run is not None and self._accepts(automaton, run):
                 counted = TransitionSystem(self.system.successors, self.system.letter_of, self.system.letters)
-                product = Product(counted, found.product.automaton, self.grounds.triangle, self._spec.semantics)
+                product = Product(counted, found.product.automaton, self.maps.triangle, self._spec.semantics)
                 one = OneRun(run, found.runs.cost)
                 return BestRuns(product, one, found.exact, self._way(within, found.runs[0]))
         return None
@@ -107,34 +107,34 @@ class RunSearch:
         if not here.any():
             return None
         # A state is in the goal where it touches a triangle of it that is of its letter.
-        states, triangles = self.grounds.locator.tree.query(
-            shapely.points(ground.points_m), predicate="dwithin", distance=self.grounds.near_m
+        states, triangles = self.maps.locator.tree.query(
+            shapely.points(ground.points_m), predicate="dwithin", distance=self.maps.near_m
         )
         inside = np.zeros(ground.system.size, dtype=np.bool_)
         inside[states[goal[triangles] & (self.system.letter_of[triangles] == ground.system.letter_of[states])]] = True
         found = way_in(ground.system, onward, int(np.argmax(here)), inside)
         return None if found is None else self._traced(ground, found, lap_triangle, goal)
 
-    def _searched(self, system: TransitionSystem, specification: Specification, start: int) -> BestRuns:
-        return best_runs(system, specification, start, self._spec.semantics, objective_of(self._spec))
+    def _searched(self, system: TransitionSystem, automaton: Conjunction, start: int) -> BestRuns:
+        return best_accepted(system, automaton, start, self._spec.semantics, objective_of(self._spec))
 
     @property
     def _spec(self) -> MissionSpec:
-        return self.grounds.spec
+        return self.maps.spec
 
     @property
     def _partition(self) -> Partition:
-        return self.grounds.locator.partition
+        return self.maps.locator.partition
 
     @cached_property
     def _tracer(self) -> Tracer:
         return Tracer(
             self._partition,
-            self.grounds.locator.tree,
+            self.maps.locator.tree,
             self.system.letter_of,
-            ~self.grounds.restricted,
+            ~self.maps.restricted,
             passage_lengths(self._partition),
-            self.grounds.near_m,
+            self.maps.near_m,
         )
 
     def _traced(self, ground: Crossings, run: Run, first: int, ends: BoolArray | None = None) -> Run | None:

@@ -12,11 +12,11 @@ from mission.logic.automata.safety import safety_of
 from mission.plan.best_runs import BestRuns, OneRun, Runs, best_runs, objective_of
 from mission.plan.costs import UNIT, run_costs, transition_weights
 from mission.plan.covering import Covering
+from mission.plan.crossing_maps import CrossingMaps
 from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
 from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan, prover_of
-from mission.plan.ground import Grounds
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner, trajectory_of
@@ -57,7 +57,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
-    search = RunSearch(system, Grounds(spec, labelling, restricted, locator, start, triangle))
+    search = RunSearch(system, CrossingMaps(spec, labelling, restricted, locator, start, triangle))
     covering = Covering(spec, partition, labelling, restricted)
     planner = PathPlanner(spec, partition, labelling, covering)
 

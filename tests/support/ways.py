@@ -1,4 +1,4 @@
-"""Shortest ways: how tests search them, and random maps with their true lengths by brute force.
+"""Shortest ways: how tests search them, and maps with their true lengths by brute force.
 
 The oracle shares nothing with the planner: segments between corners of obstacles and many points on the rims of what is
 to be visited, of which shapely says whether they are free; and all orders of the visits.
@@ -17,7 +17,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.plan.best_runs import BestRuns
 from mission.plan.costs import transition_weights
-from mission.plan.ground import Grounds
+from mission.plan.crossing_maps import CrossingMaps
 from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import of_mission
 from mission.planning.transition_system import TransitionSystem
@@ -35,11 +35,11 @@ class Found:
 
     @property
     def labelling(self) -> Labelling:
-        return self.search.grounds.labelling
+        return self.search.maps.labelling
 
     @property
     def partition(self) -> Partition:
-        return self.search.grounds.locator.partition
+        return self.search.maps.locator.partition
 
     @property
     def word(self) -> list[str]:
@@ -67,7 +67,7 @@ def search_of(spec: MissionSpec) -> RunSearch:
     triangle = int(locator.triangle_at(np.array([start]))[0])
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
-    return RunSearch(system, Grounds(spec, labelling, restricted, locator, start, triangle))
+    return RunSearch(system, CrossingMaps(spec, labelling, restricted, locator, start, triangle))
 
 
 def found(spec: MissionSpec) -> Found:
@@ -76,7 +76,7 @@ def found(spec: MissionSpec) -> Found:
 
 
 @dataclass(frozen=True, eq=False)
-class RandomMap:
+class DrawnMap:
     """A field with obstacles, and places to visit in any order."""
 
     field: shapely.Polygon
@@ -85,7 +85,7 @@ class RandomMap:
     start: tuple[float, float]
 
     @staticmethod
-    def of(seed: int, obstacles: int = 5, places: int = 3) -> "RandomMap":
+    def random(seed: int, obstacles: int = 5, places: int = 3) -> "DrawnMap":
         rng = np.random.default_rng(seed)
         field, taken = shapely.box(0.0, 0.0, 120.0, 90.0), [shapely.Point(60.0, 8.0).buffer(4.0)]
         while len(taken) < 1 + obstacles + places:
@@ -95,7 +95,7 @@ class RandomMap:
             box = shapely.affinity.translate(box, *rng.uniform((15.0, 15.0), (105.0, 75.0)))
             if field.contains(box) and all(box.distance(other) > 2.0 for other in taken):
                 taken.append(box)
-        return RandomMap(field, tuple(taken[1 : 1 + obstacles]), tuple(taken[1 + obstacles :]), (60.0, 8.0))
+        return DrawnMap(field, tuple(taken[1 : 1 + obstacles]), tuple(taken[1 + obstacles :]), (60.0, 8.0))
 
     def mission(self, more: str = "") -> MissionSpec:
         def region(name: str, kind: str, shape: shapely.Polygon) -> str:
@@ -106,31 +106,32 @@ class RandomMap:
         regions += [region(f"p{i}", "survey", shape) for i, shape in enumerate(self.places)]
         formula = " & ".join(f"F p{i}" for i in range(len(self.places)))
         text = (
-            "domain:\n  boundary: [[0, 0], [120, 0], [120, 90], [0, 90]]\n"
+            f"domain:\n  boundary: {shapely.get_coordinates(self.field)[:-1].tolist()}\n"
             f"{more}regions:\n{''.join(regions)}mission:\n  formula: {formula}\n"
             f"start:\n  position_m: {list(self.start)}\nflight: {{disturbance_m_s2: 0}}\nsearch: {{cost: distance}}\n"
         )
         return parse_mission(text.encode(), "random.yaml")
 
-    def lengths_m(self, apart_m: float = 0.25) -> dict[tuple[str, ...], float]:
+    def lengths_m(self, apart_m: float = 0.6) -> dict[tuple[str, ...], float]:
         """The length of a shortest way for each order of first visits, to the rims' points at a distance."""
         ends = [np.array([self.start])]
         for place in self.places:
             rim = place.exterior
             count = int(np.ceil(rim.length / apart_m))
             ends.append(shapely.get_coordinates(rim.interpolate(np.arange(count) * rim.length / count)))
-        corners = shapely.get_coordinates(shapely.MultiPolygon(self.obstacles))
+        free = self.field.difference(shapely.union_all(self.obstacles))
+        corners = shapely.get_coordinates(free)
         points = np.concatenate((*ends, corners))
         bounds = np.cumsum([0, *map(len, ends)]).tolist()
         first = bounds[-1]
-        free = shapely.union_all([shapely.buffer(shape, -1e-6) for shape in self.obstacles])
+        free = shapely.buffer(free, 1e-6)
         shapely.prepare(free)
 
         def between(some: FloatArray, others: FloatArray) -> FloatArray:
             pairs = np.stack(np.broadcast_arrays(some[:, None], others[None, :]), axis=2)
             lengths = np.linalg.norm(pairs[:, :, 0] - pairs[:, :, 1], axis=-1)
-            hidden = shapely.intersects(free, shapely.linestrings(pairs.reshape(-1, 2, 2))).reshape(lengths.shape)
-            return np.where(hidden, np.inf, lengths)
+            seen = shapely.covers(free, shapely.linestrings(pairs.reshape(-1, 2, 2))).reshape(lengths.shape)
+            return np.where(seen, lengths, np.inf)
 
         at_corners = between(points[first:], points[first:])
         among = dijkstra(np.where(np.isfinite(at_corners), at_corners, 0.0))

@@ -11,16 +11,47 @@ from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import BoundaryDomain, Cost, Refinement, Search
 from tests.support.small_missions import ROUNDS, plan_of
-from tests.support.ways import RandomMap, found
+from tests.support.ways import DrawnMap, found
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 _NEAR = 1.015
 """Ways over crossing points are longer than shortest ones by less than this factor."""
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_the_order_of_visits_is_that_of_a_shortest_way(seed: int) -> None:
-    drawn = RandomMap.of(seed)
+FIELD = DrawnMap(
+    shapely.Polygon(
+        [(71, 0), (54, 4), (16, 33), (10, 51), (4, 77), (0, 91), (0, 98), (4, 99), (21, 99), (95, 111), (105, 81),
+         (88, 76), (90, 71), (57, 63), (66, 24), (118, 35), (117, 41), (130, 45), (135, 9), (107, 3), (105, 12),
+         (81, 8)]
+    ),
+    (),
+    (shapely.box(20, 80, 28, 86), shapely.box(88, 96, 94, 102), shapely.box(120, 16, 126, 22),
+     shapely.box(18, 50, 24, 56)),
+    (64.0, 12.0),
+)  # fmt: skip
+"""A field that was ploughed around two yards, to the metre."""
+
+FARM = DrawnMap(
+    shapely.box(-20, -20, 160, 130),
+    (
+        shapely.box(60, 68, 98, 105),
+        shapely.Polygon([(-20, 64), (40, 66), (40, 70), (-20, 68)]),
+        shapely.Polygon([(142, -20), (147, -20), (150, 130), (145, 130)]),
+    ),
+    (
+        shapely.Polygon([(3.5, 76.59), (0.34, 90.84), (4.47, 99.3), (21.36, 99.52), (40, 102.3), (44, 78)]),
+        shapely.Polygon([(71.78, 0.0), (54.95, 4.45), (16.07, 33.4), (10.3, 51.32), (56.53, 58), (65.88, 24.16)]),
+        shapely.box(110, 90, 120, 100),
+    ),
+    (100.0, 17.0),
+)
+"""Two fields beside a house and a power line."""
+
+
+@pytest.mark.parametrize(
+    "drawn", [FIELD, FARM, *map(DrawnMap.random, range(10)), *(DrawnMap.random(seed, 12, 4) for seed in range(4))]
+)
+def test_the_order_of_visits_is_that_of_a_shortest_way(drawn: DrawnMap) -> None:
     lengths = drawn.lengths_m()
     way = found(drawn.mission())
     least = min(lengths.values())

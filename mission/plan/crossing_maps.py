@@ -29,7 +29,7 @@ _MOST_WAYS: Final = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Grounds:
+class CrossingMaps:
     """The crossing points of one mission.
 
     Attributes:
