@@ -59,15 +59,16 @@ class Coverage:
     All coordinates are those of the shapes given, metres; n >= 1 lanes.
 
     Attributes:
-        heading_deg: Of the lanes that sweep, clockwise from north (the y axis), 0 <= heading < 180.
+        heading_deg: Of the lanes that sweep, clockwise from north (the y axis), 0 <= heading < 180; where none was
+            asked for, corridors across it have lanes along them.
         spacing_m: Between them, at most.
         lanes_m: Shape (n, 2, 2): lane, begin and end, xy.
         cell_of: Shape (n,), the cell that each lane belongs to; -1 for a lane of its own along a rim.
         ways_m: n - 1 polylines of shape (k, 2), k >= 2: from the end of a lane to the begin of the next.
         approach_m: Shape (k, 2), from the entry place to the first lane.
         leaving_m: Shape (k, 2), from the last lane to the exit; shape (0, 2) where none is wanted.
-        exact: Whether no other order of the cells, corner to begin at in each and direction takes less time;
-            otherwise the order is the best that was found.
+        exact: Whether no other order of the cells, corner to begin at in each and direction takes less time, with ways
+            between lanes counted a little more than those there and back; otherwise it is the best that was found.
         duration_s: Estimated time, from rest at the entry place to rest at the exit or the last lane's end.
     """
 

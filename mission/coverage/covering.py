@@ -7,6 +7,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from mission.coverage.area import Area, area_of
+from mission.coverage.cells import cells_swept
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.flight_line import flight_line
 from mission.coverage.headings import candidates
@@ -63,10 +64,11 @@ def cover(
     entry = area.in_free(np.asarray(entry_m, dtype=np.float64) - origin)
     leave = None if exit_m is None else area.in_free(np.asarray(exit_m, dtype=np.float64) - origin)
     if heading_deg is None and area.fields:
-        swept = {heading: _swept(area, heading) for heading in candidates(area.parts)}
-        guesses = {
-            heading: sum(part.guessed_s(pace, spacing_m) for part in sweeps) for heading, sweeps in swept.items()
+        swept = {
+            heading: [cells_swept(field, reachable, heading, spacing_m, pace) for _, field, reachable in area.fields]
+            for heading in candidates(area.parts)
         }
+        guesses = {heading: sum(part.guessed_s(pace) for part in sweeps) for heading, sweeps in swept.items()}
         least = min(guesses.values())
         promising = [
             heading for heading in sorted(guesses, key=guesses.__getitem__) if guesses[heading] <= _NEAR * least
@@ -74,7 +76,7 @@ def cover(
         swept = {heading: swept[heading] for heading in promising[:_MOST_TRIED]}
     else:
         heading = candidates(area.parts)[0] if heading_deg is None else heading_deg % 180.0
-        swept = {heading: _swept(area, heading)}
+        swept = {heading: [sweep(field, reachable, heading, spacing_m) for _, field, reachable in area.fields]}
     found = []
     for heading, sweeps in swept.items():
         lanes = _complete(area, _joined(area, sweeps), heading)
@@ -83,6 +85,7 @@ def cover(
     least = min(order.duration_s for _, _, order in found)
     close = [(heading, lanes, order.settled()) for heading, lanes, order in found if order.duration_s <= _CLOSE * least]
     heading, lanes, order = min(close, key=lambda one: one[2].duration_s)
+    order = order.shaken()
     line = flight_line(order, lanes.lanes_m, lanes.cell_of < 0)
     return Coverage(
         heading_deg=heading,
@@ -104,17 +107,12 @@ def _ended(way: FloatArray, end: int, place_m: ArrayLike | None) -> FloatArray:
     return ended
 
 
-def _swept(area: Area, heading_deg: float) -> list[Sweep]:
-    """The lanes of a heading on each field."""
-    return [sweep(field, reachable, heading_deg, area.spacing_m) for _, field, reachable in area.fields]
-
-
 def _joined(area: Area, sweeps: list[Sweep]) -> Lanes:
     """The lanes of all fields and arms: each middle line is a cell that is flown one way or the other."""
     cells = [
         (found.lanes_m[found.cell_of == cell], part, False)
         for (part, _, _), found in zip(area.fields, sweeps, strict=True)
-        for cell in range(found.cell_of.max(initial=-1) + 1)
+        for cell in range(found.cells)
     ]
     cells += [
         (np.stack((line[:-1], line[1:]), axis=1), part, True)

@@ -19,11 +19,17 @@ TOURS: Final = 4
 MOST_EXACT: Final = 12
 """Cells that are ordered exactly."""
 _LONGEST_MOVED: Final = 3
+_NOWHERE: Final = 1e6
+_SEED: Final = 1
+_KICKS: Final = 100
+_FEWEST: Final = 4
+_FARTHEST: Final = 30
+"""Lanes between which two stretches lie that follow each other and are exchanged."""
 _NEIGHBOURS: Final = 12
 """Of the links from each, the cheapest, that moves are looked for along."""
 _MOST_ROUNDS: Final = 500
 _STARTS: Final = 8
-_LEAST_GAIN: Final = 1e-9
+_LEAST_GAIN: Final = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,13 +146,33 @@ def _best_tours(links: FloatArray, cells: IntArray) -> tuple[IntArray, float]:
 
 def settled(links: FloatArray, chain: IntArray) -> IntArray:
     """The chain after the best moves, until none helps; see ``Moves``."""
-    moves = Moves(links)
-    for _ in range(_MOST_ROUNDS):
-        moved = moves.best(chain)
-        if moved is chain:
-            break
-        chain = moved
+    return Moves(links).settled(chain)
+
+
+def shaken(links: FloatArray, chain: IntArray) -> IntArray:
+    """The chain after moves, with short stretches exchanged at random in between, from which moves go on.
+
+    An exchange that does not pay, with all the moves that follow, is taken back (Martin, Otto and Felten, 1991).
+    """
+    # On the way to a better chain a link may be one that leads nowhere; in the end that costs too much.
+    links = np.where(np.isfinite(links), links, _NOWHERE)
+    moves, chance = Moves(links), np.random.default_rng(_SEED)
+    chain = moves.settled(chain)
+    least = _cost(links, chain)
+    for _ in range(_KICKS if len(chain) > _FEWEST else 0):
+        start = chance.integers(max(1, len(chain) - _FARTHEST + 1))
+        begin, first, second = start + np.sort(chance.choice(min(_FARTHEST, len(chain)), 3, replace=False))
+        kicked = np.concatenate((chain[:begin], chain[first:second], chain[begin:first], chain[second:]))
+        moved = moves.settled(kicked)
+        cost = _cost(links, moved)
+        if cost < least - _LEAST_GAIN:
+            chain, least = moved, cost
     return chain
+
+
+def _cost(links: FloatArray, chain: IntArray) -> float:
+    size = len(links) - 2
+    return float(links[[size, *chain], [*chain, size + 1]].sum())
 
 
 class Moves:
@@ -172,12 +198,23 @@ class Moves:
         self._begins, self._ends = np.divmod(np.unique(begins * (size + 2) + ends), size + 2)
         self._costs = links[self._begins, self._ends]
 
+    def settled(self, chain: IntArray) -> IntArray:
+        """The chain, shape (K,), after the best moves, until none gains."""
+        for _ in range(_MOST_ROUNDS):
+            moved = self.best(chain)
+            if moved is chain:
+                break
+            chain = moved
+        return chain
+
     def best(self, chain: IntArray) -> IntArray:
         """The chain, shape (K,), after the move that gains most; itself where none gains."""
         links, size = self._links, len(self._links) - 2
         ends = np.concatenate(([size], chain, [size + 1]))
         broken = links[ends[:-1], ends[1:]]
         first, last, gap, turn = self._candidates(ends, broken)
+        if not len(first):
+            return chain
         before, after = ends[first - 1], ends[last + 1]
         enter, leave = np.where(turn, ends[last] ^ 1, ends[first]), np.where(turn, ends[first] ^ 1, ends[last])
         opened, freed = broken[gap], broken[first - 1] + broken[last]
@@ -188,7 +225,7 @@ class Moves:
             freed - links[before, enter] - links[leave, after],
             freed + opened - links[ends[gap], enter] - links[leave, ends[gap + 1]] - links[before, after],
         )
-        if not gains.max(initial=0.0) > _LEAST_GAIN:
+        if not gains.max() > _LEAST_GAIN:
             return chain
         best = int(gains.argmax())
         begin, end, place = int(first[best]) - 1, int(last[best]), int(gap[best])

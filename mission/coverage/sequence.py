@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.spatial import KDTree
 
 from mission.coverage.coverage import Pace
-from mission.coverage.order import Tours, best_order, settled
+from mission.coverage.order import Tours, best_order, settled, shaken
 from mission.coverage.travel import Travel
 from mission.coverage.ways import Network
 from mission.errors import GeometryError
@@ -18,6 +18,8 @@ _NO_WAY: Final = "no way leads to some lanes: free space has parts that do not m
 _NEIGHBOURS: Final = 10
 """Ends of other lanes to which ways from the end of a lane are found, at first."""
 _MORE: Final = 8
+MOST_ALONE: Final = 10
+"""So few lanes are ordered one by one, and exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +67,10 @@ class Sequence:
         """The sequence after all moves of a few lanes, or turns of a stretch, that make it shorter."""
         return replace(self, flights=settled(self.links_s, self.flights))
 
+    def shaken(self) -> "Sequence":
+        """The same, with what is found from some worse sequences beside it."""
+        return replace(self, flights=shaken(self.links_s, self.flights))
+
 
 def sequence(
     lanes: Lanes,
@@ -80,6 +86,9 @@ def sequence(
     Raises:
         GeometryError: No way leads to some.
     """
+    if len(lanes.lanes_m) <= MOST_ALONE:
+        alone = np.ones(len(lanes.lanes_m), dtype=np.bool_)
+        lanes = replace(lanes, cell_of=np.arange(len(alone)), chained=alone)
     ends = lanes.lanes_m.reshape(-1, 2)
     places = np.concatenate((ends, [entry_m] if exit_m is None else [entry_m, exit_m]))
     part_of = np.concatenate((lanes.part_of.repeat(2), np.full(len(places) - len(ends), -1)))

@@ -4,7 +4,8 @@ The cells are those of the boustrophedon decomposition (Choset and Pignon, 1997)
 a hole or a bay parts a line, or joins two, a cell ends. What lies between two lines and parts neither makes no cell.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -20,6 +21,7 @@ _SHORTEST: Final = 0.02
 _SLANTED: Final = 1.2
 """Spacings between the ends of neighbours, along the rim, from which on the rim there is too far from both."""
 _CROSSING: Final = 3.0
+_NONE: Final[IntArray] = np.empty(0, dtype=np.int64)
 _JUMP: Final = 4.0
 """Spacings by which a cell's rim may go on from one lane to the next, beside twice what it usually does there."""
 
@@ -32,20 +34,48 @@ class Sweep:
         lanes_m: Shape (n, 2, 2), all in the same direction, ordered by line and along it.
         cell_of: Shape (n,), from 0.
         jumps_m: Shape (J, 2), how far ends of neighbours in a cell, first ends and last ends, lie apart along them.
+        jump_of: Shape (J,), the cell of each jump.
+        spacing_m: Of the lines, at most.
     """
 
     lanes_m: FloatArray
     cell_of: IntArray
     jumps_m: FloatArray
+    jump_of: IntArray
+    spacing_m: float
 
-    def guessed_s(self, pace: Pace, spacing_m: float) -> float:
+    @property
+    def cells(self) -> int:
+        """How many there are."""
+        return int(self.cell_of.max(initial=-1)) + 1
+
+    def cell(self, number: int) -> "Sweep":
+        """One of them alone."""
+        lanes, jumps = self.cell_of == number, self.jump_of == number
+        one = replace(self, lanes_m=self.lanes_m[lanes], cell_of=self.cell_of[lanes] - number)
+        return replace(one, jumps_m=self.jumps_m[jumps], jump_of=self.jump_of[jumps] - number)
+
+    @staticmethod
+    def joined(sweeps: Iterable["Sweep"], spacing_m: float) -> "Sweep":
+        """All of some, their cells numbered on."""
+        none = Sweep(np.empty((0, 2, 2)), _NONE, np.empty((0, 2)), _NONE, spacing_m)
+        found = [none, *sweeps]
+        first = np.cumsum([0, *(each.cells for each in found)])
+        return Sweep(
+            np.concatenate([each.lanes_m for each in found]),
+            np.concatenate([each.cell_of + number for each, number in zip(found, first, strict=False)]),
+            np.concatenate([each.jumps_m for each in found]),
+            np.concatenate([each.jump_of + number for each, number in zip(found, first, strict=False)]),
+            spacing_m,
+        )
+
+    def guessed_s(self, pace: Pace) -> float:
         """About what it takes to fly: for a choice of headings to try."""
         stop_s = pace.speed_m_s / pace.acceleration_m_s2
         lengths = np.linalg.norm(self.lanes_m[:, 1] - self.lanes_m[:, 0], axis=1)
-        steps = np.hypot(self.jumps_m, spacing_m)
-        beyond = np.maximum(steps - spacing_m * _SLANTED, 0.0)  # of slanted rims, where lanes of their own will be
-        cells = self.cell_of.max(initial=-1) + 1
-        way_m = lengths.sum() + steps.mean(axis=1).sum() + _CROSSING * spacing_m * cells + beyond.sum() / 2.0
+        steps = np.hypot(self.jumps_m, self.spacing_m)
+        beyond = np.maximum(steps - self.spacing_m * _SLANTED, 0.0)  # of slanted rims, where lanes of their own will be
+        way_m = lengths.sum() + steps.mean(axis=1).sum() + _CROSSING * self.spacing_m * self.cells + beyond.sum() / 2.0
         return float(way_m / pace.speed_m_s + (len(lengths) + (beyond > 0.0).sum() / 2.0) * stop_s)
 
 
@@ -71,7 +101,7 @@ def sweep(part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float
     long = np.diff(cuts, axis=1)[:, 0] > _SHORTEST * spacing_m
     cuts, line = cuts[long], line[long]
     lanes = np.stack((cuts, np.broadcast_to(heights[line][:, None], cuts.shape)), axis=2) @ frame
-    return Sweep(lanes, *_cells(cuts, line, spacing_m))
+    return Sweep(lanes, *_cells(cuts, line, spacing_m), spacing_m)
 
 
 def _ring(ring: shapely.LinearRing) -> FloatArray:
@@ -101,8 +131,12 @@ def _cuts(edges: FloatArray, heights: FloatArray) -> tuple[FloatArray, IntArray]
     return along[order].reshape(-1, 2), line[order][::2].astype(np.int64)
 
 
-def _cells(cuts: FloatArray, line: IntArray, spacing_m: float) -> tuple[IntArray, FloatArray]:
-    """Number cells: chains of lanes of which each meets one on the next line only, and that one no other; and jumps."""
+def _cells(cuts: FloatArray, line: IntArray, spacing_m: float) -> tuple[IntArray, FloatArray, IntArray]:
+    """Number cells: chains of lanes of which each meets one on the next line only, and that one no other; and jumps.
+
+    Returns:
+        Of each lane its cell, and of each jump how far both ends lie apart, and its cell.
+    """
     count = len(cuts)
     begins, ends = cuts.T
     meets = (line[:, None] + 1 == line) & (begins[:, None] < ends) & (begins < ends[:, None])
@@ -114,4 +148,4 @@ def _cells(cuts: FloatArray, line: IntArray, spacing_m: float) -> tuple[IntArray
     lower, upper = lower[smooth], upper[smooth]
     links = coo_array((np.ones(len(lower)), (lower, upper)), shape=(count, count))
     _, cell_of = connected_components(links, directed=False)
-    return cell_of.astype(np.int64), jumps[smooth]
+    return cell_of.astype(np.int64), jumps[smooth], cell_of[lower].astype(np.int64)

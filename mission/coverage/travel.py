@@ -10,6 +10,10 @@ from mission.geometry.arrays import FloatArray, IntArray
 
 _NEAR: Final = 1e-6
 _FREE: Final = -1
+_DIGITS: Final = 6
+"""Of seconds: ways that are as long but for rounding are the same."""
+_BETWEEN: Final = 1.25
+"""What a way between lanes counts, beside those there and back: neighbours are to be photographed in the same light."""
 
 
 class Travel:
@@ -87,5 +91,6 @@ class Travel:
             leave = np.where(near, arriving, self._outwards[:, direction])
             reach = np.where(near, arriving, -self._outwards[:, 1 - direction])
             corners = lane * pace.corner_s(arriving, leave) + on * pace.corner_s(reach, onwards)
-            times[np.where(lane, begin ^ 1, begin), end] = self.lengths_m / pace.speed_m_s + corners
-        return times
+            counted = np.where(lane & on, _BETWEEN, 1.0)
+            times[np.where(lane, begin ^ 1, begin), end] = counted * self.lengths_m / pace.speed_m_s + corners
+        return np.round(times, _DIGITS)

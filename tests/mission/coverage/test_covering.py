@@ -1,6 +1,6 @@
 """Covering regions: complete but for what the ground forbids, inside, no lane twice, and about as long as must be."""
 
-from itertools import pairwise
+from itertools import pairwise, permutations, product
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 from mission.coverage.area import INSET
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.covering import SPARED, TOLERANCE, cover
+from mission.coverage.sequence import MOST_ALONE
 from mission.errors import GeometryError
 
 PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
@@ -196,6 +197,40 @@ def test_a_part_that_is_too_small_for_a_line_of_the_sweep_is_visited() -> None:
     coverage = covered(region, spacing_m=8.0)
     assert_sound(coverage, region, shapely.buffer(region, -0.5), free_of(region, 0.0), 8.0)
     assert np.linalg.norm(coverage.lanes_m - [70.6, 0.6], axis=2).min() < 0.2
+
+
+@pytest.mark.parametrize(("spacing_m", "most"), [(5.0, 0.1), (4.0, 0.1), (3.3, 0.1)])
+def test_the_sides_of_a_ring_are_flown_along_whatever_the_heading(spacing_m: float, most: float) -> None:
+    region = shapely.difference(shapely.box(0.0, 0.0, 100.0, 100.0), shapely.box(10.0, 10.0, 90.0, 90.0))
+    coverage = covered(region, spacing_m=spacing_m, aside_m=1.5)
+    assert_sound(coverage, region, shapely.buffer(region, -1.5), free_of(region, 0.75), spacing_m)
+    steps = coverage.lanes_m[:, 1] - coverage.lanes_m[:, 0]
+    assert np.median(np.linalg.norm(steps, axis=1)) > 75.0
+    assert coverage.ways_length_m <= most * coverage.lanes_length_m
+
+
+def cost_s(lanes: np.ndarray) -> float:
+    """Of lanes one after the other, straight from each to the next: ways between them count a quarter more."""
+    places = np.concatenate(([AWAY], lanes.reshape(-1, 2)))
+    steps = np.diff(places, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    units = steps / lengths[:, None]
+    turns = (1.0 - (units[:-1] * units[1:]).sum(axis=1)) / 2.0 * PACE.speed_m_s / PACE.acceleration_m_s2
+    return float((lengths[0] + 1.25 * lengths[2::2].sum()) / PACE.speed_m_s + turns.sum())
+
+
+def test_few_lanes_are_flown_in_the_best_of_all_orders() -> None:
+    region = shapely.MultiPolygon([shapely.box(0.0, 0.0, 40.0, 24.0), shapely.box(50.0, 9.0, 78.0, 33.0)])
+    coverage = covered(region, spacing_m=8.0, heading_deg=90.0)
+    count = len(coverage.lanes_m)
+    assert count == 6 <= MOST_ALONE
+    assert coverage.exact
+    least = min(
+        cost_s(np.array([coverage.lanes_m[lane][::turn] for lane, turn in zip(order, turns, strict=True)]))
+        for order in permutations(range(count))
+        for turns in product((1, -1), repeat=count)
+    )
+    assert cost_s(coverage.lanes_m) == pytest.approx(least, abs=1e-3)
 
 
 def test_the_side_of_a_hole_along_the_lanes_has_a_lane_where_the_others_are_too_far() -> None:

@@ -5,7 +5,7 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 
-from mission.coverage.order import TOURS, Moves, Tours, _best_tours, _improved, best_order, settled
+from mission.coverage.order import TOURS, Moves, Tours, _best_tours, _improved, best_order, settled, shaken
 from mission.geometry.arrays import FloatArray, IntArray
 
 
@@ -111,5 +111,8 @@ def test_where_moves_end_hardly_any_move_of_all_is_left_that_gains(seed: int) ->
     assert sorted(chain // TOURS) == list(range(12))
     reached = cost(tours, chain // TOURS, chain % TOURS)
     assert reached < cost(tours, begun // TOURS, begun % TOURS)
+    found = shaken(links, begun)
+    assert sorted(found // TOURS) == list(range(12))
+    assert cost(tours, found // TOURS, found % TOURS) <= reached
     best = min(cost(tours, moved // TOURS, moved % TOURS) for moved in every_move(chain))
     assert best > 0.99 * reached
