@@ -5,7 +5,7 @@ so one dialect serves every vehicle. Frames go out as MAVLink 2, and are underst
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from typing import Any, Final
 
@@ -126,7 +126,12 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
 }
 
 
-_KNOWN: Final = frozenset(int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")) for name in _READERS)
+def numbers_of(names: Iterable[str]) -> frozenset[int]:
+    """The numbers of messages."""
+    return frozenset(int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")) for name in names)
+
+
+_KNOWN: Final = numbers_of(_READERS)
 
 
 STATES: Final = frozenset(

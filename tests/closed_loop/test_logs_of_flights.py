@@ -8,12 +8,13 @@ import pytest
 
 from mission.fly import FlightOptions, fly
 from mission.link.framing import split
-from mission.plan import FlightPlan
+from mission.plan import FlightPlan, plan_to_json
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from mission.verify.flown.judging import Judged, judged
 from mission.verify.logs.flight_record import track_of_record
 from mission.verify.logs.reading import read_flight
+from tests.support.commands import ran
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
@@ -66,6 +67,19 @@ def test_both_logs_say_what_was_known_in_flight(text: str, flavour: str, tmp_pat
         if plan.run.recurrent:
             assert found.laps == (record.verdict["laps"], plan.spec.flight.laps)
     assert own.nearness[0].least_m == pytest.approx(station.nearness[0].least_m, abs=0.05)
+
+
+def test_the_folder_of_a_flight_is_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    plan = plan_of(SMALL)
+    vehicle = LockstepVehicle(vehicle_of("ardupilot", seed=3))
+    with FlightRecord.in_folder(tmp_path, "small") as record:
+        fly(plan, vehicle, vehicle, record, options=FlightOptions(land_when_stopped=True))
+    assert record.folder is not None
+    (record.folder / "plan.json").write_text(plan_to_json(plan), encoding="utf-8")
+    result = ran(capsys, "verify", "--flight", str(record.folder))
+    assert result.code == 0, result.out + result.err
+    assert result.out.startswith("flight    flight record: ")
+    assert "from the planned path" in result.out
 
 
 def test_a_record_of_a_flight_that_was_cut_leaves_the_rest_open() -> None:

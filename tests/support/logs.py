@@ -62,6 +62,12 @@ def origin(t_s: float, place: LatLon = HOME) -> Told:
     )
 
 
+def picture(t_s: float, number: int) -> Told:
+    """As ArduPilot tells of one."""
+    values = (0.0,) * 6
+    return t_s, mavlink.MAVLink_camera_feedback_message(int(t_s * 1e6), 1, 0, number, 0, 0, *values, 0)
+
+
 def flight(t_s: FloatArray, position_m: FloatArray, kind: Any = local) -> list[Told]:  # noqa: ANN401 - local or world
     """A whole flight along positions (N, 2): armed, up, there, down and disarmed."""
     places = position_m.tolist()

@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.geometry.arrays import BoolArray
 from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
@@ -125,7 +126,7 @@ class _Judge:
         self._recurrent = (plan or plan_mission(spec)) if recurs else None
 
     def judged(self) -> Judged:
-        found = self._followed(self._automaton)
+        found = self._followed(self._automaton, self._restricted)
         covered = covered_shares(self._reaches, self._to_cover(found), whole=self._whole)
         laps = self._laps(found)
         achieved, reason, at_s = self._decided(found, covered, laps)
@@ -155,8 +156,8 @@ class _Judge:
     def _automaton_of(self, required: Specification) -> Conjunction:
         return deterministic_of(required.formula, required.given, self._labelling.letters)
 
-    def _followed(self, automaton: Conjunction) -> Following:
-        ground = Ground(self._locator, self._labelling, self._restricted, automaton.whole, self._spec.semantics)
+    def _followed(self, automaton: Conjunction, restricted: BoolArray) -> Following:
+        ground = Ground(self._locator, self._labelling, restricted, automaton.whole, self._spec.semantics)
         return follow(ground, self._reaches, self._track.word_from_s, begins_whole=self._track.begins_whole)
 
     def _decided(
@@ -252,11 +253,12 @@ class _Judge:
     def _wishes(self) -> tuple[Wish, ...]:
         """Each task with a weight, by an automaton of its own."""
         wishes = []
+        nowhere = np.zeros_like(self._restricted)  # a task is met or not, whatever else was done
         for task in self._spec.tasks:
             if task.weight is None:
                 continue
             automaton = deterministic_of(task_formula(task, self._spec.regions), None, self._labelling.letters)
-            found = self._followed(automaton)
+            found = self._followed(automaton, nowhere)
             letter_of = self._labelling.letter_of
             met = {s != DEAD and bool(automaton.repeated[s, letter_of[at]]) for at, s in found.pairs}
             sure = self._track.ends_whole and len(met) == 1

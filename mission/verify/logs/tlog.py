@@ -10,7 +10,7 @@ from typing import BinaryIO, Final
 
 from mission.errors import GeometryError
 from mission.geometry.geodesy import LatLon
-from mission.link.messages import AUTOPILOT_ARDUPILOT, AUTOPILOT_COMPONENT, AUTOPILOT_NONE, Codec
+from mission.link.messages import AUTOPILOT_ARDUPILOT, AUTOPILOT_COMPONENT, AUTOPILOT_NONE, Codec, numbers_of
 from mission.link.values import (
     Attitude,
     Body,
@@ -25,6 +25,21 @@ from mission.link.values import (
 from mission.verify.logs.telemetry import Collector, Log, LogError
 
 KIND: Final = "telemetry log"
+
+_TOLD: Final = numbers_of(
+    (
+        "LOCAL_POSITION_NED",
+        "GLOBAL_POSITION_INT",
+        "ATTITUDE",
+        "HEARTBEAT",
+        "EXTENDED_SYS_STATE",
+        "GPS_GLOBAL_ORIGIN",
+        "CAMERA_FEEDBACK",
+        "CAMERA_IMAGE_CAPTURED",
+        "CAMERA_TRIGGER",
+    )
+)
+"""Messages that are read; others are passed over unseen."""
 
 _STAMP: Final = 8
 _V1: Final = 0xFE
@@ -42,9 +57,16 @@ _STANDBY: Final = 3
 
 
 def is_tlog(head: bytes) -> bool:
-    """Whether a file begins with a frame after a count of microseconds."""
-    size = _record_size(head, 0)
-    return size is not None and (len(head) < size + _STAMP + 1 or head[size + _STAMP] in (_V1, _V2))
+    """Whether two records follow each other near the beginning of a file, or one is all of it."""
+    return any(_is_followed(head, at) for at in range(min(len(head), _LONGEST)))
+
+
+def _is_followed(head: bytes, at: int) -> bool:
+    size = _record_size(head, at)
+    if size is None:
+        return False
+    stop = at + size
+    return stop == len(head) or (stop + _STAMP < len(head) and head[stop + _STAMP] in (_V1, _V2))
 
 
 def read_tlog(stream: BinaryIO, system: int | None) -> Log:
@@ -61,7 +83,7 @@ def read_tlog(stream: BinaryIO, system: int | None) -> Log:
     records = _Records(stream)
     codec = Codec(0, 0)
     for stamp_us, record in records:
-        for frame in codec.judged(record):
+        for frame in codec.judged(record) if _number(record) in _TOLD else ():
             if frame.component_id == AUTOPILOT_COMPONENT:
                 received = codec.read(frame)
                 systems.setdefault(received.system_id, _Vehicle()).take(received.body, stamp_us * _US)
@@ -180,3 +202,8 @@ def _record_size(data: bytes, at: int) -> int | None:
     if magic == _V2:
         return _STAMP + _V2_FRAME + length + (_SIGNATURE if flags & 1 else 0)
     return None
+
+
+def _number(frame: bytes) -> int:
+    """Which message a frame says that it is."""
+    return frame[5] if frame[0] == _V1 else frame[7] | frame[8] << 8 | frame[9] << 16

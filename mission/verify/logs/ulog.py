@@ -45,13 +45,16 @@ def read_ulog(stream: BinaryIO) -> Log:
         raise LogError(f"the log cannot be read: {error or type(error).__name__}") from error
     topics: dict[str, Any] = {each.name: each.data for each in reversed(log.data_list)}  # the first of several
     told = Telemetry()
-    _positions(told, topics)
+    try:
+        _positions(told, topics)
+        _states(told, topics)
+    except KeyError as error:
+        raise LogError(f"a topic of the log has no field {error}: it is of another kind than is known here") from error
     if not (told.local or told.world):
         raise LogError(
             "the log has no positions: neither vehicle_local_position nor vehicle_global_position; "
             "set SDLOG_PROFILE so that they are logged"
         )
-    _states(told, topics)
     notes = ["a part of the log is damaged and was passed over"] if log.file_corruption else []
     if log.dropouts:
         lost_s = sum(each.duration for each in log.dropouts) * 1e-3

@@ -11,7 +11,7 @@ import pytest
 from mission.cli import main
 from mission.geometry.arrays import FloatArray
 from tests.support.commands import MISSIONS, ROOT, ran
-from tests.support.logs import flight, local, tlog
+from tests.support.logs import flight, local, picture, tlog
 from tests.support.small_missions import ROUNDS, SMALL
 
 LOG = ROOT / "tests" / "golden" / "logs" / "ardupilot_survey_auto.tlog.gz"
@@ -147,6 +147,36 @@ def test_tasks_that_may_be_given_up_are_judged_each(tmp_path: Path, capsys: pyte
     assert result.code == 0, result.out + result.err
     wishes = [line for line in result.out.splitlines() if line.startswith("wish")]
     assert wishes == ["wish      visit goal: met", "wish      avoid goal: not met"]
+    # So they are where something else was violated.
+    result = ran(capsys, "verify", "--mission", str(mission), "--flight", logged(tmp_path, HOME, GOAL, POND, HOME))
+    assert result.code == 1
+    assert [line for line in result.out.splitlines() if line.startswith("wish")] == wishes
+
+
+def test_what_was_covered_and_photographed_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mission = tmp_path / "covered.yaml"
+    cover = "goal: {kind: survey, cover: {spacing_m: 8, share: 0.5}, polygon"
+    mission.write_text(SMALL.replace("goal: {kind: survey, polygon", cover).replace(", loiter_s: 2", ""))
+    times, positions = along(HOME, GOAL, (36.0, 8.0), GOAL, HOME)
+    told = flight(times, positions)
+    photographed = [20, 60, 70, 80]  # 6 m, 18 m, 21 m and 24 m on the way; goal begins 17 m from home
+    told = [
+        each
+        for k, message in enumerate(told)
+        for each in ((message, picture(message[0], number=k - 5)) if k - 5 in photographed else (message,))
+    ]
+    file = tmp_path / "covered.tlog"
+    file.write_bytes(tlog(told))
+    result = ran(capsys, "verify", "--mission", str(mission), "--flight", str(file))
+    assert result.code == 0, result.out + result.err
+    # A strip 8 m wide through the middle of a region of 10 m by 8 m is all of it.
+    assert "covered   100.0% of goal, 50.0% is asked" in result.out
+    assert "pictures  4, 3 over goal, nothing was heard of 57 more" in result.out
+    narrow = mission.read_text().replace("spacing_m: 8", "spacing_m: 3")
+    mission.write_text(narrow)
+    result = ran(capsys, "verify", "--mission", str(mission), "--flight", str(file))
+    assert result.code == 1
+    assert "too little of goal was covered, 50.0% is asked" in result.out
 
 
 @pytest.mark.parametrize(
@@ -180,4 +210,6 @@ def test_one_position_is_a_flight(small: str, tmp_path: Path, capsys: pytest.Cap
     file = tmp_path / "one.tlog"
     file.write_bytes(tlog([local(3.0, 1.0, 1.0, 0.0)]))
     result = ran(capsys, "verify", "--mission", small, "--flight", str(file))
-    assert result.code in (1, 2)
+    assert result.code == 1
+    assert "word      {home}\n" in result.out
+    assert "does not satisfy the specification" in result.out

@@ -82,6 +82,20 @@ def test_local_positions_without_an_origin_cannot_be_placed_on_earth(tmp_path: P
         read(tmp_path, tlog(flight(TIMES, PLACES)), origin=HOME)
 
 
+def test_local_positions_that_are_not_those_on_earth_give_way(tmp_path: Path) -> None:
+    drifting = PLACES + np.linspace(0.0, 20.0, 200)[:, None]
+    both = sorted([*flight(TIMES, drifting), *flight(TIMES, PLACES, world)], key=lambda each: each[0])
+    found = read(tmp_path, tlog(both))
+    assert "on Earth" in found.track.frame
+    np.testing.assert_allclose(found.track.position_m[-1], PLACES[-1], atol=0.05)
+
+
+def test_a_log_that_begins_with_noise_is_one_still(tmp_path: Path) -> None:
+    found = read(tmp_path, b"noise" + tlog(flight(TIMES, PLACES)))
+    assert_flown(found.track)
+    assert found.notes == ("5 bytes of the log are no frames and were passed over",)
+
+
 def test_an_origin_that_moves_in_flight_makes_the_globe_the_frame(tmp_path: Path) -> None:
     told = flight(TIMES, PLACES)
     moved = [*told[:100], origin(35.0, place_at_offset(HOME, 5.0, 0.0)), *told[100:]]
