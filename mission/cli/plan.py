@@ -17,8 +17,10 @@ from mission.plan.costs import MEASURED, UNIT
 from mission.planning.run import Run
 from mission.printable import printable
 from mission.spec.clearances import clearances_by_name
-from mission.spec.model import Cost
+from mission.spec.model import CORRIDOR, Cost
 from mission.spec.tasks import task_text
+from mission.steering.path import SteeringPath
+from mission.steering.polyline import Polyline
 from mission.steering.trajectory import Trajectory
 
 
@@ -104,6 +106,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "prefix_states": len(plan.run.prefix),
         "controls": list(plan.run.controls),
         "length_m": plan.path.length_m,
+        "curve_length_m": plan.curve.length_m,
         "duration_s": plan.path.duration_s,
         "flight_duration_s": plan.trajectory.duration_s if math.isfinite(plan.trajectory.duration_s) else None,
         "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
@@ -179,15 +182,29 @@ def _print_plan(plan: FlightPlan) -> None:
     _print()
     if plan.homeward is not None:
         _print(f"Way back       {' '.join(map(str, plan.homeward.run.states))}")
-    _print(f"Path           {plan.path.length_m:.2f} m in {plan.path.duration_s:.1f} s")
+    _print(f"Path           {_path(plan)}")
     for visit in plan.covers:
         _print(f"Covered        {_lanes(visit)}")
     held = sum(hold for _, hold in plan.stops)
     loiter = f", {held:g} s of loitering included" if held else ""
     _print(f"Trajectory     {_duration(plan.trajectory)}{loiter}")
-    tried = " (as few as the proof needs)" if spec.smoothing.frequencies == "auto" else ""
-    _print(f"Smoothing      {spec.smoothing.extension.value} extension, frequencies: {plan.curve.frequencies}{tried}")
+    _print(f"Smoothing      {_smoothing(plan)}")
     _print_certificate(plan)
+
+
+def _path(plan: FlightPlan) -> str:
+    length = f"{plan.path.length_m:.2f} m"
+    if isinstance(plan.path, SteeringPath):
+        return f"{length} in {plan.path.duration_s:.1f} s"
+    return f"{length}, the shortest with room for the tube"
+
+
+def _smoothing(plan: FlightPlan) -> str:
+    if isinstance(plan.path, Polyline):
+        return f"a curve in the corridor of the path, {plan.curve.length_m:.2f} m long"
+    asked = plan.spec.smoothing
+    extension, few = ("odd", True) if asked == CORRIDOR else (asked.extension.value, asked.frequencies == "auto")
+    return f"{extension} extension, frequencies: {plan.curve.frequencies}{' (as few as the proof needs)' * few}"
 
 
 def _lanes(visit: CoveredVisit) -> str:

@@ -66,7 +66,7 @@ class FlightWatch:
         self._stage = Stage.CONNECT
         self._visits_written = self._violations_written = 0
         self._trajectory = plan.trajectory
-        self._leg_starts_s = [segment.start_s for segment in plan.path.segments]
+        self._leg_starts_s = plan.leg_starts_s
 
     def take(self, event: Event) -> None:
         """Write an event down and draw the consequences."""

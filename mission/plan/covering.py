@@ -162,23 +162,30 @@ class Covering:
     partition: Partition
     labelling: Labelling
     restricted: BoolArray
-    _found: dict[tuple[str, Passage, Point], _Lanes] = field(default_factory=dict, init=False)
+    _found: dict[tuple[str, Passage, Point, bool], _Lanes] = field(default_factory=dict, init=False)
 
-    def lanes(self, region: Region, passage: Passage, place_m: Point) -> RoundedPolyline:
-        """The curve that covers a region, from a place inside to that place.
+    def lanes(self, region: Region, passage: Passage, place_m: Point, *, returning: bool = True) -> RoundedPolyline:
+        """The curve that covers a region.
 
         Args:
             region: The region.
             passage: What the mission has against letters at that time.
-            place_m: The place.
+            place_m: A place inside, from which the first lane is sought.
+            returning: Whether the curve begins and ends at that place; otherwise, where the first lane begins and where
+                the last one ends.
 
         Raises:
             NoPlanError: No lanes fit, they are too many, or too few of them can be reached.
         """
-        key = region.name, passage, place_m
+        key = region.name, passage, place_m, returning
         if key not in self._found:
-            self._found[key] = self._lanes(region, passage, place_m)
+            self._found[key] = self._lanes(*key)
         return self._found[key].curve
+
+    def visit(self, curve: RoundedPolyline, start_s: float) -> CoveredVisit:
+        """The lanes of a curve from ``lanes`` that is flown from a steering time on."""
+        lanes = next(lanes for lanes in self._found.values() if lanes.curve is curve)
+        return self._visit(lanes, start_s)
 
     def visits(self, path: SteeringPath) -> tuple[CoveredVisit, ...]:
         """The lanes on a path that was built with ``lanes``, in the order of time."""
@@ -189,7 +196,8 @@ class Covering:
             if segment.lanes is not None and id(segment.lanes) in of_curve
         )
 
-    def _lanes(self, region: Region, passage: Passage, place_m: Point) -> _Lanes:
+    def _lanes(self, name: str, passage: Passage, place_m: Point, returning: bool) -> _Lanes:  # noqa: FBT001 - a key
+        region = next(region for region in self.spec.regions if region.name == name)
         if region.cover is None:
             raise ValueError(f"{region.name} is not to be covered")
         flight, limits = self.spec.flight, self.spec.limits
@@ -235,9 +243,10 @@ class Covering:
             widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
             message = f"{region.name} cannot be covered by {widths}: {error}{lost}"
             raise NoPlanError(message, regions=(region.name,)) from error
-        line = np.concatenate((coverage.approach_m[:-1], coverage.line_m, coverage.leaving_m[1:]))
+        before, after = (coverage.approach_m[:-1], coverage.leaving_m[1:]) if returning else (coverage.line_m[:0],) * 2
+        line = np.concatenate((before, coverage.line_m, after))
         # Of each lane the first point of the line; the second is the next one.
-        begins = len(coverage.approach_m) - 1 + np.flatnonzero(coverage.on_lane)
+        begins = len(before) + np.flatnonzero(coverage.on_lane)
         ends = np.stack((begins, begins + 1), axis=1)
         widest = np.full(len(line), _WAY * spacing_m)
         widest[ends] = _LANE_END * spacing_m

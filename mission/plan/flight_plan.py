@@ -32,6 +32,7 @@ from mission.spec.model import MissionSpec, Point
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
+from mission.steering.polyline import Polyline
 from mission.steering.trajectory import Trajectory
 
 _NO_WAY_BACK = (
@@ -59,7 +60,8 @@ class FlightPlan:
             many for an exact search.
         run_index: Which of them is flown.
         run: That run.
-        path: The path that steers through it; of a recurrent run, the way to the lap, the lap, and the way back.
+        path: What is smoothed: the path of the fields that steer through it, or the shortest path that does what it
+            does; of a recurrent run, the way to the lap, the lap, and the way back.
         stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
         trajectory: The smoothed path with its time law.
         certificate: The proof that every flight within the tube satisfies it; of a recurrent run, that it does if the
@@ -72,6 +74,7 @@ class FlightPlan:
         covers: Where regions are covered by lanes, in the order of the path.
         photographs: The stretches of the trajectory in which pictures are taken, in order.
         way: The shortest way in the plane that the run goes along; None where the best runs were searched in T.
+        instead: Why the path of the fields is flown where a curve in a corridor was asked for; empty where it was not.
     """
 
     spec: MissionSpec
@@ -85,7 +88,7 @@ class FlightPlan:
     best_in_any_order: bool
     run_index: int
     run: Run
-    path: SteeringPath
+    path: SteeringPath | Polyline
     stops: tuple[tuple[float, float], ...]
     trajectory: Trajectory
     certificate: Certificate
@@ -96,6 +99,7 @@ class FlightPlan:
     covers: tuple[CoveredVisit, ...] = ()
     photographs: tuple[Photographs, ...] = ()
     way: Way | None = None
+    instead: str = ""
 
     @cached_property
     def planned_pictures(self) -> int:
@@ -143,6 +147,13 @@ class FlightPlan:
         return self.trajectory.curve
 
     @cached_property
+    def leg_starts_s(self) -> tuple[float, ...]:
+        """Where on the curve its legs begin: a triangle each where fields steer, from rest to rest in a corridor."""
+        if isinstance(self.path, SteeringPath):
+            return tuple(segment.start_s for segment in self.path.segments)
+        return tuple(self.curve.joints_s[:-1].tolist())
+
+    @cached_property
     def system(self) -> TransitionSystem:
         """T of this domain, its restricted triangles closed, with the mission's costs."""
         weights = transition_weights(self.partition, self.spec.search.cost, self.spec.flight.speed_m_s)
@@ -183,6 +194,7 @@ class FlightPlan:
             *out_of_reach(self.spec, self.start_m),
             *flight_cautions(self.spec.flight, self.spec.limits),
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics, self._covered),
+            *((f"the path of the fields is flown: {self.instead}",) if self.instead else ()),
             *((self._passing_over,) if self.passed_over else ()),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
             *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share),

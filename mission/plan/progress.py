@@ -133,6 +133,10 @@ class Grounds:
             self._known[allowed] = self._found(allowed)
         return self._known[allowed]
 
+    def inside(self, triangles: BoolArray) -> Area:
+        """The places whose square lies in some triangles, marked in an array of shape (M,), none of them restricted."""
+        return narrowed(self._union(triangles), self._margin_m)
+
     def _found(self, allowed: frozenset[int]) -> Area:
         others = self.letters - allowed
         if len(others) > len(allowed):

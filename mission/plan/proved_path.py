@@ -18,7 +18,7 @@ from mission.plan.visits import covered_visits, earnest_visits, passage_at
 from mission.planning.run import Run
 from mission.spec.clearances import clearances
 from mission.spec.finding import dotted, listed
-from mission.spec.model import UNTIL_STOPPED, Extension, MissionSpec, Point
+from mission.spec.model import CORRIDOR, UNTIL_STOPPED, Extension, MissionSpec, Point, Smoothing
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import LanesFrom, SteeringPath, build_path
@@ -33,6 +33,8 @@ from mission.steering.timing import time_law
 from mission.steering.trajectory import Leg, Trajectory
 
 _ROUNDS: Final = 6
+FEWEST: Final = Smoothing(Extension.ODD, "auto")
+"""How the path of the fields is smoothed where the mission does not say."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +110,8 @@ class PathPlanner:
         Raises:
             UnprovedError: There is no proof.
         """
-        smoothing, legs = self.spec.smoothing, path.legs
+        legs = path.legs
+        smoothing = FEWEST if self.spec.smoothing == CORRIDOR else self.spec.smoothing
         joined = joins or any(len(leg.parts) > 1 for leg in legs)
         extension = Extension.ODD if joined else smoothing.extension
 

@@ -34,6 +34,7 @@ from mission.spec.model import MissionSpec
 from mission.spec.tasks import task_text
 from mission.steering.certificate import Certificate
 from mission.steering.path import Segment, SteeringPath
+from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.trajectory import Trajectory
 
@@ -46,6 +47,7 @@ _OPTIONAL: Final[dict[str, Any]] = {
     "avoidance": None,
     "photographs": [],
     "way": None,
+    "instead": "",
 }
 
 _Value = TypeVar("_Value")
@@ -53,7 +55,7 @@ _Value = TypeVar("_Value")
 
 def plan_to_json(plan: FlightPlan) -> str:
     """The whole plan as JSON text; every number is kept to the last bit."""
-    path, partition = plan.path, plan.partition
+    partition = plan.partition
     document = {
         "format": FORMAT,
         "mission": document_of(plan.spec),
@@ -80,22 +82,8 @@ def plan_to_json(plan: FlightPlan) -> str:
         "avoidance": plan.avoidance and asdict(plan.avoidance),
         "run": _run_data(plan.run),
         "way": plan.way and plan.way.to_json(),
-        "path": {
-            "lap": path.lap,
-            "segments": [
-                {
-                    "triangle": segment.triangle,
-                    "control": segment.control,
-                    "F": segment.F.tolist(),
-                    "g": segment.g.tolist(),
-                    "entry_m": list(segment.entry_m),
-                    "start_s": segment.start_s,
-                    "duration_s": segment.duration_s,
-                    **({} if segment.lanes is None else {"lanes": segment.lanes.to_json()}),
-                }
-                for segment in path.segments
-            ],
-        },
+        "path": _path_data(plan.path),
+        "instead": plan.instead,
         "covers": [visit.to_json() for visit in plan.covers],
         "stops": [list(stop) for stop in plan.stops],
         "trajectory": plan.trajectory.to_json(),
@@ -177,8 +165,30 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         dropped=dropped,
         covers=part("covers", lambda visits: tuple(CoveredVisit.from_json(visit) for visit in visits)),
         homeward=part("homeward", _homeward),
+        instead=part("instead", str),
         way=part("way", lambda data: None if data is None else Way.from_json(data)),
     )
+
+
+def _path_data(path: SteeringPath | Polyline) -> dict[str, Any]:
+    if isinstance(path, Polyline):
+        return path.to_json()
+    return {
+        "lap": path.lap,
+        "segments": [
+            {
+                "triangle": segment.triangle,
+                "control": segment.control,
+                "F": segment.F.tolist(),
+                "g": segment.g.tolist(),
+                "entry_m": list(segment.entry_m),
+                "start_s": segment.start_s,
+                "duration_s": segment.duration_s,
+                **({} if segment.lanes is None else {"lanes": segment.lanes.to_json()}),
+            }
+            for segment in path.segments
+        ],
+    }
 
 
 def _point(data: list[Any]) -> tuple[float, float]:
@@ -193,7 +203,9 @@ def _labelling(data: dict[str, Any]) -> Labelling:
     return Labelling(tuple(frozenset(letter) for letter in data["letters"]), _whole(data["letter_of"]))
 
 
-def _path(data: dict[str, Any]) -> SteeringPath:
+def _path(data: dict[str, Any]) -> SteeringPath | Polyline:
+    if "segments" not in data:
+        return Polyline.from_json(data)
     lap = data["lap"]
     return SteeringPath(
         tuple(_segment(segment) for segment in data["segments"]), None if lap is None else (int(lap[0]), int(lap[1]))

@@ -1,37 +1,28 @@
 """The stages of planning, one after the other; each is a function of what came before it."""
 
-from functools import partial
-
 import numpy as np
 
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.geometry.arrays import IntArray
 from mission.geometry.location import OUTSIDE, Locator
-from mission.logic.automata.automaton import compile_to_alphabet
-from mission.logic.automata.safety import safety_of
 from mission.plan.best_runs import BestRuns, OneRun, Runs, best_runs, objective_of
 from mission.plan.costs import UNIT, run_costs, transition_weights
 from mission.plan.covering import Covering
 from mission.plan.crossing_maps import CrossingMaps
-from mission.plan.detour import MOST_SEARCHES, Avoidance, flown_run
+from mission.plan.detour import Avoidance
 from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
-from mission.plan.flight_plan import FlightPlan, prover_of
+from mission.plan.flight_plan import FlightPlan
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner, trajectory_of
-from mission.plan.proved_run import ProvedRun, proved_run
 from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import of_mission
+from mission.plan.steered import Steering
 from mission.plan.tasks import dropped_tasks
-from mission.plan.way_back import way_back
-from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import Cost, MissionSpec, Point
-from mission.steering.joined import JoinedCurve
-from mission.steering.path import SteeringPath
-from mission.steering.proved_smoothing import ProvedCurve
 
 
 def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | None = None) -> FlightPlan:
@@ -77,39 +68,17 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
-    refutation = compile_to_alphabet(specification.refutation, labelling.letters)
-    prover = prover_of(spec, partition, labelling, refutation, restricted)
-
-    def smoothed(tried: Run, path: SteeringPath, doubtful: bool) -> ProvedCurve:  # noqa: FBT001 - as proved_run has it
-        certify = partial(prover.certify, repeats=tried.recurrent)
-        return planner.smoothed(path, certify, joins=tried.recurrent, doubtful=doubtful)
-
-    free = run is None and spec.run == 0
-
-    def proved_of(best: BestRuns) -> ProvedRun:
-        steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=start)
-        if best is found:
-            return proved_run(best.runs, index, steered, smoothed, others=free)
-        return proved_run(best.runs, 0, steered, smoothed, others=False, doubtful=True)
-
-    flown = flown_run(
-        found,
-        proved_of,
-        partial(search.best, specification),
-        start=triangle,
-        most_searches=MOST_SEARCHES if free else 0,
-    )
-    chosen, path, proved = flown.proved.run, flown.proved.path, flown.proved.proved
-    curve, homeward = proved.curve, None
-    if chosen.recurrent:
-        safety = safety_of(flown.among.product.automaton.whole)
-        onward = partial(search.homeward, flown.among, lap_triangle=chosen.suffix[0])
-        back = way_back(planner, onward, safety, restricted, laps=chosen, proved=proved)
-        if back is not None:
-            homeward, path, curve = back.homeward, path.then(back.path), JoinedCurve((*curve.legs, *back.curve.legs))
-    stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
-    covers = covering.visits(path)
-    trajectory = trajectory_of(spec, curve, stops, path.repeated_leg, covers)
+    flown = Steering(
+        restricted=restricted,
+        planner=planner,
+        specification=specification,
+        search=search,
+        found=found,
+        index=index,
+        free=run is None and spec.run == 0,
+        start_m=start,
+    ).steered()
+    trajectory = trajectory_of(spec, flown.curve, flown.stops, flown.lap, flown.covers)
     return FlightPlan(
         spec=spec,
         start_m=start,
@@ -120,19 +89,20 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         product_states_reachable=found.product.reachable_size,
         shortest_runs=flown.among.runs.count,
         best_in_any_order=flown.among.exact,
-        run_index=flown.proved.index,
-        run=chosen,
-        path=path,
-        stops=stops,
+        run_index=flown.run_index,
+        run=flown.run,
+        path=flown.path,
+        stops=flown.stops,
         trajectory=trajectory,
-        certificate=proved.certificate,
+        certificate=flown.certificate,
         dropped=dropped,
-        homeward=homeward,
+        homeward=flown.homeward,
         passed_over=flown.passed_over,
-        covers=covers,
-        photographs=along_lanes(trajectory, covers),
+        covers=flown.covers,
+        photographs=along_lanes(trajectory, flown.covers),
         avoidance=Avoidance(flown.avoided, _costs(found, weights, spec.search.cost)) if flown.avoided else None,
         way=flown.among.way,
+        instead=flown.instead,
     )
 
 

@@ -190,7 +190,7 @@ def _certificate_rows(certificate: Mapping[str, Any], clearances_m: Mapping[str,
     word = " → ".join(_letter(letter) for letter in certificate["word"])
     return [
         ("Result", f"{'proved' if certificate['holds'] else 'NOT proved'}: {certificate['reason']}"),
-        ("Frequencies of the Fourier series", f"{certificate['frequencies']}"),
+        *([("Frequencies of the Fourier series", f"{certificate['frequencies']}")] * (certificate["frequencies"] > 0)),
         ("Tube around the path, each axis", f"±{certificate['tube_m']:.3f} m"),
         (
             f"Distance of the path to restricted regions{' with their clearances' * bool(clearances_m)}",

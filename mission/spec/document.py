@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from mission.spec.covers import cover_data
 from mission.spec.model import (
+    CORRIDOR,
     SUFFIX_DECIDES,
     AreaShape,
     BoundaryDomain,
@@ -48,7 +49,9 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
             "prefix_weight": spec.search.prefix_weight,
             "suffix_weight": SUFFIX_DECIDES if spec.search.suffix_weight is None else spec.search.suffix_weight,
         },
-        "smoothing": {"extension": spec.smoothing.extension.value, "frequencies": spec.smoothing.frequencies},
+        "smoothing": spec.smoothing
+        if spec.smoothing == CORRIDOR
+        else {"extension": spec.smoothing.extension.value, "frequencies": spec.smoothing.frequencies},
         "limits": {
             "speed_m_s": spec.limits.speed_m_s,
             "acceleration_m_s2": spec.limits.acceleration_m_s2,

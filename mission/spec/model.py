@@ -252,9 +252,13 @@ class Search:
     suffix_weight: int | None = None
 
 
+CORRIDOR: Final = "corridor"
+"""Of ``MissionSpec.smoothing``: a curve in the corridor of a taut path."""
+
+
 @dataclass(frozen=True)
 class Smoothing:
-    """Fourier smoothing of the planned path (Sec. 4.3); ``auto`` takes as few frequencies as the proof needs."""
+    """Fourier smoothing of the path of the fields (Sec. 4.3); ``auto`` takes as few frequencies as the proof needs."""
 
     extension: Extension
     frequencies: int | Literal["auto"]
@@ -356,7 +360,7 @@ class MissionSpec:
     start: Start
     origin: Origin | None
     flight: Flight
-    smoothing: Smoothing
+    smoothing: Smoothing | Literal["corridor"]
     limits: Limits
     search: Search = Search()
     tasks: tuple[Task, ...] = ()

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.cover_schema import COVER
-from mission.spec.model import MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost, RegionKind
+from mission.spec.model import CORRIDOR, MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost, RegionKind
 from mission.spec.shape_schema import (
     AREA_SHAPES,
     AREAS,
@@ -268,8 +268,8 @@ _SEARCH: Final = mapping(
     examples=[{"cost": "distance"}],
 )
 
-_SMOOTHING: Final = mapping(
-    "The Fourier series that smooths the planned path.",
+_SERIES: Final = mapping(
+    "The Fourier series that smooths the path of the fields.",
     (),
     {
         "extension": {
@@ -286,6 +286,13 @@ _SMOOTHING: Final = mapping(
     },
     examples=[{"extension": "odd", "frequencies": "auto"}],
 )
+
+_SMOOTHING: Final[Schema] = {
+    "description": "How a run becomes a curve: in the corridor of the shortest path, or by the Fourier series of the "
+    "path of the fields, as the paper has it.",
+    "anyOf": [_SERIES, {"type": "string", "enum": [CORRIDOR]}],
+    "examples": [CORRIDOR, {"extension": "odd", "frequencies": "auto"}],
+}
 
 _LIMITS: Final = mapping(
     "What the vehicle can do; the trajectory slows down where it would exceed them.",
@@ -355,4 +362,10 @@ def mission_schema() -> Schema:
 
 def default_of(section: str, key: str) -> Any:  # noqa: ANN401 - any JSON value
     """The default of ``section.key``, such as ``flight.speed_m_s``."""
-    return deepcopy(_SCHEMA["properties"][section]["properties"][key]["default"])
+    return deepcopy(keys_of(_SCHEMA["properties"][section])[key]["default"])
+
+
+def keys_of(schema: Schema) -> Schema:
+    """The keys of a mapping, or of the one that is among the shapes a value may have, each with its schema."""
+    shapes = [schema, *schema.get("anyOf", [])]
+    return next((shape["properties"] for shape in shapes if "properties" in shape), {})

@@ -15,7 +15,7 @@ from mission.spec.finding import Finding, Path, dotted, listed, nearest, shorten
 from mission.spec.geography import far_from_origin
 from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
 from mission.spec.scalars import Oddity, number_hint, plain_value
-from mission.spec.schema import NEEDLESS_KEYS, mission_schema
+from mission.spec.schema import NEEDLESS_KEYS, keys_of, mission_schema
 from mission.spec.shape_schema import MAX_COORDINATE_M, POINT_REFERENCE, Schema
 
 MOST_ERRORS: Final = 1_000
@@ -143,7 +143,7 @@ def _unknown_keys(path: Path, instance: dict[str, Any], schema: Schema) -> Itera
 def _places_of(key: str) -> list[str]:
     """Where in the file a key of this name stands: at its top, or in one of the mappings there."""
     top = mission_schema()["properties"]
-    within = [f"in `{section}`" for section, schema in top.items() if key in schema.get("properties", ())]
+    within = [f"in `{section}`" for section, schema in top.items() if key in keys_of(schema)]
     return ["at the top of the file"] * (key in top) + within
 
 

@@ -1,11 +1,12 @@
 """Plain data that fits the schema, as the frozen values of ``model.py``; defaults come from the schema."""
 
 import math
-from typing import Any
+from typing import Any, Literal
 
 from mission.geometry.refinement import SMALLEST_ANGLE_DEG
 from mission.spec.covers import cover_of
 from mission.spec.model import (
+    CORRIDOR,
     SUFFIX_DECIDES,
     UNTIL_STOPPED,
     AreaShape,
@@ -43,7 +44,6 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
     """The mission of a whole file; ``name`` is used where the file gives none, ``automaton`` is the one it names."""
     start, origin, laps = data["start"], data.get("origin"), _given(data, "mission", "laps")
     suffix = _given(data, "search", "suffix_weight")
-    frequencies = _given(data, "smoothing", "frequencies")
     return MissionSpec(
         name=data.get("name", name),
         description=data.get("description", ""),
@@ -62,10 +62,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             time_constant_s=_measure(data, "flight", "time_constant_s"),
             disturbance_m_s2=_measure(data, "flight", "disturbance_m_s2"),
         ),
-        smoothing=Smoothing(
-            Extension(_given(data, "smoothing", "extension")),
-            "auto" if frequencies == "auto" else int(frequencies),
-        ),
+        smoothing=_smoothing(data),
         search=Search(
             cost=Cost(_given(data, "search", "cost")),
             prefix_weight=int(_given(data, "search", "prefix_weight")),
@@ -78,6 +75,15 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
         ),
         tasks=tuple(task_of(task) for task in data.get("tasks", [])),
         automaton=automaton,
+    )
+
+
+def _smoothing(data: Data) -> Smoothing | Literal["corridor"]:
+    if data.get("smoothing") == CORRIDOR:
+        return CORRIDOR
+    frequencies = _given(data, "smoothing", "frequencies")
+    return Smoothing(
+        Extension(_given(data, "smoothing", "extension")), "auto" if frequencies == "auto" else int(frequencies)
     )
 
 

@@ -84,6 +84,11 @@ class BezierCurve:
         """No waves."""
         return 0
 
+    @property
+    def instants_s(self) -> FloatArray:
+        """Where its pieces meet: places at which it was made to be somewhere."""
+        return self.knots_s[1:-1]
+
     @cached_property
     def _coefficients(self) -> tuple[FloatArray, ...]:
         """Of each derivative, order 0 to 5: those of 1, u, u^2, ... of each piece, shape (K, 6 - order, 2)."""
@@ -144,8 +149,9 @@ class BezierCurve:
         h, |p| <= sum_i |p^(i)| h^i / i!. ``values`` is not needed; it is there for curves that are of other kinds.
         """
         del values
-        inner = self.knots_s[(self.knots_s > knots_s[0]) & (self.knots_s < knots_s[-1])]
-        cuts = np.union1d(knots_s, inner)
+        inner = np.setdiff1d(self.knots_s[(self.knots_s > knots_s[0]) & (self.knots_s < knots_s[-1])], knots_s)
+        begins = np.arange(len(knots_s)) + np.searchsorted(inner, knots_s)
+        cuts = np.insert(knots_s, np.searchsorted(knots_s, inner), inner)
         middles, half = 0.5 * (cuts[:-1] + cuts[1:]), 0.5 * np.diff(cuts)
         piece, u = self._placed(middles)
         bounds = np.zeros(len(middles))
@@ -153,7 +159,7 @@ class BezierCurve:
             value = self._value(piece, u, order + further)
             bounds += np.hypot(value[:, 0], value[:, 1]) * half**further / factorial(further)
         if len(cuts) > len(knots_s):
-            bounds = np.maximum.reduceat(bounds, np.searchsorted(cuts, knots_s[:-1]))
+            bounds = np.maximum.reduceat(bounds, begins[:-1])
         return np.asarray(bounds * (1.0 + _SLACK))
 
     def sampled(self, fewest: int) -> Sampled:

@@ -49,9 +49,13 @@ def _enclosure(curve: JoinedCurve, knots: FloatArray, points: FloatArray, bends:
 
 
 def enclose(curve: JoinedCurve, cells: int) -> Enclosure:
-    """Enclose each smooth piece of a curve in ``cells`` parts or more, more than it has frequencies."""
+    """Enclose each smooth piece of a curve in ``cells`` parts or more, more than it has frequencies.
+
+    Where pieces meet there is a part without length: what the tube touches at that instant alone.
+    """
     knots, points, _, bends = curve.sampled(cells)
-    return _enclosure(curve, knots, points, bends)
+    twice = np.sort(np.concatenate((np.arange(len(knots)), np.searchsorted(knots, curve.instants_s))))
+    return _enclosure(curve, knots[twice], points[twice], bends[twice])
 
 
 def insert_knots(curve: JoinedCurve, enclosure: Enclosure, knots_s: FloatArray) -> Enclosure:

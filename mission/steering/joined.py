@@ -62,6 +62,16 @@ class JoinedCurve:
         """T, the steering time of all legs."""
         return float(self.joints_s[-1])
 
+    @cached_property
+    def instants_s(self) -> FloatArray:
+        """Where pieces meet, and where those of splines do: places at which it was made to be somewhere."""
+        within = [
+            start + piece.instants_s
+            for start, piece in zip(self.joints_s, self.pieces, strict=False)
+            if isinstance(piece, BezierCurve)
+        ]
+        return np.concatenate((self.joints_s[1:-1], *within))
+
     @property
     def length_m(self) -> float:
         """Arc length."""

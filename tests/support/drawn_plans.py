@@ -22,6 +22,7 @@ from mission.spec.loader import parse_mission
 from mission.steering.certificate import Certificate
 from mission.steering.path import build_path
 from mission.steering.proved_smoothing import fit_legs
+from tests.support.steered_plans import fields_of, series_of
 
 PAPER = b"""
 name: paper
@@ -93,7 +94,7 @@ def plan_of(tour: Tour) -> FlightPlan:
         speed_m_s=flight.speed_m_s,
         final_stay_s=flight.final_stay_s,
     )
-    curve = fit_legs(path.legs, 60, spec.smoothing.extension)
+    curve = fit_legs(path.legs, 60, series_of(spec).extension)
     tube_m = flight.disturbance_m_s2 * flight.time_constant_s**2
     certificate = Certificate(
         holds=True,
@@ -158,7 +159,7 @@ def flight_of(plan: FlightPlan, *, error_m: FloatArray | None = None, reports: i
             velocity_m_s=[*velocity[k], 0.0],
             attitude_rad=attitude,
         )
-    for segment in plan.path.segments:
+    for segment in fields_of(plan).segments:
         label = plan.labelling.label(segment.triangle)
         record.write("visit", begin + segment.start_s, triangle=segment.triangle, labels=label)
     record.write("text", begin + duration, severity=4, text="<script>alert('wind')</script>")

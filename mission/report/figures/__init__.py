@@ -86,8 +86,8 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
         Picture(
             "05_planned_path.png",
             "Planned path",
-            "What the steering law flies through the triangles of the run. Its direction jumps from one triangle to "
-            "the next.",
+            "The shortest path that does what the run does; or, where the mission asks for the Fourier series, what "
+            "the steering law flies through the triangles of the run. Its direction jumps.",
         ),
         planned_path,
     ),
@@ -95,7 +95,7 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
         Picture(
             "06_time_histories.png",
             "Planned and smoothed path over time",
-            "The planned path and its Fourier series. The jumps of the velocity are what the smoothing removes.",
+            "The planned path and the smoothed one. The jumps of the velocity are what the smoothing removes.",
         ),
         time_histories,
     ),

@@ -23,18 +23,20 @@ AXIS_NAMES = ("east", "north")
 
 
 def time_histories(plan: FlightPlan) -> Figure:
-    """Figure 6: position and velocity of the planned path and of its Fourier series, over the path's own time."""
-    s = np.linspace(0.0, plan.path.duration_s, SAMPLES)
+    """Figure 6: position and velocity of the planned and of the smoothed path, over the time of the curve."""
     curve = plan.trajectory.curve
-    planned = (plan.path.position(s), plan.path.velocity(s))
+    s = np.linspace(0.0, curve.duration_s, SAMPLES)
+    # What is planned is passed in its own time where it is no path of fields; it is drawn over that of the curve.
+    faster = plan.path.duration_s / curve.duration_s
+    planned = (plan.path.position(s * faster), plan.path.velocity(s * faster) * faster)
     smoothed = (curve.position(s), curve.derivative(s, 1))
     with drawing():
         legend: list[Artist] = [
             Line2D([], [], color=SMOOTHED, lw=2.4, label="smoothed"),
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
         ]
-        note = "Time of the steering law, before the time law that keeps the vehicle's limits."
-        figure, grid = _grid("Planned and smoothed path over time", 2, legend, note, "steering time, s")
+        note = "Time of the curve, before the time law that keeps the vehicle's limits."
+        figure, grid = _grid("Planned and smoothed path over time", 2, legend, note, "time of the curve, s")
         for column in range(2):
             for row, name in enumerate(("position, m", "velocity, m/s")):
                 axes = grid[row][column]

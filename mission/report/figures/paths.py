@@ -114,7 +114,9 @@ def _proof(certificate: Certificate, *, with_clearances: bool) -> str:
     clearance = certificate.clearance_m
     beyond = " and their clearances" * with_clearances
     kept = "" if clearance is None else f"; the path keeps at least {clearance:.3g} m from restricted regions{beyond}"
-    return f"Frequencies of the Fourier series: {certificate.frequencies}; {proved}{kept}."
+    waves = f"Frequencies of the Fourier series: {certificate.frequencies}; " if certificate.frequencies else ""
+    told = f"{waves}{proved}{kept}."
+    return told[0].upper() + told[1:]
 
 
 def tube_pieces(position_m: FloatArray, half_m: float) -> GeometryArray:

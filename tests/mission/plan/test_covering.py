@@ -9,6 +9,7 @@ from mission.plan import FlightPlan, plan_from_json, plan_to_json
 from tests.support.fields import FIELD_WITH_A_BARN, TWO_FIELDS
 from tests.support.proofs import untrue
 from tests.support.small_missions import plan_of
+from tests.support.steered_plans import fields_of
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,7 @@ def test_each_lap_covers_each_region_once_wherever_it_begins(start: str) -> None
     """Also where the lap begins within a visit, and where the flight begins in a region."""
     plan = plan_of(TWO_FIELDS.replace("START", start))
     assert plan.path.lap is not None
-    lap = plan.path.segments[slice(*plan.path.lap)]
+    lap = fields_of(plan).segments[slice(*plan.path.lap)]
     assert sum(segment.lanes is not None for segment in lap) == 2
     assert sorted(visit.region for visit in plan.covers) == ["east", "west"]
     assert plan.trajectory.lap is not None

@@ -9,6 +9,7 @@ import shapely
 from mission.plan import FlightPlan, plan_mission
 from mission.plan.loiter import loiter_stops
 from mission.spec.loader import parse_mission
+from tests.support.steered_plans import fields_of
 
 MISSION = """\
 domain:
@@ -33,7 +34,9 @@ def depths(plan: FlightPlan) -> list[float]:
     """How deep inside its region the vehicle stands at each of its stops."""
     return [
         stop.depth_m
-        for stop in loiter_stops(plan.path, plan.trajectory.curve, plan.partition, plan.labelling, plan.spec.regions)
+        for stop in loiter_stops(
+            fields_of(plan), plan.trajectory.curve, plan.partition, plan.labelling, plan.spec.regions
+        )
     ]
 
 
@@ -52,7 +55,7 @@ def test_who_loiters_in_a_circle_stands_near_its_middle(radius_m: float, tube: f
 
 def test_a_visit_of_a_small_circle_goes_where_the_tube_has_room() -> None:
     plan = planned("centre: [80, 40], radius_m: 3", 1.2)
-    (visit,) = [segment for segment in plan.path.segments if segment.lanes]
+    (visit,) = [segment for segment in fields_of(plan).segments if segment.lanes]
     assert visit.lanes is not None
     there = visit.lanes.corners_m[1]
     assert math.dist(there, (80.0, 40.0)) < 1.0
@@ -79,4 +82,4 @@ def test_laps_loiter_in_the_middle_each_time() -> None:
 
 def test_where_triangles_have_room_nothing_is_added() -> None:
     plan = planned("polygon: [[95, 10], [112, 10], [112, 26], [95, 26]], loiter_s: 2", 0.5)
-    assert [segment for segment in plan.path.segments if segment.lanes] == []
+    assert [segment for segment in fields_of(plan).segments if segment.lanes] == []

@@ -21,6 +21,7 @@ from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.proofs import untrue
 from tests.support.required import required
 from tests.support.small_missions import ROUNDS, plan_of
+from tests.support.steered_plans import fields_of
 
 PATROL = Path(__file__).parents[3] / "missions" / "patrol.yaml"
 
@@ -46,7 +47,7 @@ def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there(
     spec = load_mission(PATROL)
     patrol = plan_mission(replace(spec, formula=f"F (north & F home) & {spec.formula}"))
     prover = prover_of(patrol.spec, patrol.partition, patrol.labelling, patrol.compiled_refutation, patrol.restricted)
-    out, lap, _ = patrol.path.legs
+    out, lap, _ = fields_of(patrol).legs
     assert any("north" in patrol.labelling.label(segment.triangle) for segment in out.segments)
     whole = [fit_fourier(leg, 200, Extension.ODD) for leg in (out, lap)]
     assert prover.certify(JoinedCurve(tuple(whole)), repeats=True).holds

@@ -14,6 +14,7 @@ from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing
 from tests.support.proofs import untrue
 from tests.support.small_missions import ROUNDS
+from tests.support.steered_plans import fields_of, series_of
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -54,7 +55,7 @@ def test_each_of_the_papers_runs_is_proved(run: int, extension: Extension) -> No
     assert plan.certificate.holds
     turns = [i for i in range(1, 12) if plan.run.states[i - 1] == plan.run.states[i + 1]]
     assert [i for i in turns if plan.run.states[i] == 3] == turns  # only S1 is turned back from
-    assert sum(segment.control == 0 for segment in plan.path.segments) == 1 + len(turns)
+    assert sum(segment.control == 0 for segment in fields_of(plan).segments) == 1 + len(turns)
 
 
 def test_the_papers_own_semantics_gives_the_same_numbers() -> None:
@@ -82,7 +83,7 @@ def test_every_mission_has_a_proved_plan_whose_run_satisfies_its_formula(file: P
 
 def entries(plan: FlightPlan, name: str) -> list[int]:
     """Places on the path at which a region is entered."""
-    inside = [name in plan.labelling.label(segment.triangle) for segment in plan.path.segments]
+    inside = [name in plan.labelling.label(segment.triangle) for segment in fields_of(plan).segments]
     return [i for i in range(1, len(inside)) if inside[i] and not inside[i - 1]]
 
 
@@ -186,14 +187,14 @@ def test_restricted_regions_are_kept_off_even_if_the_formula_forgets_them(paper:
 
 
 def test_too_few_frequencies_are_refused_with_the_place(paper: FlightPlan) -> None:
-    rough = changed(paper.spec, smoothing=dataclasses.replace(paper.spec.smoothing, frequencies=2))
+    rough = changed(paper.spec, smoothing=dataclasses.replace(series_of(paper.spec), frequencies=2))
     with pytest.raises(NoPlanError, match=r"2 frequencies is not proved .* ask for more frequencies"):
         plan_mission(rough)
 
 
 def test_a_tube_wider_than_the_gaps_has_no_proof(paper: FlightPlan) -> None:
     flight = dataclasses.replace(paper.spec.flight, disturbance_m_s2=0.2)  # 5 m at tau = 5 s
-    smoothing = dataclasses.replace(paper.spec.smoothing, frequencies="auto")
+    smoothing = dataclasses.replace(series_of(paper.spec), frequencies="auto")
     with pytest.raises(NoPlanError, match="tube of 5 m"):
         plan_mission(changed(paper.spec, flight=flight, smoothing=smoothing))
 

@@ -1,0 +1,334 @@
+"""From a run to a smooth curve in the corridor of the shortest path that does what the run does, with its proof."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from typing import Final, NamedTuple
+
+import numpy as np
+import shapely
+
+from mission.errors import UnprovedError
+from mission.geometry.arrays import BoolArray, FloatArray
+from mission.geometry.regions import Labelling
+from mission.geometry.simplices import Partition
+from mission.logic.automata.conjunction import Conjunction
+from mission.plan.covering import CoveredVisit, Covering
+from mission.plan.progress import Grounds, Stage, Stages, StagesOfRuns
+from mission.plan.visits import covered_visits, passage_at, visits
+from mission.planning.run import Run
+from mission.spec.model import MissionSpec, Point, Region
+from mission.steering.certificate import Certificate
+from mission.steering.corridor import Pace, Way, smooth_ways
+from mission.steering.joined import Curve, JoinedCurve, Piece
+from mission.steering.polyline import Polyline
+from mission.steering.rounded import RoundedPolyline
+from mission.steering.taut import TautLine, taut_path
+from mission.steering.timing import level_acceleration
+
+_ROOM_OF_TUBE: Final = 0.01
+_ROOM_OF_EXTENT: Final = 2e-4
+"""How far the curve stays from where its tube would touch what it must not, as parts of the tube and the domain."""
+_MORE_ROOM: Final = (1.0, 8.0)  # times that room, until a proof is found
+
+
+@dataclass(frozen=True, eq=False)
+class CorridorPath:
+    """A flight through a corridor.
+
+    Attributes:
+        planned: The taut path, with the lanes of regions that are covered.
+        curve: The smooth path, flown through between its rests: the way to the lap, and the lap.
+        certificate: The proof.
+        lap: Which leg is the lap; None where there is none.
+        stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
+        covers: The lanes.
+        margin_m: Half width of the square that has room round every place of it.
+        onward: First and second derivative with which laps end that are flown through; None where the curve ends at
+            rest.
+    """
+
+    planned: Polyline
+    curve: JoinedCurve
+    certificate: Certificate
+    lap: int | None
+    stops: tuple[tuple[float, float], ...]
+    covers: tuple[CoveredVisit, ...]
+    margin_m: float
+    onward: tuple[FloatArray, FloatArray] | None
+
+
+class _Line(NamedTuple):
+    """A taut line with what is done at its end.
+
+    Attributes:
+        way: The line.
+        held_s: How long the vehicle loiters at its end; 0 where it does not.
+        lanes: The lanes that are flown then.
+    """
+
+    way: Way
+    held_s: float = 0.0
+    lanes: RoundedPolyline | None = None
+
+    @property
+    def rests(self) -> bool:
+        return self.held_s > 0.0 or self.lanes is not None
+
+
+@dataclass(frozen=True, eq=False)
+class CorridorPlanner:
+    """Plans flights through corridors for one mission.
+
+    Attributes:
+        spec: The mission.
+        partition: Its triangles.
+        labelling: Their labels.
+        restricted: Shape (M,), the triangles that must not be touched.
+        automaton: Of what the flight satisfies.
+        covering: Covers the mission's regions; None where a visit is just that.
+    """
+
+    spec: MissionSpec
+    partition: Partition
+    labelling: Labelling
+    restricted: BoolArray
+    automaton: Conjunction
+    covering: Covering | None
+
+    @property
+    def pace(self) -> Pace:
+        """What the vehicle can do, and may."""
+        flight, limits = self.spec.flight, self.spec.limits
+        acceleration = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
+        return Pace(min(flight.speed_m_s, limits.speed_m_s), acceleration, 2.0 * acceleration)
+
+    def path(self, run: Run, start_m: Point, certify: Callable[[JoinedCurve], Certificate]) -> CorridorPath:
+        """A smooth path that does what a run does, proved.
+
+        Raises:
+            NoStagesError: What the run spells depends on its triangles.
+            NoWayError: No path is as far from what it must not touch as its tube is wide.
+            NoPlanError: A region that is visited cannot be covered as the mission asks.
+            UnprovedError: There is no proof.
+        """
+        room_m = max(_ROOM_OF_TUBE * self.spec.flight.tube_m, _ROOM_OF_EXTENT * self.partition.extent_m)
+        failure: UnprovedError | None = None
+        for more in _MORE_ROOM:
+            try:
+                return self._proved(run, start_m, certify, self.spec.flight.tube_m + more * room_m)
+            except UnprovedError as error:
+                failure = failure or error
+        raise failure or UnprovedError("nothing was tried", counterexample=(), where_s=None)
+
+    def _proved(
+        self, run: Run, start_m: Point, certify: Callable[[JoinedCurve], Certificate], margin_m: float
+    ) -> CorridorPath:
+        grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m)
+        stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run)
+        to_lap, lap = self._lines(run, stages, np.asarray(start_m, dtype=np.float64))
+        flown = _Flown(self.pace, to_lap, lap)
+        curve = flown.curve
+        certificate = certify(curve)
+        if not certificate.holds:
+            raise UnprovedError(
+                f"the tube of {certificate.tube_m:g} m around the curve {certificate.reason}",
+                counterexample=certificate.counterexample,
+                where_s=certificate.where_s,
+            )
+        return CorridorPath(
+            planned=_planned([*to_lap, *lap], len(to_lap) if lap else None, self.pace.speed_m_s),
+            curve=curve,
+            certificate=certificate,
+            lap=len(curve.legs) - 1 if lap else None,
+            stops=flown.stops,
+            covers=tuple(self.covering.visit(lanes, start_s) for lanes, start_s in flown.lanes)
+            if self.covering
+            else (),
+            margin_m=margin_m,
+            onward=flown.onward,
+        )
+
+    def _visits(self, flown: "_Flown") -> tuple[CoveredVisit, ...]:
+        """The lanes that are flown."""
+        if self.covering is None:
+            return ()
+        return tuple(self.covering.visit(lanes, start_s) for lanes, start_s in flown.lanes)
+
+    def _lines(self, run: Run, stages: Stages, start_m: FloatArray) -> tuple[list[_Line], list[_Line]]:
+        """The taut lines to the lap, and those of the lap, which begins at a rest if it has one."""
+        covers = self._covers(run, stages)
+        stretches: list[Stage] = []
+        done: list[tuple[float, RoundedPolyline | None]] = []
+        renumbered: list[int] = []
+        for number, stage in enumerate(stages.stages):
+            renumbered.append(len(stretches))
+            lanes = covers.get(number, [])
+            for curve in lanes:
+                begin, end = curve.corners_m[0], curve.corners_m[-1]
+                stretches.append(replace(stage, target=shapely.Point(begin), restart_m=end))
+                done.append((0.0, curve))
+            if not lanes:
+                stretches.append(stage)
+                done.append((self._held_s(stage), None))
+        found = taut_path(
+            start_m,
+            stretches,
+            lap=None if stages.lap is None else renumbered[stages.lap],
+            entries=[renumbered[entry] for entry in stages.entries],
+        )
+        lines = [_line(line, stretches[line.stage], *done[line.stage]) for line in found.lines]
+        if found.lap is None:
+            return lines, []
+        to_lap, lap = lines[: found.lap], lines[found.lap :]
+        if to_lap:
+            # It leads to where the lap begins; what is done there is done at the end of each lap.
+            to_lap[-1] = _Line(to_lap[-1].way)
+        first = next((number for number, line in enumerate(lap) if line.rests), None)
+        return (
+            ([*to_lap, *lap[: first + 1]], [*lap[first + 1 :], *lap[: first + 1]])
+            if first is not None
+            else (to_lap, lap)
+        )
+
+    def _held_s(self, stage: Stage) -> float:
+        """How long the vehicle loiters where a stage ends."""
+        if stage.index < 1:
+            return 0.0
+        return max((region.loiter_s for region in self.spec.regions if region.name in stage.names), default=0.0)
+
+    def _covers(self, run: Run, stages: Stages) -> dict[int, list[RoundedPolyline]]:
+        """The lanes of each stage with whose visit regions are covered."""
+        if self.covering is None:
+            return {}
+        whole, semantics = self.automaton.whole, self.spec.semantics
+        found: dict[int, list[RoundedPolyline]] = {}
+        for index, regions in covered_visits(self.spec, self.partition, self.labelling, whole, run).items():
+            passage = passage_at(self.labelling, whole, run, semantics, index)
+            centre = self.partition.corners_m[run.states[index]].mean(axis=0)
+            place = (float(centre[0]), float(centre[1]))
+            for region in regions:
+                stage = self._stage_of(run, stages, index, region)
+                found.setdefault(stage, []).append(self.covering.lanes(region, passage, place, returning=False))
+        return found
+
+    def _stage_of(self, run: Run, stages: Stages, index: int, region: Region) -> int:
+        """The stage that ends with the visit of a region."""
+        inside = [region.name in self.labelling.label(triangle) for triangle in run.states]
+        first, last = next((a, b) for a, b in visits(inside) if a <= index <= b)
+        ends = [number for number, stage in enumerate(stages.stages) if first <= stage.index <= last]
+        if not ends:
+            raise UnprovedError(f"the visit of {region.name} changes nothing", counterexample=(), where_s=None)
+        return ends[0]
+
+
+def _line(line: TautLine, stage: Stage, held_s: float, lanes: RoundedPolyline | None) -> _Line:
+    target = stage.target if shapely.get_dimensions(stage.target) > 0 and held_s == 0.0 else None
+    return _Line(Way(line.points_m, line.free, target), held_s, lanes)
+
+
+class _Flown:
+    """The curves along lines, what they are joined of, and what is done on them.
+
+    Args:
+        pace: What the vehicle can do.
+        to_lap: The lines that are flown once.
+        lap: Those of the lap; it begins at a rest, or has none.
+    """
+
+    def __init__(self, pace: Pace, to_lap: Sequence[_Line], lap: Sequence[_Line]) -> None:
+        self._pace = pace
+        self._pieces: list[Piece] = []
+        self._stops: list[tuple[int, float]] = []  # after so many pieces, seconds
+        self._lanes: list[tuple[RoundedPolyline, int]] = []  # with so many pieces before
+        through = bool(lap) and not any(line.rests for line in lap)
+        lap_from = None
+        if through:
+            *groups, last = _groups([*to_lap, *lap])
+            lap_from = self._fly_through(groups, last, len(lap))
+        else:
+            self._fly(_groups(to_lap))
+            if lap:
+                lap_from = len(self._pieces)
+                self._fly(_groups(lap))
+        self._lap_from, self._through = lap_from, through
+
+    def _fly(self, groups: Sequence[Sequence[_Line]]) -> None:
+        for group in groups:
+            self._pieces.extend(self._smooth(group, None))
+            self._end(group[-1])
+
+    def _fly_through(self, groups: Sequence[Sequence[_Line]], last: Sequence[_Line], laps: int) -> int:
+        self._fly(groups)
+        curves = self._smooth(last, len(last) - laps)
+        self._pieces.extend(curves)
+        return len(self._pieces) - 1
+
+    def _smooth(self, group: Sequence[_Line], lap: int | None) -> tuple[Piece, ...]:
+        if all(len(line.way.points_m) < 2 for line in group):  # noqa: PLR2004 - a line
+            return ()
+        return smooth_ways([line.way for line in group], self._pace, lap=lap)
+
+    def _end(self, line: _Line) -> None:
+        if line.held_s > 0.0:
+            self._stops.append((len(self._pieces), line.held_s))
+        if line.lanes is not None:
+            self._lanes.append((line.lanes, len(self._pieces)))
+            self._pieces.append(line.lanes)
+
+    @property
+    def curve(self) -> JoinedCurve:
+        """The whole curve."""
+        cut = len(self._pieces) if self._lap_from is None else self._lap_from
+        return JoinedCurve(tuple(_joined(part) for part in (self._pieces[:cut], self._pieces[cut:]) if part))
+
+    @property
+    def onward(self) -> tuple[FloatArray, FloatArray] | None:
+        """First and second derivative with which laps end that are flown through."""
+        if not self._through:
+            return None
+        _, slope, bend = self._pieces[-1].jet([self._pieces[-1].duration_s])
+        return slope[0], bend[0]
+
+    @property
+    def _ends_s(self) -> list[float]:
+        return list(accumulate((piece.duration_s for piece in self._pieces), initial=0.0))
+
+    @property
+    def stops(self) -> tuple[tuple[float, float], ...]:
+        """Pairs (curve parameter, seconds)."""
+        ends_s = self._ends_s
+        return tuple((ends_s[count], held_s) for count, held_s in self._stops)
+
+    @property
+    def lanes(self) -> Iterator[tuple[RoundedPolyline, float]]:
+        """Lanes, and the parameter at which they begin."""
+        ends_s = self._ends_s
+        return ((lanes, ends_s[count]) for lanes, count in self._lanes)
+
+
+def _groups(lines: Sequence[_Line]) -> list[list[_Line]]:
+    """Lines from rest to rest."""
+    groups: list[list[_Line]] = [[]]
+    for line in lines:
+        groups[-1].append(line)
+        if line.rests:
+            groups.append([])
+    return groups if groups[-1] or len(groups) == 1 else groups[:-1]
+
+
+def _joined(pieces: Sequence[Piece]) -> Curve:
+    return pieces[0] if len(pieces) == 1 else JoinedCurve(tuple(pieces))
+
+
+def _planned(lines: Sequence[_Line], lap: int | None, speed_m_s: float) -> Polyline:
+    """All lines and lanes as one polyline."""
+    parts: list[FloatArray] = []
+    begins: list[int] = []
+    for line in lines:
+        begins.append(max(0, sum(map(len, parts)) - 1))
+        parts.append(line.way.points_m)
+        if line.lanes is not None:
+            parts.append(line.lanes.corners_m)
+    points = np.concatenate(parts)
+    return Polyline(points, speed_m_s, None if lap is None else (begins[lap], len(points) - 1))

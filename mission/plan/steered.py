@@ -1,0 +1,173 @@
+"""From the best runs to a smooth path with a proof: in the corridor of the shortest path, or by the paper's fields."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+from mission.errors import NoPlanError
+from mission.geometry.arrays import BoolArray
+from mission.logic.automata.automaton import compile_to_alphabet
+from mission.logic.automata.safety import safety_of
+from mission.plan.best_runs import BestRuns
+from mission.plan.corridor_back import way_back_in_corridor
+from mission.plan.corridor_path import CorridorPlanner
+from mission.plan.covering import CoveredVisit
+from mission.plan.detour import MOST_SEARCHES, Avoided, flown_run
+from mission.plan.flight_plan import prover_of
+from mission.plan.homeward import Homeward
+from mission.plan.progress import NoStagesError
+from mission.plan.proved_path import PathPlanner
+from mission.plan.proved_run import PassedOver, ProvedRun, proved_run
+from mission.plan.shortest_way import RunSearch
+from mission.plan.specification import Specification
+from mission.plan.way_back import way_back
+from mission.planning.run import Run
+from mission.spec.model import CORRIDOR, Point
+from mission.steering.certificate import Certificate, Prover
+from mission.steering.joined import JoinedCurve
+from mission.steering.layered_paths import NoWayError
+from mission.steering.path import SteeringPath
+from mission.steering.polyline import Polyline
+from mission.steering.proved_smoothing import ProvedCurve
+
+
+@dataclass(frozen=True, eq=False)
+class Steered:
+    """A run with its smooth path and its proof; the attributes are those of ``FlightPlan`` of the same names.
+
+    Attributes:
+        curve: The smoothed path, each leg once, the way back from laps among them.
+        lap: Which leg is the lap; None where there is none.
+        avoided: The triangles that were closed because no run through them is proved.
+    """
+
+    run: Run
+    run_index: int
+    among: BestRuns
+    path: SteeringPath | Polyline
+    curve: JoinedCurve
+    lap: int | None
+    certificate: Certificate
+    homeward: Homeward | None
+    stops: tuple[tuple[float, float], ...]
+    covers: tuple[CoveredVisit, ...]
+    passed_over: tuple[PassedOver, ...] = ()
+    avoided: tuple[Avoided, ...] = ()
+    instead: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Steering:
+    """What the steering of one mission starts from.
+
+    Attributes:
+        planner: Of the mission, by fields.
+        restricted: Shape (M,), triangles that must not be entered.
+        specification: What the flight satisfies.
+        search: Searches runs.
+        found: The best ones.
+        index: Which of them was asked for.
+        free: Whether another one will do.
+        start_m: Where the flight begins.
+    """
+
+    planner: PathPlanner
+    restricted: BoolArray
+    specification: Specification
+    search: RunSearch
+    found: BestRuns
+    index: int
+    free: bool
+    start_m: Point
+
+    def steered(self) -> Steered:
+        """A run with its smooth path and its proof, as the mission asks for it.
+
+        Where no curve in a corridor is proved, or the words of the mission count triangles, the path of the fields is
+        flown instead.
+
+        Raises:
+            NoPlanError: Nothing is proved.
+        """
+        instead = ""
+        if self.planner.spec.smoothing == CORRIDOR:
+            try:
+                return self._in_corridor()
+            except (NoStagesError, NoWayError, NoPlanError) as error:
+                instead = str(error)
+        return self._by_fields(instead)
+
+    @property
+    def _prover(self) -> Prover:
+        of = self.planner
+        refutation = compile_to_alphabet(self.specification.refutation, of.labelling.letters)
+        return prover_of(of.spec, of.partition, of.labelling, refutation, self.restricted)
+
+    def _in_corridor(self) -> Steered:
+        of, automaton = self.planner, self.found.product.automaton
+        planner = CorridorPlanner(of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering)
+        run = self.found.runs[self.index]
+        flown = planner.path(run, self.start_m, partial(self._prover.certify, repeats=run.recurrent))
+        path, curve, homeward = flown.planned, flown.curve, None
+        if flown.lap is not None:
+            # In T: the lap may begin elsewhere than the one that was searched.
+            onward = partial(self.search.homeward, replace(self.found, way=None))
+            back = way_back_in_corridor(planner, onward, safety_of(automaton.whole), run, flown)
+            if back is not None:
+                homeward, path, curve = back.homeward, path.then(back.planned), JoinedCurve((*curve.legs, back.curve))
+        return Steered(
+            run=run,
+            run_index=self.index,
+            among=self.found,
+            path=path,
+            curve=curve,
+            lap=flown.lap,
+            certificate=flown.certificate,
+            homeward=homeward,
+            stops=flown.stops,
+            covers=flown.covers,
+        )
+
+    def _by_fields(self, instead: str) -> Steered:
+        planner, prover = self.planner, self._prover
+
+        def smoothed(tried: Run, path: SteeringPath, doubtful: bool) -> ProvedCurve:  # noqa: FBT001 - as proved_run has it
+            certify = partial(prover.certify, repeats=tried.recurrent)
+            return planner.smoothed(path, certify, joins=tried.recurrent, doubtful=doubtful)
+
+        def proved_of(best: BestRuns) -> ProvedRun:
+            steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=self.start_m)
+            if best is self.found:
+                return proved_run(best.runs, self.index, steered, smoothed, others=self.free)
+            return proved_run(best.runs, 0, steered, smoothed, others=False, doubtful=True)
+
+        flown = flown_run(
+            self.found,
+            proved_of,
+            partial(self.search.best, self.specification),
+            start=self.search.maps.triangle,
+            most_searches=MOST_SEARCHES if self.free else 0,
+        )
+        chosen, path, proved = flown.proved.run, flown.proved.path, flown.proved.proved
+        curve, homeward = proved.curve, None
+        if chosen.recurrent:
+            safety = safety_of(flown.among.product.automaton.whole)
+            onward = partial(self.search.homeward, flown.among, lap_triangle=chosen.suffix[0])
+            back = way_back(planner, onward, safety, self.restricted, laps=chosen, proved=proved)
+            if back is not None:
+                homeward, path = back.homeward, path.then(back.path)
+                curve = JoinedCurve((*curve.legs, *back.curve.legs))
+        return Steered(
+            run=chosen,
+            run_index=flown.proved.index,
+            among=flown.among,
+            path=path,
+            curve=curve,
+            lap=path.repeated_leg,
+            certificate=proved.certificate,
+            homeward=homeward,
+            stops=tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve)),
+            covers=planner.covering.visits(path) if planner.covering else (),
+            passed_over=flown.passed_over,
+            avoided=flown.avoided,
+            instead=instead,
+        )

@@ -1,0 +1,155 @@
+"""Convex cells along a taut path, each wholly free: the corridor that a curve may use.
+
+A cell begins as the rectangle round a straight stretch of the path, and is cut by the nearest border of what is in the
+way, again and again, until no border lies in it: between two convex sets, here a stretch and a piece of the border, the
+line across the shortest way between them separates them. Where the path touches a border, at its bends, the way has no
+length; there the line runs along the stretch, for at a bend of a taut path what is in the way lies within the angle of
+the two stretches. At each bend a further cell lies between those of the stretches, bounded by the line across the
+bisector of that angle: it holds what both have in common, and more.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import shapely
+
+from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
+
+_TOUCHING: Final = 1e-7  # of the coordinates: what is nearer than that touches
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """A convex polygon {x : n_i . x <= b_i}.
+
+    Attributes:
+        normals: Shape (m, 2), unit vectors.
+        offsets_m: Shape (m,).
+    """
+
+    normals: FloatArray
+    offsets_m: FloatArray
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "normals", frozen_floats(self.normals))
+        object.__setattr__(self, "offsets_m", frozen_floats(self.offsets_m))
+
+    def holds(self, points_m: FloatArray, slack_m: float = 0.0) -> BoolArray:
+        """Which points (P, 2) lie in the cell, widened by ``slack_m``, shape (P,)."""
+        return np.asarray((points_m @ self.normals.T <= self.offsets_m + slack_m).all(axis=1))
+
+
+def borders_of(free: shapely.Geometry) -> FloatArray:
+    """The edges of an area, shape (E, 2, 2), each with the area on its left."""
+    polygons = [shapely.geometry.polygon.orient(part) for part in shapely.get_parts(free) if part.area > 0.0]
+    rings = [shapely.get_coordinates(ring) for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
+    edges = [np.stack((ring[:-1], ring[1:]), axis=1) for ring in rings]
+    return np.concatenate(edges) if edges else np.empty((0, 2, 2))
+
+
+def cell_round(
+    begin_m: FloatArray,
+    end_m: FloatArray,
+    borders_m: FloatArray,
+    reach_m: float,
+    *,
+    across: FloatArray | None = None,
+) -> Cell:
+    """A convex cell that holds a straight stretch and none of the borders.
+
+    Args:
+        begin_m: Shape (2,), where the stretch begins; the stretch crosses no border.
+        end_m: Shape (2,), where it ends; it may be the same.
+        borders_m: Shape (E, 2, 2), as ``borders_of`` gives them.
+        reach_m: How far the cell extends beyond the stretch, at most.
+        across: Of a bend, shape (2,): the cell ends there, with this outward normal.
+    """
+    along = end_m - begin_m
+    length = float(np.hypot(*along))
+    direction = along / length if length > 0.0 else np.array([1.0, 0.0])
+    side = np.array([-direction[1], direction[0]])
+    normals = [direction, -direction, side, -side]
+    offsets = [float(max(normal @ begin_m, normal @ end_m)) + reach_m for normal in normals]
+    touching = _TOUCHING * (1.0 + float(np.abs(begin_m).max()))
+    if across is not None:
+        normals.append(across)
+        offsets.append(float(across @ begin_m))
+    whole, edges = borders_m, borders_m
+    for normal, offset in zip(normals, offsets, strict=True):
+        whole, edges = _inside(whole, edges, normal, offset, touching)
+    while len(edges):
+        on_stretch, on_edge = _nearest(begin_m, end_m, edges)
+        nearest = int(np.hypot(*(on_edge - on_stretch).T).argmin())
+        # What was cut off of an edge that touches the stretch does not move it away.
+        (start,), (stop,) = _nearest(begin_m, end_m, whole[nearest : nearest + 1])
+        if np.hypot(*(stop - start)) > touching:
+            way = on_edge[nearest] - on_stretch[nearest]
+            normal = way / np.hypot(*way)
+            offset = float(normal @ on_edge[nearest])
+        else:
+            normal = _away(side if length > 0.0 else None, begin_m, whole[nearest], touching)
+            offset = float(max(normal @ begin_m, normal @ end_m))
+        normals.append(normal)
+        offsets.append(offset)
+        rest = np.arange(len(edges)) != nearest
+        whole, edges = _inside(whole[rest], edges[rest], normal, offset, touching)
+    return Cell(np.array(normals), np.array(offsets))
+
+
+def _away(side: FloatArray | None, begin_m: FloatArray, edge: FloatArray, touching: float) -> FloatArray:
+    """The normal of a line that separates a stretch, with its own normal, from an edge that touches it."""
+    if side is not None:
+        heights = (edge - begin_m) @ side
+        if heights.min() >= -touching and heights.max() > touching:
+            return side
+        if heights.max() <= touching and heights.min() < -touching:
+            return -side
+    along = edge[1] - edge[0]
+    right = np.array([along[1], -along[0]])
+    return np.asarray(right / np.hypot(*right))
+
+
+def _inside(
+    whole: FloatArray, edges: FloatArray, normal: FloatArray, offset: float, touching: float
+) -> tuple[FloatArray, FloatArray]:
+    """The edges (E, 2, 2) that reach deeper than ``touching`` into a half plane, whole and what of them does."""
+    heights = edges @ normal - (offset - touching)
+    kept = heights.min(axis=1) < 0.0
+    whole, edges, heights = whole[kept], edges[kept], heights[kept]
+    crossing = heights.max(axis=1) > 0.0
+    if crossing.any():
+        edges = edges.copy()
+        low, high = heights[crossing, 0], heights[crossing, 1]
+        cut = edges[crossing, 0] + (low / (low - high))[:, None] * (edges[crossing, 1] - edges[crossing, 0])
+        ends = edges[crossing]
+        ends[low > 0.0, 0] = cut[low > 0.0]
+        ends[high > 0.0, 1] = cut[high > 0.0]
+        edges[crossing] = ends
+    return whole, edges
+
+
+def _nearest(begin_m: FloatArray, end_m: FloatArray, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The nearest points of a stretch and of each edge (E, 2, 2) that it does not cross, each (E, 2)."""
+    candidates_on_stretch, candidates_on_edge = [], []
+    for end in (0, 1):
+        point = edges[:, end]
+        candidates_on_edge.append(point)
+        candidates_on_stretch.append(_foot(point, begin_m[None], end_m[None]))
+    for point in (begin_m[None], end_m[None]):
+        candidates_on_stretch.append(np.broadcast_to(point, (len(edges), 2)))
+        candidates_on_edge.append(_foot(point, edges[:, 0], edges[:, 1]))
+    on_stretch, on_edge = np.stack(candidates_on_stretch), np.stack(candidates_on_edge)
+    best = np.linalg.norm(on_edge - on_stretch, axis=2).argmin(axis=0)
+    index = np.arange(len(edges))
+    return on_stretch[best, index], on_edge[best, index]
+
+
+def _foot(points: FloatArray, begins: FloatArray, ends: FloatArray) -> FloatArray:
+    """The nearest point of each stretch to each point; all broadcast to (E, 2)."""
+    along = ends - begins
+    squares = (along**2).sum(axis=1)
+    shares = np.divide(
+        ((points - begins) * along).sum(axis=1), squares, out=np.zeros(max(len(points), len(begins))), where=squares > 0
+    )
+    return np.asarray(begins + np.clip(shares, 0.0, 1.0)[:, None] * along)
