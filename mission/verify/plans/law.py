@@ -15,6 +15,7 @@ from mission.verify.plans.patches import Patches
 
 _ROUNDING: Final = 1e-6  # of a limit, of a rate, and of places as a part of the whole
 _HALVINGS: Final = 16
+_MOST_INTERVALS: Final = 1 << 17
 
 
 class Rest(NamedTuple):
@@ -76,19 +77,22 @@ class Law:
         breaks = breaks[np.concatenate(([True], np.diff(breaks) > 1e-9 * self.duration_s))]
         limits = np.array([speed_m_s, acceleration_m_s2])
         for _ in range(_HALVINGS):
-            bounds = self._bounds(patches, breaks)
+            bounds, surely = self._bounds(patches, breaks)
             over = (bounds > limits[:, None] * (1.0 + _ROUNDING) + _ROUNDING).any(axis=0)
             if not over.any():
                 return None
-            breaks = np.union1d(breaks, 0.5 * (breaks[1:] + breaks[:-1])[over])
-            if over.sum() > (1 << 16):
+            if (surely > limits[:, None] * (1.0 + _ROUNDING) + _ROUNDING).any():
+                bounds = surely
                 break
+            if len(breaks) > _MOST_INTERVALS:
+                break
+            breaks = np.union1d(breaks, 0.5 * (breaks[1:] + breaks[:-1])[over])
         limit, worst = np.unravel_index(np.argmax(bounds / limits[:, None]), bounds.shape)
         most, unit = f"{bounds[limit, worst]:.6g}", ("m/s", "m/s^2")[limit]
         return f"there may be {most} {unit} at {breaks[worst]:.2f} s, and the limit is {limits[limit]:g}"
 
-    def _bounds(self, patches: Patches, breaks: FloatArray) -> FloatArray:
-        """Upper bounds of speed and acceleration between times, shape (2, K)."""
+    def _bounds(self, patches: Patches, breaks: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Upper bounds of speed and acceleration between times, shape (2, K), and what they are where these begin."""
         widths, middles = np.diff(breaks), 0.5 * (breaks[1:] + breaks[:-1])
         inner = middles + np.multiply.outer([-0.25, 0.0, 0.25], widths)
         _, rates, growths = (each.reshape(3, -1) for each in self.jet(inner.ravel()))
@@ -123,7 +127,9 @@ class Law:
             turned = np.max([most[1] * square[:, None] for square in (low**2, high**2)], axis=0)
             by_sides.append(grown + turned)
         sides_of = np.maximum(*by_sides)
-        return np.stack((steep * high, np.minimum(by_length, np.hypot(*np.maximum(sides_of, 0.0).T))))
+        bounds = np.stack((steep * high, np.minimum(by_length, np.hypot(*np.maximum(sides_of, 0.0).T))))
+        way, turn, pace, growing = first[begin, 0], second[begin, 0], control[0][:, None], ends[0][:, None]
+        return bounds, np.hypot(*np.stack((way * pace, turn * pace**2 + way * growing)).transpose(2, 0, 1))
 
     def _unaveraged(self, t_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Integral of the place, place and rate of the law before averaging; at rest outside of its span."""
