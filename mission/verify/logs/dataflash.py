@@ -107,7 +107,7 @@ class _Told:
 
     def finished(self) -> list[Telemetry]:
         """What was told, from start to start; arming and landing are told when they change."""
-        for boot in self._told.boots:
+        for boot in self._told.finish():
             began_otherwise(boot.armed)
             began_otherwise(boot.airborne)
         return self._told.boots

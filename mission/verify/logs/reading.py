@@ -86,10 +86,13 @@ def chosen_only(number: int | None) -> int:
 
 
 def _read(stream: BinaryIO, head: bytes, system: int | None) -> Log:
-    if head.startswith(dataflash.HEAD):
-        return dataflash.read_dataflash(stream)
-    if head.startswith(ulog.HEAD):
-        return ulog.read_ulog(stream)
+    """Read a log; the kinds that say at their beginning what they are come first."""
+    of_one = {dataflash.HEAD: dataflash.read_dataflash, ulog.HEAD: ulog.read_ulog}
+    for begin, read in of_one.items():
+        if head.startswith(begin):
+            if system is not None:
+                raise LogError("this log is of one vehicle: leave --system out")
+            return read(stream)
     if tlog.is_tlog(head):
         return tlog.read_tlog(stream, system)
     raise LogError(f"this is no log that can be read: name {_KINDS}")

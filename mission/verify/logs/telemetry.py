@@ -19,8 +19,11 @@ from mission.geometry.geodesy import LatLon
 STALE_S: Final = 1.0
 """A message that is so much older than others before it came late, by another way; or the autopilot began anew."""
 
-_ANEW: Final = 10
-"""So many old ones in a row mean that the autopilot began anew."""
+LEAP_S: Final = 60.0
+"""One that is so much newer has a time that is damaged; or nothing was logged in between."""
+
+_BELIEVED: Final = 10
+"""So many strange times in a row are believed."""
 
 MOST_ROWS: Final = 20_000_000
 _CLOCK_S: Final = 1.0
@@ -99,8 +102,8 @@ class Collector:
         self.boots = [Telemetry()]
         self.newest_s = -np.inf
         self._rows = 0
-        # Old messages, and with them what was told without a time: of whichever start it is.
-        self._old = 0
+        # What has a strange time, and with it what was told without one: of whichever start it is.
+        self._strange_s: list[float] = []
         self._waiting: list[Callable[[], None]] = []
 
     @property
@@ -123,33 +126,46 @@ class Collector:
 
     def note(self, told: Callable[[Telemetry, float], None]) -> None:
         """Something that was told without a time: it is given what was told since the start, and the newest time."""
-        if self._old:
+        if self._strange_s:
             self._waiting.append(lambda: told(self.now, self.newest_s))
         else:
             told(self.now, self.newest_s)
 
+    def finish(self) -> list[Telemetry]:
+        """What was told between two starts, in order; strange times at the end are believed if they are later ones."""
+        if self._strange_s and min(self._strange_s) > self.newest_s:
+            self._believe()
+        return self.boots
+
     def _take(self, t_s: float, add: Callable[[], None]) -> None:
-        if t_s >= self.newest_s - STALE_S:
-            waiting, self._waiting, self._old = self._waiting, [], 0
+        if self._fits(t_s):
+            # The strange ones came late, or were damaged; what came with them and had no time is not.
+            waiting, self._waiting, self._strange_s = self._waiting, [], []
             for each in waiting:
                 each()
             self.newest_s = max(self.newest_s, t_s)
             add()
             return
-        self._old += 1
-        if self._old < _ANEW:
-            self._waiting.append(lambda: self._again(t_s, add))
-            return
-        waiting, self._waiting, self._old = self._waiting, [], 0
-        self.boots.append(Telemetry())
+        self._strange_s.append(t_s)
+        self._waiting.append(lambda: self._take_again(t_s, add))
+        if len(self._strange_s) == _BELIEVED:
+            self._believe()
+
+    def _fits(self, t_s: float) -> bool:
+        return np.isinf(self.newest_s) or self.newest_s - STALE_S <= t_s <= self.newest_s + LEAP_S
+
+    def _believe(self) -> None:
+        """The clock began anew, or nothing was logged for long."""
+        if not min(self._strange_s) > self.newest_s:
+            self.boots.append(Telemetry())
         self.newest_s = -np.inf
+        waiting, self._waiting, self._strange_s = self._waiting, [], []
         for each in waiting:
             each()
-        self._take(t_s, add)
 
-    def _again(self, t_s: float, add: Callable[[], None]) -> None:
-        """Take an old message, where a clock has begun anew; else it came late, and is left out."""
-        if t_s >= self.newest_s - STALE_S:
+    def _take_again(self, t_s: float, add: Callable[[], None]) -> None:
+        """Take what had a strange time, where that is believed by now; else it is left out."""
+        if self._fits(t_s):
             self.newest_s = max(self.newest_s, t_s)
             add()
 

@@ -87,6 +87,8 @@ def read_tlog(stream: BinaryIO, system: int | None) -> Log:
             if frame.component_id == AUTOPILOT_COMPONENT:
                 received = codec.read(frame)
                 systems.setdefault(received.system_id, _Vehicle()).take(received.body, stamp_us * _US)
+    for each in systems.values():
+        each.told.finish()
     flying = {number: each for number, each in sorted(systems.items()) if each.flies}
     chosen = _chosen(flying, system)
     notes = [f"{records.skipped:,} bytes of the log are no frames and were passed over"] if records.skipped else []

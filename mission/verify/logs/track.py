@@ -16,6 +16,8 @@ from mission.verify.logs.telemetry import Clock, LogError
 
 _SPHERE_SHARE: Final = 0.005
 _AGREE_M: Final = 2.0
+_MOST: Final = 0.9  # of the rows: the others may be damaged
+_GLOBE_DEG: Final = (90.0, 180.0)
 _MOVED_M: Final = 0.5
 """An origin that is told anew so far away is another one."""
 
@@ -63,7 +65,7 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
         LogError: The positions cannot be brought there.
     """
     told = flight.told
-    local, world = _during(told.local_rows, flight), _during(told.world_rows, flight)
+    local, world = _during(told.local_rows, flight, (REACH_M, REACH_M)), _during(told.world_rows, flight, _GLOBE_DEG)
     if not len(local) and not len(world):
         raise LogError("the log has no positions of this flight; was the vehicle sure of where it was?")
     frame = _local_origin(flight)
@@ -72,8 +74,8 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
         if origin is not None and frame is not None:
             places = places + _apart(origin, frame)
     elif len(world):
-        rows, name = world, "positions on Earth"
-        places = _offsets(origin or LatLon(*world[0, 1:3].tolist()), world)
+        name = "positions on Earth"
+        rows, places = _seen_from(origin or LatLon(*world[0, 1:3].tolist()), world)
     else:
         raise LogError(
             "the mission lies at a place on Earth, and the log has local positions only, without "
@@ -110,17 +112,23 @@ def _is_local_better(local: FloatArray, world: FloatArray, origin: LatLon | None
         return gaps_s[1] > max(GAP_S, gaps_s[0])
     if gaps_s[0] > max(GAP_S, gaps_s[1]):
         return False
-    moved = _offsets(LatLon(*world[0, 1:3].tolist()), world)
+    world, moved = _seen_from(LatLon(*world[0, 1:3].tolist()), world)
     there = np.column_stack([np.interp(world[:, 0], local[:, 0], local[:, column]) for column in (2, 1)])
     apart = np.hypot(*(there - there[0] - moved).T) - _SPHERE_SHARE * np.hypot(*moved.T)
-    return bool(apart.max() < _AGREE_M)
+    return bool(np.mean(apart < _AGREE_M) >= _MOST)
 
 
-def _offsets(origin: LatLon, world: FloatArray) -> FloatArray:
+def _seen_from(origin: LatLon, world: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rows of positions on Earth and their offsets from a place; without those that are damaged.
+
+    Raises:
+        LogError: Most of them are beyond what an offset can be.
+    """
     places, away = enu_offsets_m(origin, world[:, 1:3])
-    if away.max() > REACH_M:
-        raise LogError(f"the flight is {away.max() / 1000.0:.0f} km away from the mission's origin")
-    return places
+    near = away <= REACH_M
+    if near.mean() < _MOST:
+        raise LogError(f"the flight is {np.median(away) / 1000.0:.0f} km away from the mission's origin")
+    return world[near], places[near]
 
 
 def _pictures(flight: Airborne) -> tuple[tuple[float, int], ...]:
@@ -132,8 +140,10 @@ def _pictures(flight: Airborne) -> tuple[tuple[float, int], ...]:
     return tuple((t_s, number) for number, t_s in first.items())
 
 
-def _during(rows: FloatArray, flight: Airborne) -> FloatArray:
-    return rows[(rows[:, 0] >= flight.begin_s) & (rows[:, 0] <= flight.end_s)]
+def _during(rows: FloatArray, flight: Airborne, most: Point) -> FloatArray:
+    """Rows of a flight; damaged ones, beyond what a coordinate can be, are left out."""
+    inside = (rows[:, 0] >= flight.begin_s) & (rows[:, 0] <= flight.end_s)
+    return rows[inside & (np.abs(rows[:, 1:3]) <= most).all(axis=1)]
 
 
 def _apart(origin: LatLon, frame: LatLon) -> Point:

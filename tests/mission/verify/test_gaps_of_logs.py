@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 
 from mission.geometry.location import Locator
 from mission.logic.automata.automaton import compile_to_alphabet
-from mission.monitor.gaps import GAP_S
 from mission.monitor.monitor import Monitor
 from mission.plan.specification import deterministic_of, of_mission
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec, Point
-from mission.verify.flown.judging import Judged, judged
+from mission.verify.flown.judging import judged
 from mission.verify.logs.telemetry import Clock
 from mission.verify.logs.track import Track
+from tests.support.gaps import contradictions, kept
 
 STEP_S = 0.1
 ACCELERATION_M_S2 = 4.0
@@ -72,40 +72,6 @@ def flown(places: list[Point]) -> Track:
     positions = np.concatenate(parts)
     times = np.linspace(100.0, 100.0 + STEP_S * (len(positions) - 1), len(positions))
     return Track(times, positions, 100.0, True, True, (), Clock.of(()), "as they are")
-
-
-def kept(track: Track, gaps: list[tuple[float, float]]) -> Track:
-    """Without what was told in these parts of it, from and for a share of its length; begin and end stay."""
-    inside = np.ones(len(track.t_s), dtype=np.bool_)
-    length_s = track.t_s[-1] - track.t_s[0]
-    for begin, share in gaps:
-        begin_s, end_s = track.t_s[0] + begin * length_s, track.t_s[0] + (begin + share) * length_s + GAP_S
-        inside &= (track.t_s < begin_s) | (track.t_s > end_s)
-    inside[[0, -1]] = True
-    return replace(track, t_s=track.t_s[inside], position_m=track.position_m[inside])
-
-
-def contradictions(told: Judged, whole: Judged) -> list[str]:
-    """What of a log with gaps the whole log gives the lie."""
-    found = []
-    if told.achieved is not None and whole.achieved is not None and told.achieved != whole.achieved:
-        found.append(f"{told.achieved} ({told.reason}), and it is {whole.achieved} ({whole.reason})")
-    if told.achieved and whole.achieved is None:
-        found.append("achieved, and nobody knows")
-    if told.violations and not whole.violations:
-        found.append(f"{told.violations}, and there are none")
-    for less, more in zip(told.nearness, whole.nearness, strict=True):
-        if not less.surely_m - 1e-6 <= more.least_m <= less.least_m + 1e-6:
-            found.append(f"{less}, and it is {more}")
-    known = {share.region: share for share in whole.covered}
-    for share in told.covered:
-        real = known.get(share.region)
-        if real is None:  # it was not entered
-            continue
-        # Tracks are simplified by a thousandth of half a spacing.
-        if not share.least - 0.01 <= real.least <= real.most <= share.most + 0.01:
-            found.append(f"{share}, and it is {real}")
-    return found
 
 
 CUT_FLIGHTS = (

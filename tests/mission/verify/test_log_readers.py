@@ -2,6 +2,7 @@
 
 import gzip
 import io
+import re
 import sys
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,9 +17,9 @@ from mission.geometry.geodesy import LatLon, place_at_offset
 from mission.verify.logs.dataflash import read_dataflash
 from mission.verify.logs.flights import flights_of
 from mission.verify.logs.reading import LoggedFlight, read_flight
-from mission.verify.logs.telemetry import LogError
+from mission.verify.logs.telemetry import Log, LogError
 from mission.verify.logs.tlog import read_tlog
-from mission.verify.logs.track import Track
+from mission.verify.logs.track import Track, track_of
 from tests.support.commands import ROOT
 from tests.support.logs import (
     HOME,
@@ -239,6 +240,7 @@ def test_a_ulog_that_is_cut_ends_in_the_air(tmp_path: Path) -> None:
 
 
 TLOG = tlog(flight(TIMES, PLACES))
+FORMATS = len(dataflash([]))
 DATAFLASH = dataflash(dataflash_flight(TIMES, PLACES))
 KNOWN = {(round(t_s, 3), *np.round(place, 4)) for t_s, place in zip(TIMES.tolist(), PLACES.tolist(), strict=True)}
 
@@ -256,7 +258,7 @@ def test_damage_costs_what_is_damaged_and_no_more(at: int, noise: bytes, lost: i
     whole = TLOG if is_tlog else DATAFLASH
     at = min(at, len(whole) - 1)
     # What the messages of a DataFlash log mean is said at its beginning.
-    at = at if is_tlog else max(at, 800)
+    at = at if is_tlog else max(at, FORMATS)
     damaged = whole[:at] + noise + whole[at + lost :]
     try:
         log = read_tlog(io.BytesIO(damaged), None) if is_tlog else read_dataflash(io.BytesIO(damaged))
@@ -267,6 +269,30 @@ def test_damage_costs_what_is_damaged_and_no_more(at: int, noise: bytes, lost: i
     assert found <= KNOWN
     # Of a frame, 48 bytes here, each byte that is lost or added may cost two, and one beside.
     assert len(found) >= len(KNOWN) - (lost + len(noise)) / 20.0 - 8.0
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, len(TIMES) - 1), st.integers(3, 23), st.integers(1, 255))
+def test_a_damaged_byte_of_a_dataflash_message_costs_that_message_alone(row: int, byte: int, flipped: int) -> None:
+    # Nothing checks these messages: a time may be anything, and so may a place.
+    begins = [found.start() for found in re.finditer(rb"\xa3\x95\x40", DATAFLASH[FORMATS:])]
+    damaged, at = bytearray(DATAFLASH), FORMATS + begins[1 + row]
+    damaged[at + byte] ^= flipped
+    (boot,) = [boot for boot in read_dataflash(io.BytesIO(bytes(damaged))).boots if boot.local]
+    (found,) = flights_of(Log("", (boot,)))
+    track = track_of(found, None, (10.0, 5.0))
+    sound = {(round(t_s, 3), *np.round(place, 3)) for t_s, place in zip(track.t_s, track.position_m, strict=True)}
+    known = {(round(t_s, 3), *np.round(place, 3)) for t_s, place in zip(TIMES, PLACES, strict=True)}
+    shifted = 1 if row == 0 else len(known - sound)  # where the first is damaged, the place of take-off is
+    assert shifted <= 1
+    assert len(sound - known) <= 1 or row == 0
+
+
+def test_a_long_pause_of_a_log_is_a_gap(tmp_path: Path) -> None:
+    later = np.concatenate((TIMES[:100], TIMES[100:] + 500.0))
+    found = read(tmp_path, dataflash(dataflash_flight(later, PLACES)))
+    assert found.flights == 1
+    np.testing.assert_allclose(found.track.t_s, later, atol=1e-6)
 
 
 def test_an_hour_at_fifty_hertz_is_read_in_pieces() -> None:

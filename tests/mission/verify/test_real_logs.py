@@ -1,16 +1,22 @@
 """Flights of real autopilots: the readers against what is known of them, and against pymavlink's own readers."""
 
 import gzip
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from pymavlink import DFReader
 
 from mission.spec.loader import load_mission
-from mission.verify.flown.judging import judged
+from mission.spec.model import MissionSpec
+from mission.verify.flown.judging import Judged, judged
 from mission.verify.logs.reading import LoggedFlight, read_flight
+from mission.verify.logs.track import Track
 from tests.support.commands import ROOT
+from tests.support.gaps import contradictions, kept
 from tests.support.recorded import entries_of
 
 LOGS = ROOT / "tests" / "golden" / "logs"
@@ -41,7 +47,7 @@ def test_what_is_known_of_a_flight_is_found(name: str) -> None:
     assert track.t_s[-1] - track.t_s[0] == pytest.approx(lasts_s, abs=0.5)
     assert np.hypot(*np.diff(track.position_m, axis=0).T).sum() == pytest.approx(length_m, abs=3.0)
 
-    found = judged(load_mission(ROOT / "missions" / "survey.yaml"), track)
+    found = judged(survey(), track)
     assert found.achieved, found.reason
     assert [",".join(letter.regions or ()) for letter in found.word] == WORD
     nearest = {near.region: near.least_m for near in found.nearness}
@@ -90,3 +96,21 @@ def test_positions_of_a_telemetry_log_are_those_that_pymavlink_reads() -> None:
     inside = (rows[:, 0] >= track.t_s[0]) & (rows[:, 0] <= track.t_s[-1])
     np.testing.assert_array_equal(track.t_s, rows[inside, 0])
     np.testing.assert_allclose(np.diff(track.position_m, axis=0), np.diff(rows[inside, 1:], axis=0), atol=1e-9)
+
+
+@cache
+def of_ardupilot() -> tuple[Track, Judged]:
+    track = read(LOGS / "ardupilot_survey_auto.tlog.gz").track
+    return track, judged(survey(), track)
+
+
+@cache
+def survey() -> MissionSpec:
+    return load_mission(ROOT / "missions" / "survey.yaml")
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.tuples(st.floats(0.0, 0.98), st.floats(0.0, 0.15)), min_size=1, max_size=3))
+def test_gaps_in_a_real_log_are_never_contradicted_by_all_of_it(gaps: list[tuple[float, float]]) -> None:
+    track, whole = of_ardupilot()
+    assert not contradictions(judged(survey(), kept(track, gaps)), whole)
