@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from mission.cli.extent import extent
 from mission.cli.inputs import planned
-from mission.cli.screen import count, err, out, print_error, print_warnings
+from mission.cli.screen import count, err, out, print_error, print_warnings, tube_text
 from mission.decimals import decimal
 from mission.errors import MissionError
 from mission.printable import printable
@@ -27,6 +27,8 @@ def run(arguments: Namespace) -> int:
             f"{extent(plan, 1)}, proved",
             markup=False,
         )
+        if causes := tube_text(plan.spec.flight):
+            out.print(f"  tube  {causes}", markup=False, highlight=False)
         if plan.spec.tasks or plan.spec.automaton:
             for kind, text in plan.written:
                 out.print(f"  {kind}  {text}", markup=False, highlight=False)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from mission.cli.inputs import planned, unwritable, write_named
-from mission.cli.screen import count, out, print_warnings, reach
+from mission.cli.screen import count, out, print_warnings, reach, tube_costs
 from mission.decimals import decimal
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
@@ -116,6 +116,8 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "certificate": {
             "holds": certificate.holds,
             "tube_m": certificate.tube_m,
+            "tube_m_s": plan.spec.flight.tube_m_s,
+            "tube_causes": dict(plan.spec.flight.tube_causes),
             "clearance_m": certificate.clearance_m,
             "word": [sorted(letter) for letter in certificate.word],
         },
@@ -244,6 +246,12 @@ def _duration(trajectory: Trajectory) -> str:
 def _print_certificate(plan: FlightPlan) -> None:
     certificate = plan.certificate
     _print(f"Certificate    holds {reach(certificate.tube_m)}")
+    for line in tube_costs(plan.spec.flight):
+        _print(f"               {line}")
+    if certificate.tube_m > 0.0:
+        _print(
+            f"               it is flown within {plan.spec.flight.tube_m_s:.2g} m/s of its velocity, by the same causes"
+        )
     if certificate.clearance_m is not None:
         _print(f"               at least {certificate.clearance_m:.2f} m from every restricted triangle")
     if plan.homeward is not None:

@@ -1,5 +1,6 @@
 """What commands share on the terminal: one console for results, one for errors, and how faults look."""
 
+import math
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -8,8 +9,10 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 
+from mission.decimals import decimal, measure
 from mission.errors import Fault, FormulaSyntaxError, MissionError, SpecError
 from mission.printable import printable, shows
+from mission.spec.model import Flight
 
 _EXCERPT = 96
 _BEFORE = 64
@@ -44,6 +47,20 @@ def reach(tube_m: float) -> str:
     if tube_m == 0.0:
         return "for a vehicle exactly on the smoothed path (disturbance_m_s2 is 0)"
     return f"within {tube_m:g} m per axis of the smoothed path"
+
+
+def tube_text(flight: Flight) -> str:
+    """What the tube is made of; empty where it has no width."""
+    parts = [f"{decimal(share_m)} m for {cause}" for cause, share_m in flight.tube_causes]
+    return f"{measure(flight.tube_m)} m per axis: {' + '.join(parts)}" if parts else ""
+
+
+def tube_costs(flight: Flight) -> tuple[str, ...]:
+    """Each cause of the tube with what it takes of the room: beside slanting outlines the square root of two as much."""
+    room = [(cause, share_m, math.sqrt(2.0) * share_m) for cause, share_m in flight.tube_causes]
+    return tuple(
+        f"{decimal(share_m)} m for {cause}, up to {measure(room_m)} m of clearance" for cause, share_m, room_m in room
+    )
 
 
 def count(number: int, noun: str) -> str:

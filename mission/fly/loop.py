@@ -242,7 +242,7 @@ class _Flight:
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
         lean_m_s2 = GRAVITY_M_S2 * math.tan(spec.limits.tilt_rad)
-        bounds = Bounds(self.plan.certificate.tube_m, lean_m_s2=lean_m_s2)
+        bounds = Bounds(self.plan.certificate.tube_m, spec.flight.margins.correction_m, lean_m_s2)
         course = Course(self.plan.trajectory, heading, bounds, self.plan.photographs)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()

@@ -16,6 +16,9 @@ from mission.geometry.arrays import FloatArray, IntArray, frozen_floats, frozen_
 ROUNDING = 1e-9
 """Lengths below this part of the domain's extent are rounding: points so close together are one point."""
 
+_FARTHEST_M = 1e12
+"""Of what lies farther, areas and their products are no numbers any more."""
+
 
 @dataclass(frozen=True, eq=False)
 class Partition:
@@ -39,8 +42,8 @@ class Partition:
         object.__setattr__(self, "triangles", frozen_ints(self.triangles))
         object.__setattr__(self, "neighbours", frozen_ints(self.neighbours))
         vertices, triangles, neighbours = self.vertices_m, self.triangles, self.neighbours
-        if vertices.ndim != 2 or vertices.shape[1] != 2 or not np.isfinite(vertices).all():  # noqa: PLR2004 - the plane
-            raise GeometryError("vertices must be finite points of the plane, shape (V, 2)")
+        if vertices.ndim != 2 or vertices.shape[1] != 2 or not (np.abs(vertices) < _FARTHEST_M).all():  # noqa: PLR2004 - the plane
+            raise GeometryError(f"vertices must be points of the plane nearer than {_FARTHEST_M:g} m, shape (V, 2)")
         if not len(triangles) or triangles.shape[1:] != (3,) or neighbours.shape != triangles.shape:
             raise GeometryError("triangles and neighbours must both have shape (M, 3), M at least 1")
         if triangles.min() < 0 or triangles.max() >= len(vertices):

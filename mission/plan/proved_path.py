@@ -153,9 +153,18 @@ def _advice(spec: MissionSpec) -> str:
             "`disturbance_m_s2` above 0, makes it go well inside"
         )
     return (
-        f"the tube is {tube_m:g} m wide on each side, `disturbance_m_s2` times the square of `time_constant_s`: less "
-        f"of either makes it narrower{_less_clearance(spec)}"
+        f"the tube is {tube_m:g} m wide on each side, {_made_of(spec)}: less of either makes it "
+        f"narrower{_less_clearance(spec)}"
     )
+
+
+def _made_of(spec: MissionSpec) -> str:
+    """What the tube is, with its keys."""
+    disturbed, flight = "`disturbance_m_s2` times the square of `time_constant_s`", spec.flight
+    if flight.margins.sum_m == 0.0:
+        return disturbed
+    margins = f"{flight.margins.sum_m:g} m of them by `flight.tube`"
+    return f"{margins} and the rest {disturbed}" if flight.disturbance_m_s2 else margins
 
 
 def _less_clearance(spec: MissionSpec) -> str:

@@ -28,6 +28,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
     domain = spec.domain
     flight = asdict(spec.flight)
     laps = flight.pop("laps")
+    flight["tube"] = flight.pop("margins")
     document: dict[str, Any] = {
         "name": spec.name,
         "description": spec.description,

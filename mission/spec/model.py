@@ -5,6 +5,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
 
 from mission.geometry.geodesy import LatLon
+from mission.spec.tube import NO_MARGINS, Margins, causes, disturbed_m, disturbed_m_s
 
 if TYPE_CHECKING:  # the command line reads these values before it loads a library
     from mission.logic.automata.automaton import GeneralisedBuchi
@@ -220,8 +221,8 @@ class Flight:
         final_stay_s: Time under u_0 in the last triangle (of a run that ends in a stay).
         laps: How often the suffix of a recurrent run is flown before the vehicle returns.
         time_constant_s: tau of the tracking law, Eq. 12: K = [1/tau^2 I, 2/tau I].
-        disturbance_m_s2: Bound w on each axis of the acceleration that the tracking law does not know of; the
-            certificate inflates the path by the tube w tau^2 on each axis.
+        disturbance_m_s2: Bound w on each axis of the acceleration that the tracking law does not know of.
+        margins: What else the tube has to hold, by which the certificate inflates the path.
     """
 
     speed_m_s: float
@@ -230,11 +231,22 @@ class Flight:
     laps: int | Literal["until_stopped"]
     time_constant_s: float
     disturbance_m_s2: float
+    margins: Margins = NO_MARGINS
 
     @property
     def tube_m(self) -> float:
-        """Half width of the tube on each axis, w tau^2: bounds the tracking error of Eq. 12 under a disturbance w."""
-        return self.disturbance_m_s2 * self.time_constant_s**2
+        """Half width of the tube on each axis: bounds the error under a disturbance w, and from the other causes."""
+        return disturbed_m(self.disturbance_m_s2, self.time_constant_s) + self.margins.sum_m
+
+    @property
+    def tube_m_s(self) -> float:
+        """The same of the velocity's error."""
+        return disturbed_m_s(self.disturbance_m_s2, self.time_constant_s) + self.margins.following_m_s
+
+    @property
+    def tube_causes(self) -> tuple[tuple[str, float], ...]:
+        """What the tube is made of, in plain words, each with its share in metres."""
+        return tuple(causes(self.disturbance_m_s2, self.time_constant_s, self.margins))
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from mission.spec.shape_schema import (
     one_of,
 )
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
+from mission.spec.tube import TUBE_SCHEMA
 
 MOST_REGIONS: Final = 1_000
 
@@ -234,6 +235,7 @@ _FLIGHT: Final = mapping(
             20.0,
             default=0.0,
         ),
+        "tube": TUBE_SCHEMA,
     },
     examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
 )

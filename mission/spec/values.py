@@ -36,6 +36,7 @@ from mission.spec.model import (
 )
 from mission.spec.schema import default_of
 from mission.spec.tasks import task_of
+from mission.spec.tube import margins_of
 
 Data = dict[str, Any]
 
@@ -61,6 +62,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             final_stay_s=_measure(data, "flight", "final_stay_s"),
             time_constant_s=_measure(data, "flight", "time_constant_s"),
             disturbance_m_s2=_measure(data, "flight", "disturbance_m_s2"),
+            margins=margins_of(data.get("flight", {})),
         ),
         smoothing=_smoothing(data),
         search=Search(

@@ -37,7 +37,8 @@ VALUE = re.compile(r"([\w.]+): ([\d.]+)")
 def site(
     clearances: str, regions: str, *, formula: str = "F field", field: str = "", angle_deg: float = 1.0
 ) -> MissionSpec:
-    return parse_mission((SITE % (angle_deg, clearances, field, regions, formula)).encode())
+    tube = "" if "flight:" in regions else "flight: {disturbance_m_s2: 0}\n"
+    return parse_mission((SITE % (angle_deg, clearances, field, regions, formula) + tube).encode())
 
 
 def said(spec: MissionSpec) -> tuple[str, ...]:

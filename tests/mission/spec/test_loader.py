@@ -29,6 +29,7 @@ from mission.spec.model import (
     Start,
     TriangleShape,
 )
+from mission.spec.tube import Margins
 from mission.spec.yaml_tree import MAX_BYTES
 
 PAPER = Path(__file__).parents[3] / "missions" / "paper.yaml"
@@ -78,10 +79,37 @@ def test_what_a_file_leaves_out_has_defaults() -> None:
     assert spec.regions == (Region("Field", RegionKind.SURVEY, PolygonShape(corners), 10.0),)
     assert spec.start == Start((5.0, 5.0), (0.0, 0.0))
     assert spec.flight == Flight(
-        speed_m_s=3.0, altitude_m=10.0, final_stay_s=5.0, laps=2, time_constant_s=1.0, disturbance_m_s2=0.0
+        speed_m_s=3.0,
+        altitude_m=10.0,
+        final_stay_s=5.0,
+        laps=2,
+        time_constant_s=1.0,
+        disturbance_m_s2=0.0,
+        margins=Margins(estimator_m=0.1, following_m=0.4, correction_m=0.1, following_m_s=0.8),
     )
     assert spec.smoothing == Smoothing(Extension.ODD, "auto")
     assert spec.limits == Limits(speed_m_s=5.0, acceleration_m_s2=2.5, tilt_rad=math.radians(25.0))
+
+
+@pytest.mark.parametrize(
+    ("flight", "tube_m", "tube_m_s", "correction_m"),
+    [
+        ("{}", 0.6, 0.8, 0.1),
+        ("{disturbance_m_s2: 0}", 0.0, 0.8, 0.0),
+        ("{disturbance_m_s2: 0.5, time_constant_s: 2}", 2.0, 2.0 / math.e + 0.8, 0.0),
+        ("{tube: {}}", 0.6, 0.8, 0.1),
+        ("{tube: {following_m: 0.2, correction_m: 0}}", 0.3, 0.8, 0.0),
+        ("{disturbance_m_s2: 0.5, tube: {following_m_s: 0}}", 1.1, 1.0 / math.e, 0.1),
+    ],
+)
+def test_the_tube_is_the_sum_of_its_causes(flight: str, tube_m: float, tube_m_s: float, correction_m: float) -> None:
+    """A disturbance alone is all of the tube, as it always was; without it there are defaults."""
+    spec = parse_mission((SMALL + f"flight: {flight}\n").encode())
+    assert spec.flight.tube_m == pytest.approx(tube_m)
+    assert spec.flight.tube_m_s == pytest.approx(tube_m_s)
+    assert spec.flight.margins.correction_m == correction_m
+    assert sum(share_m for _, share_m in spec.flight.tube_causes) == pytest.approx(tube_m)
+    assert parse_mission(json.dumps(document_of(spec)).encode()) == spec
 
 
 def test_what_a_file_gives_is_taken() -> None:
