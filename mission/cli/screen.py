@@ -56,7 +56,7 @@ def tube_text(flight: Flight) -> str:
 
 
 def tube_costs(flight: Flight) -> tuple[str, ...]:
-    """Each cause of the tube with what it takes of the room: beside slanting outlines the square root of two as much."""
+    """Each cause of the tube and what it takes of the room, which is most beside a slanting outline."""
     room = [(cause, share_m, math.sqrt(2.0) * share_m) for cause, share_m in flight.tube_causes]
     return tuple(
         f"{decimal(share_m)} m for {cause}, up to {measure(room_m)} m of clearance" for cause, share_m, room_m in room

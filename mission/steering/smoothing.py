@@ -38,6 +38,7 @@ _PHASE = 10.0  # rad on either side of a panel's middle
 _GRID = 8  # samples a half period of the fastest wave
 _ROUNDING = 1.0 + 1e-9  # what a bound computed in floating point is raised by
 _CHUNK = 1 << 20  # most entries of one table of sines
+_LARGEST = 1e12  # of larger amplitudes, what a transform or a derivative makes is no number any more
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +68,10 @@ class FourierCurve:
             raise ValueError("a series needs at least one row of two amplitudes")
         if not (math.isfinite(self.duration_s) and self.duration_s > 0):
             raise ValueError("the duration of a curve must be positive and finite")
-        if not all(np.isfinite(getattr(self, name)).all() for name in ("base_m", "slope_m_s", "coefficients_m")):
-            raise ValueError("the numbers of a curve must be finite")
+        if not all(
+            (np.abs(getattr(self, name)) < _LARGEST).all() for name in ("base_m", "slope_m_s", "coefficients_m")
+        ):
+            raise ValueError(f"the numbers of a curve must be less than {_LARGEST:g}")
 
     @property
     def frequencies(self) -> int:

@@ -25,7 +25,10 @@ def beside(folder: Path, mission: str, automaton: str) -> str:
 def test_check_and_plan_name_it(capsys: pytest.CaptureFixture[str]) -> None:
     checked = ran(capsys, "check", str(PAIRS))
     assert (checked.code, checked.err) == (0, "")
-    assert checked.out.splitlines()[1] == "  automaton  pairs.hoa"
+    assert checked.out.splitlines()[1:] == [
+        "  tube  0.8 m per axis: 0.8 m for disturbances of 0.8 m/s²",
+        "  automaton  pairs.hoa",
+    ]
     shown = ran(capsys, "plan", str(PAIRS))
     assert (shown.code, shown.err) == (0, "")
     assert shown.out.splitlines()[:2] == ["Loads in pairs", "  automaton  pairs.hoa"]
