@@ -71,7 +71,7 @@ class FourierCurve:
         if not all(
             (np.abs(getattr(self, name)) < _LARGEST).all() for name in ("base_m", "slope_m_s", "coefficients_m")
         ):
-            raise ValueError(f"the numbers of a curve must be less than {_LARGEST:g}")
+            raise ValueError(f"the numbers of a curve must be finite, and less than {_LARGEST:g}")
 
     @property
     def frequencies(self) -> int:
