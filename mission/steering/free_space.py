@@ -33,8 +33,8 @@ class FreeSpace:
         area: Polygon or MultiPolygon, not empty.
 
     Attributes:
-        corners_m: Shape (C, 2), where paths may bend.
-        piece_of: Shape (C,), the piece of rim that each corner is asked with; a corner of two pieces is there twice.
+        hair_m: How far its rims are moved.
+        corners_m: Shape (C, 2), where paths may bend; a corner of two pieces of rim is there twice.
         part_of_corner: Shape (C,), the connected part of the area on whose rim it is.
     """
 
@@ -56,9 +56,11 @@ class FreeSpace:
                 count += found.pieces
         self._piece_of_edge = np.concatenate(pieces)
         self._tree = shapely.STRtree(shapely.linestrings(np.concatenate(edges)))
-        self.part_of_corner, self.piece_of = (np.concatenate([each[k] for each in corners]) for k in (0, 1))
+        self.part_of_corner, piece_of = (np.concatenate([each[k] for each in corners]) for k in (0, 1))
+        self._begins = np.searchsorted(piece_of, np.arange(count + 1))  # the corners of each piece follow each other
         triples = np.concatenate([each[2] for each in corners])
-        self._before, self.corners_m, self._after = np.moveaxis(triples, 1, 0)
+        self.corners_m = triples[:, 1]
+        self._before, self._after = triples[:, 0] - self.corners_m, triples[:, 2] - self.corners_m
         self._ends = np.concatenate([each[3] for each in corners])
 
     @cached_property
@@ -78,16 +80,27 @@ class FreeSpace:
         way, edge = self._tree.query(lines, predicate="intersects")
         return way, self._piece_of_edge[edge]
 
+    def corners_of(self, pieces: set[int]) -> IntArray:
+        """The corners of some pieces, ascending."""
+        wanted = np.zeros(len(self._begins) - 1, dtype=np.bool_)
+        wanted[list(pieces)] = True
+        return np.concatenate([np.arange(self._begins[k], self._begins[k + 1]) for k in np.flatnonzero(wanted)])
+
     def touched(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
         """Whether a path from a point could bend at a corner, (P, C): the line leaves both edges there on one side."""
-        here = self.corners_m[corners]
-        steps = here - points_m[:, None]
-        sides = [
-            steps[..., 0] * (beside[corners] - here)[:, 1] - steps[..., 1] * (beside[corners] - here)[:, 0]
-            for beside in (self._before, self._after)
-        ]
-        slack = self.hair_m * (np.abs(steps).sum(axis=2) + self.hair_m)
-        found: BoolArray = (np.minimum(*sides) >= -slack) | (np.maximum(*sides) <= slack) | self._ends[corners]
+        return self._beside(points_m[:, None], corners[None])
+
+    def touching(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
+        """The same of points (N, 2) and the corners beside them."""
+        return self._beside(points_m, corners)
+
+    def _beside(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
+        x, y = (self.corners_m[corners, axis] - points_m[..., axis] for axis in (0, 1))
+        slack = self.hair_m * (np.abs(x) + np.abs(y) + self.hair_m)
+        first = x * self._before[corners, 1] - y * self._before[corners, 0]
+        second = x * self._after[corners, 1] - y * self._after[corners, 0]
+        low, high = np.minimum(first, second), np.maximum(first, second)
+        found: BoolArray = (low >= -slack) | (high <= slack) | self._ends[corners]
         return found
 
 

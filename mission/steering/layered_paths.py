@@ -3,15 +3,15 @@
 A shortest path among polygons bends at their corners only and touches them there (Lozano-Perez and Wesley, "An
 algorithm for planning collision-free paths among polyhedral obstacles", 1979). Which of very many obstacles matter is
 found by trying: all straight ways are taken to be free until the best path asks for them; where one hits a piece of a
-rim, that piece's corners join the graph. The length found never exceeds the true one meanwhile, so the first path whose
-ways are all free is a shortest one (the argument of lazy search: Dellin and Srinivasa, "A unifying formalism for
-shortest path problems with expensive edge evaluations", 2016).
+rim, that piece's corners join the graph, once a path over them could be as short as the best one. The length found
+never exceeds the true one meanwhile, so the first path whose ways are all free is a shortest one (the argument of lazy
+search: Dellin and Srinivasa, "A unifying formalism for shortest path problems with expensive edge evaluations", 2016).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -23,10 +23,12 @@ from mission.steering.free_space import FreeSpace
 
 _NO_LENGTH: Final = 1e-9
 """Metres that a way between equal places counts: sparse arrays take zero for no way."""
-_NEARLY: Final = 1e-3
+_NEARLY: Final = 5e-3
 """Ways on paths that are longer than the best one by at most this part are looked at together with its own."""
-_AT_ONCE: Final = 128
+_AT_ONCE: Final = 400
 _UNKNOWN, _FREE, _SHUT = 0, 1, 2
+
+Graph: TypeAlias = "csr_array[np.float64, tuple[int, int]]"
 
 
 class NoWayError(MissionError):
@@ -59,109 +61,105 @@ class Chain:
 
 
 class LayeredPaths:
-    """The graph of one search.
+    """Searches over the same free spaces, which remember what they have seen.
 
     Args:
         spaces: The free space of each stage.
-        layers: Of one more layer than there are spaces, the places, shape (N, 2).
-        pieces: For each stage the pieces of rims that are known to matter; those that are found are added.
-        cyclic: Whether the last layer's places are those of the first, and one and the same is sought in both.
+        cyclic: Whether paths are rounds: the last layer's places are those of the first, and one and the same place is
+            passed in both.
     """
 
-    def __init__(
-        self,
-        spaces: Sequence[FreeSpace],
-        layers: Sequence[FloatArray],
-        pieces: Sequence[set[int]],
-        *,
-        cyclic: bool = False,
-    ) -> None:
-        self._spaces, self._layers, self._pieces, self._cyclic = spaces, layers, pieces, cyclic
-        self._offsets = np.cumsum([0, *(len(layer) for layer in layers)])
-        self._points = np.concatenate(layers)
-        self._active: list[set[int]] = [set() for _ in spaces]
-        self._corners = [np.empty(0, dtype=np.int64) for _ in spaces]  # of the space, and their nodes
-        self._nodes = [np.empty(0, dtype=np.int64) for _ in spaces]
-        empty = np.empty(0, dtype=np.int64)
-        self._begins, self._ends, self._stage, self._both = empty, empty, empty, np.empty(0, dtype=np.bool_)
-        self._status = np.empty(0, dtype=np.int8)
-        self._parts = [(space.part_of(layers[k]), space.part_of(layers[k + 1])) for k, space in enumerate(self._spaces)]
-        for stage, (entry, exit_) in enumerate(self._parts):
-            same = (entry[:, None] == exit_[None]) & (entry >= 0)[:, None]
-            if not same.any():
-                raise NoWayError(stage, "no place from which the way could begin is connected with its target")
-            first, second = np.nonzero(same)
-            self._join(stage, self._offsets[stage] + first, self._offsets[stage + 1] + second, both=False)
-            self._activate(stage, set(self._pieces[stage]))
+    def __init__(self, spaces: Sequence[FreeSpace], *, cyclic: bool = False) -> None:
+        self._spaces, self._cyclic = spaces, cyclic
+        none = np.empty(0, dtype=np.int64)
+        self._layers: list[FloatArray] = []
+        self._offsets = none
+        # Nodes: the places, layer by layer, then corners. Of a corner: its stage, its number in the free space there,
+        # and whether it is linked with others.
+        self._points = np.empty((0, 2))
+        self._corner_stage, self._corner = none, none
+        self._linked = np.empty(0, dtype=np.bool_)
+        self._met: list[set[int]] = [set() for _ in spaces]
+        # Ways between two nodes, of some stage, perhaps both ways.
+        self._begins, self._ends, self._stage = none, none, none
+        self._both, self._status = np.empty(0, dtype=np.bool_), np.empty(0, dtype=np.int8)
+        self._parts: list[tuple[IntArray, IntArray]] = []
+        self._least = np.empty(0)
 
-    def shortest(self) -> Chain:
+    @property
+    def _count(self) -> int:
+        """Number of places."""
+        return int(self._offsets[-1]) if len(self._offsets) else 0
+
+    def shortest(self, layers: Sequence[FloatArray]) -> Chain:
         """The shortest path.
+
+        Args:
+            layers: Of one more layer than there are spaces, the places, shape (N, 2).
 
         Raises:
             NoWayError: There is none.
         """
+        self._begin(layers)
+        first, last = np.arange(self._offsets[1]), np.arange(self._offsets[-2], self._offsets[-1])
+        ends = list(zip(first[:, None], last[:, None], strict=True)) if self._cyclic else [(first, last)]
+        least = self._straight_rounds() if self._cyclic else np.zeros(1)
+        best = 0.0
         while True:
+            choice = int(np.argmin(least))
             graph, lengths = self._graph()
-            wanted, nodes = (self._rounds if self._cyclic else self._passages)(graph, lengths)
+            there, before, _ = dijkstra(graph, indices=ends[choice][0], min_only=True, return_predecessors=True)
+            end = int(ends[choice][1][np.argmin(there[ends[choice][1]])])
+            # Any other path bends at a corner that is not linked yet.
+            least[choice] = min(there[end], self._least[~self._linked].min(initial=np.inf))
+            best = float(least.min())
+            if self._link(best) or least[choice] > best:
+                continue
+            if not np.isfinite(best):
+                raise NoWayError(self._stuck(there), "no way leads to the target")
+            nodes = _followed(before.astype(np.int64), end)
+            wanted = self._unknown(nodes)
             if not len(wanted):
                 return self._chain(nodes)
-            hit, pieces = self._looked_at(wanted)
-            for stage in np.unique(self._stage[hit]).tolist():
-                self._activate(stage, set(pieces[self._stage[hit] == stage].tolist()) - self._active[stage])
+            back = dijkstra(graph.T.tocsr(), indices=ends[choice][1], min_only=True)
+            self._look(np.union1d(wanted, self._near(there, lengths, back, best)))
 
-    def _looked_at(self, ways: IntArray) -> tuple[IntArray, IntArray]:
-        """Find out which ways are free; those that are not, with a piece of rim that each hits."""
-        found: list[tuple[IntArray, IntArray]] = []
+    def forget_beyond(self, length_m: float, layers: Sequence[FloatArray]) -> None:
+        """Leave out the corners over which no path through the layers is as short as a length."""
+        self._begin(layers)
+        graph, _ = self._graph()
+        there = dijkstra(graph, indices=np.arange(self._offsets[1]), min_only=True)
+        back = dijkstra(graph.T.tocsr(), indices=np.arange(self._offsets[-2], self._offsets[-1]), min_only=True)
+        kept = np.append(np.ones(self._count, dtype=np.bool_), ~self._linked)
+        kept |= there + back <= length_m
+        number = np.cumsum(kept) - 1
+        ways = kept[self._begins] & kept[self._ends]
+        self._begins, self._ends = number[self._begins[ways]], number[self._ends[ways]]
+        self._stage, self._both, self._status = self._stage[ways], self._both[ways], self._status[ways]
+        corners = kept[self._count :]
+        self._points = self._points[kept]
+        self._corner_stage, self._corner = self._corner_stage[corners], self._corner[corners]
+        self._linked, self._least = self._linked[corners], self._least[corners]
+
+    # -- what is asked of the graph --------------------------------------------------------------------------------
+
+    def _near(self, there: FloatArray, lengths: FloatArray, back: FloatArray, best: float) -> IntArray:
+        """Ways that were not looked at and are on paths that are hardly longer than the best one."""
+        through = there[self._begins] + lengths + back[self._ends]
+        other = there[self._ends] + lengths + back[self._begins]
+        through = np.where(self._both, np.minimum(through, other), through)
+        near = np.flatnonzero((self._status == _UNKNOWN) & (through <= best * (1.0 + _NEARLY)))
+        chosen: IntArray = near[np.argsort(through[near], kind="stable")[:_AT_ONCE]]
+        return chosen
+
+    def _look(self, ways: IntArray) -> None:
+        """Find out which ways are free; the corners of what others hit may be bent at from now on."""
         self._status[ways] = _FREE
         for stage in np.unique(self._stage[ways]).tolist():
             these = ways[self._stage[ways] == stage]
             index, piece = self._spaces[stage].hits(self._points[self._begins[these]], self._points[self._ends[these]])
             self._status[these[index]] = _SHUT
-            found.append((these[index], piece))
-        return np.concatenate([way for way, _ in found]), np.concatenate([piece for _, piece in found])
-
-    def _passages(
-        self, graph: "csr_array[np.float64, tuple[int, int]]", lengths: FloatArray
-    ) -> tuple[IntArray, list[int]]:
-        """Ways to be looked at next, none where the best path is known to be free; and that path's nodes."""
-        first, last = np.arange(self._offsets[1]), np.arange(self._offsets[-2], self._offsets[-1])
-        there, before, _ = dijkstra(graph, indices=first, min_only=True, return_predecessors=True)
-        end = int(last[np.argmin(there[last])])
-        best = float(there[end])
-        if not np.isfinite(best):
-            raise NoWayError(self._stuck(there), "no way leads to the target")
-        nodes = _followed(before.astype(np.int64), end)
-        unknown = self._unknown(nodes)
-        if not len(unknown):
-            return unknown, nodes
-        back = dijkstra(graph.T.tocsr(), indices=last, min_only=True)
-        through = there[self._begins] + lengths + back[self._ends]
-        other = there[self._ends] + lengths + back[self._begins]
-        through = np.where(self._both, np.minimum(through, other), through)
-        near = np.flatnonzero((self._status == _UNKNOWN) & (through <= best * (1.0 + _NEARLY)))
-        near = near[np.argsort(through[near], kind="stable")[:_AT_ONCE]]
-        return np.union1d(near, unknown), nodes
-
-    def _rounds(
-        self, graph: "csr_array[np.float64, tuple[int, int]]", lengths: FloatArray
-    ) -> tuple[IntArray, list[int]]:
-        """The same for rounds."""
-        del lengths
-        first, last = np.arange(self._offsets[1]), np.arange(self._offsets[-2], self._offsets[-1])
-        there, before = dijkstra(graph, indices=first, return_predecessors=True)
-        rounds = there[np.arange(len(first)), last]
-        best = int(np.argmin(rounds))
-        if not np.isfinite(rounds[best]):
-            raise NoWayError(self._stuck(there.min(axis=0)), "no way leads round the targets")
-        before = before.astype(np.int64)
-        nodes = _followed(before[best], int(last[best]))
-        unknown = self._unknown(nodes)
-        if len(unknown):
-            near = np.flatnonzero(rounds <= rounds[best] * (1.0 + _NEARLY))
-            near = near[np.argsort(rounds[near], kind="stable")[: max(1, _AT_ONCE // 8)]]
-            others = [self._unknown(_followed(before[place], int(last[place]))) for place in near.tolist()]
-            unknown = np.unique(np.concatenate([unknown, *others]))
-        return unknown, nodes
+            self._meet(stage, set(piece.tolist()) - self._met[stage])
 
     def _stuck(self, there: FloatArray) -> int:
         """The first layer of which no place is reached, as the stage that leads to it."""
@@ -172,17 +170,15 @@ class LayeredPaths:
         """The ways of a path that were not looked at yet."""
         keys = self._keys(np.array(nodes[:-1]), np.array(nodes[1:]))
         own = self._keys(self._begins, self._ends)
-        order = np.argsort(own)
-        ways = order[np.searchsorted(own[order], keys)]
-        unknown: IntArray = ways[self._status[ways] == _UNKNOWN]
-        return unknown
+        ways = np.flatnonzero(np.isin(own, keys) & (self._status == _UNKNOWN))
+        return ways.astype(np.int64)
 
     def _keys(self, begins: IntArray, ends: IntArray) -> IntArray:
-        low, high = np.minimum(begins, ends), np.maximum(begins, ends)
-        keys: IntArray = low * np.int64(len(self._points)) + high
+        keys: IntArray = np.minimum(begins, ends) * np.int64(len(self._points)) + np.maximum(begins, ends)
         return keys
 
-    def _graph(self) -> tuple["csr_array[np.float64, tuple[int, int]]", FloatArray]:
+    def _graph(self) -> tuple[Graph, FloatArray]:
+        """The graph of all ways that may be free, and the lengths of all ways."""
         steps = self._points[self._begins] - self._points[self._ends]
         lengths = np.maximum(np.hypot(*steps.T), _NO_LENGTH)
         kept = self._status != _SHUT
@@ -193,6 +189,102 @@ class LayeredPaths:
         graph = csr_array((np.concatenate((lengths[kept], lengths[back])), (rows, columns)), shape=(size, size))
         return graph, lengths
 
+    def _chain(self, nodes: list[int]) -> Chain:
+        """The path over some nodes, cut at the layers."""
+        cuts = [i for i, node in enumerate(nodes) if node < self._count]
+        places = tuple(int(nodes[i] - self._offsets[layer]) for layer, i in enumerate(cuts))
+        lines = tuple(self._points[np.array(nodes[a : b + 1])] for a, b in pairwise(cuts))
+        length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
+        return Chain(places, lines, length)
+
+    # -- what the graph is made of ---------------------------------------------------------------------------------
+
+    def _begin(self, layers: Sequence[FloatArray]) -> None:
+        """Put other places into the graph."""
+        before = self._count
+        kept = (self._begins >= before) & (self._ends >= before)
+        corners = self._points[before:]
+        self._layers = list(layers)
+        self._offsets = np.cumsum([0, *(len(layer) for layer in layers)])
+        shift = self._count - before
+        self._begins, self._ends = self._begins[kept] + shift, self._ends[kept] + shift
+        self._stage, self._both, self._status = self._stage[kept], self._both[kept], self._status[kept]
+        self._points = np.concatenate((*layers, corners))
+        self._parts = [
+            (space.part_of(layers[stage]), space.part_of(layers[stage + 1])) for stage, space in enumerate(self._spaces)
+        ]
+        self._straight = _straight_lengths(self._layers)
+        self._least = self._least_over(corners, self._corner_stage)
+        for stage, (entry, exit_) in enumerate(self._parts):
+            same = (entry[:, None] == exit_[None]) & (entry >= 0)[:, None]
+            if not same.any():
+                raise NoWayError(stage, "no place from which the way could begin is connected with its target")
+            first, second = np.nonzero(same)
+            self._join(stage, self._offsets[stage] + first, self._offsets[stage + 1] + second, both=False)
+            self._join_places(stage, np.flatnonzero((self._corner_stage == stage) & self._linked))
+
+    def _straight_rounds(self) -> FloatArray:
+        """How long rounds from each place of the first layer are at least."""
+        found = np.zeros((len(self._layers[0]), 1)) + np.where(np.eye(len(self._layers[0])) > 0.0, 0.0, np.inf)
+        for one, other in pairwise(self._layers):
+            found = (found[:, :, None] + _distances(one, other)[None]).min(axis=1)
+        least: FloatArray = np.diagonal(found).copy()
+        return least
+
+    def _least_over(self, points: FloatArray, stages: IntArray) -> FloatArray:
+        """How long a path is at least that bends at some points, each in a stage of its own."""
+        least = np.empty(len(points))
+        there, back = self._straight
+        for stage in range(len(self._spaces)):
+            here = stages == stage
+            if here.any():
+                to = (there[stage] + _distances(points[here], self._layers[stage])).min(axis=1)
+                onward = (back[stage + 1] + _distances(points[here], self._layers[stage + 1])).min(axis=1)
+                least[here] = to + onward
+        return least
+
+    def _meet(self, stage: int, pieces: set[int]) -> None:
+        """Take the corners of some pieces of rims for nodes that may be linked."""
+        if not pieces:
+            return
+        self._met[stage].update(pieces)
+        space = self._spaces[stage]
+        new = space.corners_of(pieces)
+        stages = np.full(len(new), stage)
+        self._points = np.concatenate((self._points, space.corners_m[new]))
+        self._corner_stage, self._corner = np.append(self._corner_stage, stages), np.append(self._corner, new)
+        self._linked = np.append(self._linked, np.zeros(len(new), dtype=np.bool_))
+        self._least = np.append(self._least, self._least_over(space.corners_m[new], stages))
+
+    def _link(self, length_m: float) -> bool:
+        """Link the corners over which a path may be as short as a length; whether there are any."""
+        wanted = ~self._linked & (self._least <= length_m * (1.0 + _NEARLY))
+        if not (self._least[wanted] <= length_m).any():
+            return False
+        for stage in np.unique(self._corner_stage[wanted]).tolist():
+            space, here = self._spaces[stage], self._corner_stage == stage
+            new, known = np.flatnonzero(wanted & here), np.flatnonzero(self._linked & here)
+            self._join_places(stage, new)
+            every = np.append(known, new)
+            fits = space.touched(space.corners_m[self._corner[every]], self._corner[new])
+            fits &= space.part_of_corner[self._corner[every]][:, None] == space.part_of_corner[self._corner[new]]
+            fits &= np.arange(len(every))[:, None] < len(known) + np.arange(len(new))
+            one, other = np.nonzero(fits)
+            one, other = every[one], new[other]
+            back = space.touching(space.corners_m[self._corner[other]], self._corner[one])
+            self._join(stage, self._count + one[back], self._count + other[back], both=True)
+            self._linked[new] = True
+        return True
+
+    def _join_places(self, stage: int, corners: IntArray) -> None:
+        """Link corners of a stage with the places of its layers."""
+        space, own = self._spaces[stage], self._corner[corners]
+        for layer, of_place in zip((stage, stage + 1), self._parts[stage], strict=True):
+            fits = space.touched(self._layers[layer], own) & (of_place[:, None] == space.part_of_corner[own])
+            place, corner = np.nonzero(fits)
+            ends = (self._offsets[layer] + place, self._count + corners[corner])
+            self._join(stage, *(ends if layer == stage else ends[::-1]), both=False)
+
     def _join(self, stage: int, begins: IntArray, ends: IntArray, *, both: bool) -> None:
         count = len(begins)
         self._begins, self._ends = np.append(self._begins, begins), np.append(self._ends, ends)
@@ -200,43 +292,25 @@ class LayeredPaths:
         self._both = np.append(self._both, np.full(count, both))
         self._status = np.append(self._status, np.full(count, _UNKNOWN, dtype=np.int8))
 
-    def _activate(self, stage: int, pieces: set[int]) -> None:
-        """Let paths of a stage bend at the corners of some pieces of rims."""
-        if not pieces:
-            return
-        self._pieces[stage].update(pieces)
-        self._active[stage].update(pieces)
-        space = self._spaces[stage]
-        new = np.flatnonzero(np.isin(space.piece_of, list(pieces)))
-        nodes = len(self._points) + np.arange(len(new))
-        self._points = np.concatenate((self._points, space.corners_m[new]))
-        known, known_nodes = self._corners[stage], self._nodes[stage]
-        corners, all_nodes = np.append(known, new), np.append(known_nodes, nodes)
-        self._corners[stage], self._nodes[stage] = corners, all_nodes
-        part = space.part_of_corner[new]
-        for layer, of_place in zip((stage, stage + 1), self._parts[stage], strict=True):
-            places = np.arange(self._offsets[layer], self._offsets[layer + 1])
-            fits = space.touched(self._points[places], new) & (of_place[:, None] == part)
-            place, corner = np.nonzero(fits)
-            ends = (places[place], nodes[corner])
-            self._join(stage, *(ends if layer == stage else ends[::-1]), both=False)
-        fits = space.touched(space.corners_m[corners], new) & space.touched(space.corners_m[new], corners).T
-        fits &= space.part_of_corner[corners][:, None] == part
-        fits &= np.arange(len(corners))[:, None] < len(known) + np.arange(len(new))
-        one, other = np.nonzero(fits)
-        self._join(stage, all_nodes[one], nodes[other], both=True)
-
-    def _chain(self, nodes: list[int]) -> Chain:
-        """The path over some nodes, cut at the layers."""
-        cuts = [i for i, node in enumerate(nodes) if node < self._offsets[-1]]
-        places = tuple(int(nodes[i] - self._offsets[layer]) for layer, i in enumerate(cuts))
-        lines = tuple(self._points[np.array(nodes[a : b + 1])] for a, b in pairwise(cuts))
-        length = sum(float(np.hypot(*np.diff(line, axis=0).T).sum()) for line in lines)
-        return Chain(places, lines, length)
-
 
 def _followed(before: IntArray, end: int) -> list[int]:
     nodes = [end]
     while before[nodes[-1]] >= 0:
         nodes.append(int(before[nodes[-1]]))
     return nodes[::-1]
+
+
+def _distances(points: FloatArray, others: FloatArray) -> FloatArray:
+    """(P, O) how far points are from others."""
+    distances: FloatArray = np.hypot(points[:, None, 0] - others[None, :, 0], points[:, None, 1] - others[None, :, 1])
+    return distances
+
+
+def _straight_lengths(layers: list[FloatArray]) -> tuple[list[FloatArray], list[FloatArray]]:
+    """For each place of each layer how far it is at least from the first layer, and from the last."""
+    there, back = [np.zeros(len(layers[0]))], [np.zeros(len(layers[-1]))]
+    for one, other in pairwise(layers):
+        there.append((there[-1] + _distances(other, one)).min(axis=1))
+    for one, other in pairwise(layers[::-1]):
+        back.append((back[-1] + _distances(other, one)).min(axis=1))
+    return there, back[::-1]

@@ -127,7 +127,6 @@ class _Search:
 
     def __init__(self) -> None:
         self._spaces: dict[int, tuple[FreeSpace, shapely.Geometry]] = {}
-        self._pieces: dict[int, set[int]] = {}
 
     @staticmethod
     def rounding(length_m: float) -> float:
@@ -163,25 +162,19 @@ class _Search:
         return self._solved(_Layers(start_m, [stretch.target for _, stretch in stretches]), stretches)
 
     def _solved(self, layers: "_Layers", stretches: list[tuple[int, Stretch]]) -> list[TautLine]:
-        frees = [stretch.free for _, stretch in stretches]
-        spaces, pieces = zip(
-            *(self._space(free, number) for free, (number, _) in zip(frees, stretches, strict=True)), strict=True
-        )
-
-        def over(places: list[FloatArray]) -> Chain:
-            return LayeredPaths(spaces, places, pieces, cyclic=layers.cyclic).shortest()
-
         try:
-            places = layers.first()
-            chain = over(places)
-            step = layers.step_m
+            paths = LayeredPaths([self._space(each.free, number) for number, each in stretches], cyclic=layers.cyclic)
+            places, step = layers.first(), layers.step_m
+            chain = paths.shortest(places)
             while step > layers.step_m * _FINEST:
+                # A path that is better than the best one so far is near one over these places.
+                paths.forget_beyond(chain.length_m + 4.0 * len(stretches) * step, places)
                 step /= _FINER
                 places = layers.near(_passed(places, chain), step)
-                chain = over(places)
+                chain = paths.shortest(places)
             for _ in range(_POLISHES):
                 polished = layers.polished(chain.lines)
-                found = over([point[None] for point in polished])
+                found = paths.shortest([point[None] for point in polished])
                 gained = chain.length_m - found.length_m
                 if gained < 0.0:
                     break
@@ -195,12 +188,12 @@ class _Search:
             for line, (number, stretch) in zip(chain.lines, stretches, strict=True)
         ]
 
-    def _space(self, free: shapely.Geometry, number: int) -> tuple[FreeSpace, set[int]]:
+    def _space(self, free: shapely.Geometry, number: int) -> FreeSpace:
         if shapely.is_empty(free):
             raise NoWayError(number, "there is no free space")
         if id(free) not in self._spaces:
             self._spaces[id(free)] = FreeSpace(free), free
-        return self._spaces[id(free)][0], self._pieces.setdefault(id(free), set())
+        return self._spaces[id(free)][0]
 
 
 class _Layers:
