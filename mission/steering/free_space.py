@@ -23,6 +23,7 @@ _LONGEST_MITRE: Final = 10.0
 _WHOLE: Final = 24
 """Corners of a ring that is one piece."""
 _PIECE: Final = 12
+_PIECE_SHARE: Final = 4.0
 """Edges in a piece of any other ring."""
 
 
@@ -55,7 +56,9 @@ class FreeSpace:
                 corners.append((np.full(len(owner), number), owner, found.corners, found.ends))
                 count += found.pieces
         self._piece_of_edge = np.concatenate(pieces)
-        self._tree = shapely.STRtree(shapely.linestrings(np.concatenate(edges)))
+        barriers = np.concatenate(edges)
+        self._tree = shapely.STRtree(shapely.linestrings(barriers))
+        self._piece_m = _PIECE_SHARE * float(np.sqrt(shapely.box(*bounds).area / len(barriers)))
         self.part_of_corner, piece_of = (np.concatenate([each[k] for each in corners]) for k in (0, 1))
         self._begins = np.searchsorted(piece_of, np.arange(count + 1))  # the corners of each piece follow each other
         triples = np.concatenate([each[2] for each in corners])
@@ -76,9 +79,15 @@ class FreeSpace:
 
     def hits(self, begins_m: FloatArray, ends_m: FloatArray) -> tuple[IntArray, IntArray]:
         """Which straight ways, shapes (N, 2) in one part, meet barriers: pairs of the way's index and the piece."""
-        lines = shapely.linestrings(np.stack((begins_m, ends_m), axis=1))
-        way, edge = self._tree.query(lines, predicate="intersects")
-        return way, self._piece_of_edge[edge]
+        # Short pieces: the box round a long slanting way holds far more of the rims than are near it.
+        pieces = np.maximum(np.ceil(np.hypot(*(ends_m - begins_m).T) / self._piece_m), 1.0).astype(np.int64)
+        way = np.repeat(np.arange(len(pieces)), pieces)
+        at = np.arange(len(way)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        step = ((ends_m - begins_m) / pieces[:, None])[way]
+        starts = begins_m[way] + at[:, None] * step
+        lines = shapely.linestrings(np.stack((starts, starts + step), axis=1))
+        index, edge = self._tree.query(lines, predicate="intersects")
+        return way[index], self._piece_of_edge[edge]
 
     def corners_of(self, pieces: set[int]) -> IntArray:
         """The corners of some pieces, ascending."""

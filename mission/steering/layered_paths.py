@@ -18,15 +18,14 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from mission.errors import MissionError
-from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.steering.free_space import FreeSpace
 
 _NO_LENGTH: Final = 1e-9
 """Metres that a way between equal places counts: sparse arrays take zero for no way."""
-_NEARLY: Final = 5e-3
+_NEARLY: Final = 2e-3
 """Ways on paths that are longer than the best one by at most this part are looked at together with its own."""
 _AT_ONCE: Final = 400
-_UNKNOWN, _FREE, _SHUT = 0, 1, 2
 
 Graph: TypeAlias = "csr_array[np.float64, tuple[int, int]]"
 
@@ -80,9 +79,12 @@ class LayeredPaths:
         self._corner_stage, self._corner = none, none
         self._linked = np.empty(0, dtype=np.bool_)
         self._met: list[set[int]] = [set() for _ in spaces]
-        # Ways between two nodes, of some stage, perhaps both ways.
+        # Ways between two nodes that may be free: of some stage, perhaps both ways, perhaps seen to be free, and
+        # perhaps on a path that is nearly as short as the best one.
         self._begins, self._ends, self._stage = none, none, none
-        self._both, self._status = np.empty(0, dtype=np.bool_), np.empty(0, dtype=np.int8)
+        self._both, self._seen, self._near = (np.empty(0, dtype=np.bool_) for _ in range(3))
+        self._lengths = np.empty(0)
+        self._joined: list[tuple[IntArray, IntArray, IntArray, BoolArray, FloatArray]] = []
         self._parts: list[tuple[IntArray, IntArray]] = []
         self._least = np.empty(0)
 
@@ -104,16 +106,19 @@ class LayeredPaths:
         first, last = np.arange(self._offsets[1]), np.arange(self._offsets[-2], self._offsets[-1])
         ends = list(zip(first[:, None], last[:, None], strict=True)) if self._cyclic else [(first, last)]
         least = self._straight_rounds() if self._cyclic else np.zeros(1)
-        best = 0.0
+        limit = np.inf
         while True:
             choice = int(np.argmin(least))
-            graph, lengths = self._graph()
+            graph = self._graph()
             there, before, _ = dijkstra(graph, indices=ends[choice][0], min_only=True, return_predecessors=True)
             end = int(ends[choice][1][np.argmin(there[ends[choice][1]])])
             # Any other path bends at a corner that is not linked yet.
             least[choice] = min(there[end], self._least[~self._linked].min(initial=np.inf))
             best = float(least.min())
-            if self._link(best) or least[choice] > best:
+            if best > limit:
+                self._near, limit = np.isfinite(self._lengths), np.inf
+                continue
+            if self._link(best, limit, graph) or there[end] > best:
                 continue
             if not np.isfinite(best):
                 raise NoWayError(self._stuck(there), "no way leads to the target")
@@ -121,21 +126,20 @@ class LayeredPaths:
             wanted = self._unknown(nodes)
             if not len(wanted):
                 return self._chain(nodes)
+            if not self._cyclic and limit == np.inf:
+                limit = best * (1.0 + _NEARLY)
             back = dijkstra(graph.T.tocsr(), indices=ends[choice][1], min_only=True)
-            self._look(np.union1d(wanted, self._near(there, lengths, back, best)))
+            self._look(np.union1d(wanted, self._nearest(there, back, best * (1.0 + _NEARLY), limit)))
 
     def forget_beyond(self, length_m: float, layers: Sequence[FloatArray]) -> None:
         """Leave out the corners over which no path through the layers is as short as a length."""
         self._begin(layers)
-        graph, _ = self._graph()
-        there = dijkstra(graph, indices=np.arange(self._offsets[1]), min_only=True)
-        back = dijkstra(graph.T.tocsr(), indices=np.arange(self._offsets[-2], self._offsets[-1]), min_only=True)
+        there, back = self._distances(self._graph())
         kept = np.append(np.ones(self._count, dtype=np.bool_), ~self._linked)
         kept |= there + back <= length_m
         number = np.cumsum(kept) - 1
-        ways = kept[self._begins] & kept[self._ends]
-        self._begins, self._ends = number[self._begins[ways]], number[self._ends[ways]]
-        self._stage, self._both, self._status = self._stage[ways], self._both[ways], self._status[ways]
+        self._keep(kept[self._begins] & kept[self._ends])
+        self._begins, self._ends = number[self._begins], number[self._ends]
         corners = kept[self._count :]
         self._points = self._points[kept]
         self._corner_stage, self._corner = self._corner_stage[corners], self._corner[corners]
@@ -143,23 +147,32 @@ class LayeredPaths:
 
     # -- what is asked of the graph --------------------------------------------------------------------------------
 
-    def _near(self, there: FloatArray, lengths: FloatArray, back: FloatArray, best: float) -> IntArray:
-        """Ways that were not looked at and are on paths that are hardly longer than the best one."""
-        through = there[self._begins] + lengths + back[self._ends]
-        other = there[self._ends] + lengths + back[self._begins]
-        through = np.where(self._both, np.minimum(through, other), through)
-        near = np.flatnonzero((self._status == _UNKNOWN) & (through <= best * (1.0 + _NEARLY)))
-        chosen: IntArray = near[np.argsort(through[near], kind="stable")[:_AT_ONCE]]
-        return chosen
+    def _nearest(self, there: FloatArray, back: FloatArray, length_m: float, limit_m: float) -> IntArray:
+        """Ways to be looked at: on paths no longer than a length, the shortest first; only those below a limit stay."""
+        ways = np.flatnonzero(self._near)
+        begins, ends = self._begins[ways], self._ends[ways]
+        other = np.where(self._both[ways], there[ends] + back[begins], np.inf)
+        through = np.minimum(there[begins] + back[ends], other) + self._lengths[ways]
+        self._near[ways[through > limit_m]] = False
+        chosen = np.flatnonzero(~self._seen[ways] & (through <= length_m))
+        found: IntArray = ways[chosen[np.argsort(through[chosen], kind="stable")[:_AT_ONCE]]]
+        return found
 
     def _look(self, ways: IntArray) -> None:
         """Find out which ways are free; the corners of what others hit may be bent at from now on."""
-        self._status[ways] = _FREE
+        self._seen[ways] = True
         for stage in np.unique(self._stage[ways]).tolist():
             these = ways[self._stage[ways] == stage]
             index, piece = self._spaces[stage].hits(self._points[self._begins[these]], self._points[self._ends[these]])
-            self._status[these[index]] = _SHUT
+            self._near[these[index]], self._lengths[these[index]] = False, np.inf
             self._meet(stage, set(piece.tolist()) - self._met[stage])
+
+    def _keep(self, ways: BoolArray) -> None:
+        """Forget all other ways, and those that are not free."""
+        ways &= np.isfinite(self._lengths)
+        self._begins, self._ends, self._stage = self._begins[ways], self._ends[ways], self._stage[ways]
+        self._both, self._seen, self._near = self._both[ways], self._seen[ways], self._near[ways]
+        self._lengths = self._lengths[ways]
 
     def _stuck(self, there: FloatArray) -> int:
         """The first layer of which no place is reached, as the stage that leads to it."""
@@ -169,25 +182,23 @@ class LayeredPaths:
     def _unknown(self, nodes: list[int]) -> IntArray:
         """The ways of a path that were not looked at yet."""
         keys = self._keys(np.array(nodes[:-1]), np.array(nodes[1:]))
-        own = self._keys(self._begins, self._ends)
-        ways = np.flatnonzero(np.isin(own, keys) & (self._status == _UNKNOWN))
-        return ways.astype(np.int64)
+        ways = np.flatnonzero(self._near & ~self._seen)
+        found: IntArray = ways[np.isin(self._keys(self._begins[ways], self._ends[ways]), keys)]
+        return found
 
     def _keys(self, begins: IntArray, ends: IntArray) -> IntArray:
         keys: IntArray = np.minimum(begins, ends) * np.int64(len(self._points)) + np.maximum(begins, ends)
         return keys
 
-    def _graph(self) -> tuple[Graph, FloatArray]:
-        """The graph of all ways that may be free, and the lengths of all ways."""
-        steps = self._points[self._begins] - self._points[self._ends]
-        lengths = np.maximum(np.hypot(*steps.T), _NO_LENGTH)
-        kept = self._status != _SHUT
-        back = kept & self._both
+    def _graph(self) -> Graph:
+        """The graph of all ways that may be free and near the best path."""
+        self._settle()
+        kept = np.flatnonzero(self._near)
+        back = kept[self._both[kept]]
         rows = np.concatenate((self._begins[kept], self._ends[back])).astype(np.int32)
         columns = np.concatenate((self._ends[kept], self._begins[back])).astype(np.int32)
-        size = len(self._points)
-        graph = csr_array((np.concatenate((lengths[kept], lengths[back])), (rows, columns)), shape=(size, size))
-        return graph, lengths
+        lengths, size = np.concatenate((self._lengths[kept], self._lengths[back])), len(self._points)
+        return csr_array((lengths, (rows, columns)), shape=(size, size))
 
     def _chain(self, nodes: list[int]) -> Chain:
         """The path over some nodes, cut at the layers."""
@@ -202,13 +213,13 @@ class LayeredPaths:
     def _begin(self, layers: Sequence[FloatArray]) -> None:
         """Put other places into the graph."""
         before = self._count
-        kept = (self._begins >= before) & (self._ends >= before)
+        self._keep((self._begins >= before) & (self._ends >= before))
+        self._near[:] = True  # but for those that are not free, which are gone
         corners = self._points[before:]
         self._layers = list(layers)
         self._offsets = np.cumsum([0, *(len(layer) for layer in layers)])
         shift = self._count - before
-        self._begins, self._ends = self._begins[kept] + shift, self._ends[kept] + shift
-        self._stage, self._both, self._status = self._stage[kept], self._both[kept], self._status[kept]
+        self._begins, self._ends = self._begins + shift, self._ends + shift
         self._points = np.concatenate((*layers, corners))
         self._parts = [
             (space.part_of(layers[stage]), space.part_of(layers[stage + 1])) for stage, space in enumerate(self._spaces)
@@ -256,9 +267,12 @@ class LayeredPaths:
         self._linked = np.append(self._linked, np.zeros(len(new), dtype=np.bool_))
         self._least = np.append(self._least, self._least_over(space.corners_m[new], stages))
 
-    def _link(self, length_m: float) -> bool:
+    def _link(self, length_m: float, limit_m: float, graph: Graph) -> bool:
         """Link the corners over which a path may be as short as a length; whether there are any."""
         wanted = ~self._linked & (self._least <= length_m * (1.0 + _NEARLY))
+        if (self._least[wanted] <= length_m).any():
+            self._raise(np.flatnonzero(wanted), limit_m, graph)
+            wanted &= self._least <= length_m * (1.0 + _NEARLY)
         if not (self._least[wanted] <= length_m).any():
             return False
         for stage in np.unique(self._corner_stage[wanted]).tolist():
@@ -276,6 +290,29 @@ class LayeredPaths:
             self._linked[new] = True
         return True
 
+    def _raise(self, corners: IntArray, limit_m: float, graph: Graph) -> None:
+        """Raise what is known of how long paths over corners are, by what is known of the nodes they come from.
+
+        Of paths that are longer than a limit, that is all that is known.
+        """
+        there, back = self._distances(graph)
+        for stage in np.unique(self._corner_stage[corners]).tolist():
+            here = corners[self._corner_stage[corners] == stage]
+            linked = self._count + np.flatnonzero((self._corner_stage == stage) & self._linked)
+            entry, exit_ = (np.arange(*self._offsets[layer : layer + 2]) for layer in (stage, stage + 1))
+            points = self._points[self._count + here]
+            to, onward = (
+                _over(points, self._points[nodes], known[nodes])
+                for nodes, known in ((np.append(entry, linked), there), (np.append(exit_, linked), back))
+            )
+            self._least[here] = np.maximum(self._least[here], np.minimum(to + onward, limit_m))
+
+    def _distances(self, graph: Graph) -> tuple[FloatArray, FloatArray]:
+        """How far each node is from the nearest place of the first layer, and from the nearest of the last."""
+        there = dijkstra(graph, indices=np.arange(self._offsets[1]), min_only=True)
+        last = np.arange(self._offsets[-2], self._offsets[-1])
+        return there, dijkstra(graph.T.tocsr(), indices=last, min_only=True)
+
     def _join_places(self, stage: int, corners: IntArray) -> None:
         """Link corners of a stage with the places of its layers."""
         space, own = self._spaces[stage], self._corner[corners]
@@ -286,11 +323,21 @@ class LayeredPaths:
             self._join(stage, *(ends if layer == stage else ends[::-1]), both=False)
 
     def _join(self, stage: int, begins: IntArray, ends: IntArray, *, both: bool) -> None:
+        lengths = np.maximum(np.hypot(*(self._points[begins] - self._points[ends]).T), _NO_LENGTH)
+        self._joined.append((begins, ends, np.full(len(begins), stage), np.full(len(begins), both), lengths))
+
+    def _settle(self) -> None:
+        """Take what was joined to the other ways: none of it was looked at yet."""
+        if not self._joined:
+            return
+        begins, ends, stage, both, lengths = (np.concatenate(each) for each in zip(*self._joined, strict=True))
+        self._joined.clear()
         count = len(begins)
         self._begins, self._ends = np.append(self._begins, begins), np.append(self._ends, ends)
-        self._stage = np.append(self._stage, np.full(count, stage))
-        self._both = np.append(self._both, np.full(count, both))
-        self._status = np.append(self._status, np.full(count, _UNKNOWN, dtype=np.int8))
+        self._stage, self._both = np.append(self._stage, stage), np.append(self._both, both)
+        self._lengths = np.append(self._lengths, lengths)
+        self._seen = np.append(self._seen, np.zeros(count, dtype=np.bool_))
+        self._near = np.append(self._near, np.ones(count, dtype=np.bool_))
 
 
 def _followed(before: IntArray, end: int) -> list[int]:
@@ -304,6 +351,15 @@ def _distances(points: FloatArray, others: FloatArray) -> FloatArray:
     """(P, O) how far points are from others."""
     distances: FloatArray = np.hypot(points[:, None, 0] - others[None, :, 0], points[:, None, 1] - others[None, :, 1])
     return distances
+
+
+def _over(points: FloatArray, others: FloatArray, known: FloatArray) -> FloatArray:
+    """(P,) how far points are at least, over others of which that is known."""
+    found = np.full(len(points), np.inf)
+    for begin in range(0, len(others), _AT_ONCE):
+        here = slice(begin, begin + _AT_ONCE)
+        found = np.minimum(found, (_distances(points, others[here]) + known[here]).min(axis=1, initial=np.inf))
+    return found
 
 
 def _straight_lengths(layers: list[FloatArray]) -> tuple[list[FloatArray], list[FloatArray]]:

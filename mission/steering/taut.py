@@ -7,6 +7,7 @@ between fixed bends, the sum of two distances over a straight rim is least where
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -17,12 +18,14 @@ from mission.steering.free_space import FreeSpace
 from mission.steering.layered_paths import Chain, LayeredPaths, NoWayError
 
 _PLACES: Final = 40
-"""Places on the rim of a target, its corners not counted."""
+"""Places on the rim of a target at most, its corners not counted."""
+_APART: Final = 0.04
+"""How far apart they need not be nearer, as a part of how far it is to other targets: what is lost is of its square."""
 _MOST_CORNERS: Final = 60
-_WINDOW: Final = 4
+_WINDOW: Final = 2
 """Finer places on each side of the best one."""
 _FINER: Final = 3.0
-_FINEST: Final = 1e-4
+_FINEST: Final = 0.1
 """Distance of the finest places, as a part of that of the first ones."""
 _SWEEPS: Final = 200
 _POLISHES: Final = 4
@@ -164,13 +167,13 @@ class _Search:
     def _solved(self, layers: "_Layers", stretches: list[tuple[int, Stretch]]) -> list[TautLine]:
         try:
             paths = LayeredPaths([self._space(each.free, number) for number, each in stretches], cyclic=layers.cyclic)
-            places, step = layers.first(), layers.step_m
+            places, share = layers.first(), 1.0
             chain = paths.shortest(places)
-            while step > layers.step_m * _FINEST:
+            while share > _FINEST:
                 # A path that is better than the best one so far is near one over these places.
-                paths.forget_beyond(chain.length_m + 4.0 * len(stretches) * step, places)
-                step /= _FINER
-                places = layers.near(_passed(places, chain), step)
+                paths.forget_beyond(chain.length_m + 1.4 * share * layers.steps_m, places)
+                share /= _FINER
+                places = layers.near(_passed(places, chain), share)
                 chain = paths.shortest(places)
             for _ in range(_POLISHES):
                 polished = layers.polished(chain.lines)
@@ -207,18 +210,21 @@ class _Layers:
     def __init__(self, start_m: FloatArray | None, targets: list[shapely.Geometry]) -> None:
         self._start_m, self._targets = start_m, targets
         self.cyclic = start_m is None
-        self._rims = [_Rim(target) for target in targets]
-        self.step_m = max((rim.step_m for rim in self._rims), default=0.0)
+        others = [targets[-1] if start_m is None else shapely.Point(start_m), *targets]
+        apart = [float(shapely.distance(one, other)) for one, other in pairwise(others)]
+        after = [*apart[1:], apart[0] if start_m is None else np.inf]
+        self._rims = [_Rim(target, min(near)) for target, *near in zip(targets, apart, after, strict=True)]
+        self.steps_m = sum(rim.step_m for rim in self._rims)
 
     def first(self) -> list[FloatArray]:
         """Places all round the rims."""
         return self._layered([rim.places() for rim in self._rims])
 
-    def near(self, points: list[FloatArray], step_m: float) -> list[FloatArray]:
-        """Places round one of each layer, ``points`` in the order of the layers."""
+    def near(self, points: list[FloatArray], share: float) -> list[FloatArray]:
+        """Places round one of each layer, ``points`` in the order of the layers, by a share of the first distance."""
         return self._layered(
             [
-                np.concatenate((point[None], rim.around(point, step_m)))
+                np.concatenate((point[None], rim.around(point, share * rim.step_m)))
                 for point, rim in zip(points[1:], self._rims, strict=True)
             ]
         )
@@ -262,9 +268,14 @@ class _Layers:
 
 
 class _Rim:
-    """The rim of a target, or a point."""
+    """The rim of a target, or a point.
 
-    def __init__(self, target: shapely.Geometry) -> None:
+    Args:
+        target: Area or point.
+        apart_m: How far it is from the targets before and after it.
+    """
+
+    def __init__(self, target: shapely.Geometry, apart_m: float) -> None:
         self._target = target
         self._is_point = shapely.get_dimensions(target) == 0
         rings = (
@@ -275,7 +286,7 @@ class _Rim:
         self._rings = rings
         self._measures = [np.append(0.0, np.cumsum(np.hypot(*np.diff(ring, axis=0).T))) for ring in rings]
         total = sum(float(measure[-1]) for measure in self._measures)
-        self.step_m = total / _PLACES
+        self.step_m = min(max(total / _PLACES, _APART * apart_m), total)
         self._edges = np.concatenate([np.stack((r[:-1], r[1:]), axis=1) for r in rings]) if rings else None
         bounds = np.abs(np.array(shapely.bounds(target))).max()
         self._hair_m = max(1e-8, 1e-9 * float(bounds))
