@@ -24,6 +24,9 @@ from mission.spec.schema import default_of
 _WIDTH: Final = 118
 _SPEED_M_S: Final = 5.0
 _NEVER: Final = "restricted ones are never entered, whatever the formula says"
+_MOST_VISITED: Final = 90
+"""A formula of more in a row would be nested too deeply."""
+
 _MOST_IN_ANY_ORDER: Final = 5
 """Of more regions, the orders would be too many to search: they are visited in a row, each time the nearest."""
 
@@ -80,6 +83,9 @@ def draft_mission(
         guesses=guesses,
     )
     remarks = [remark for _, drawing in drawings for remark in drawing.remarks] + of_route + list(layout.remarks)
+    if len(layout.visited) > _MOST_VISITED:
+        left = f"of {len(layout.visited)} regions to survey, the first {_MOST_VISITED} are asked for"
+        remarks.append(f"{left}: draw those that belong together as one feature of several parts")
     altitude_m = max((drawing.altitude_m for _, drawing in drawings if drawing.altitude_m), default=None)
     speed_m_s = max((drawing.speed_m_s for _, drawing in drawings if drawing.speed_m_s), default=None)
     sources = ", ".join(f"{file} ({drawing.format})" for file, drawing in drawings)
@@ -173,7 +179,7 @@ def _mission(layout: Layout, formula: str, laps: str) -> Iterator[str]:
         return
     homes = " | ".join(layout.homes)
     end = f"F G ({homes})" if len(layout.homes) > 1 else f"F G {homes}"
-    visits = layout.visited
+    visits = layout.visited[:_MOST_VISITED]
     if not visits:
         yield from _comment("Nothing is there to be surveyed: the vehicle starts and lands. What should it visit?")
         formula = end

@@ -133,7 +133,7 @@ def laid_out(
     ground = _part_with(free, centre_m)
     rooms = {piece.name: inradius_m(piece.kept.intersection(ground)) for piece in (*homes, *surveyed)}
     visited = [piece for piece in surveyed if rooms[piece.name] >= _LEAST_ROOM_M]
-    remarks.extend(f"{piece.name} cannot be reached from home" for piece in surveyed if piece not in visited)
+    remarks.extend(_not_visited(piece) for piece in surveyed if piece not in visited)
     narrowest_m = min(rooms[piece.name] for piece in (*homes, *visited))
     others = [piece for piece in regions if piece.role is not Role.HOME]
     return Layout(
@@ -151,6 +151,13 @@ def laid_out(
         round(guesses.tube_share * min(_WIDEST_TUBE_M, _TUBE_SHARE * narrowest_m), 2) if tube_m is None else tube_m,
         (*remarks, *said),
     )
+
+
+def _not_visited(piece: Piece) -> str:
+    room_m = inradius_m(piece.kept)
+    if room_m < _LEAST_ROOM_M:
+        return f"{piece.name} is too narrow to be visited, with room for a circle of {decimal(round(room_m, 3))} m"
+    return f"{piece.name} cannot be reached from home"
 
 
 def _with_roles(pieces: Sequence[Piece]) -> list[Piece]:

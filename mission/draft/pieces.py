@@ -8,16 +8,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final
 
-import numpy as np
 import shapely
-from shapely.validation import explain_validity
 
 from mission.decimals import decimal, measure
 from mission.draft.frame import Frame
+from mission.draft.mending import mended
 from mission.errors import Fault, SpecError
 from mission.geometry.shapes import disc, grown, shrunk, strip, united
 from mission.interchange.features import Feature, Lanes, Line, Point, Polygon, Role, Shape, Spot
-from mission.printable import printable
 from mission.spec.schema import MOST_REGIONS, OPERATOR_NAMES
 
 WIDTH_M: Final = 10.0
@@ -88,13 +86,7 @@ def polygon_piece(name: str, role: Role, polygons: Sequence[Polygon], frame: Fra
     Raises:
         SpecError: A ring of one crosses itself.
     """
-    for ring in (ring for each in polygons for ring in (each.outline, *each.holes)):
-        outline = shapely.Polygon(frame.metres(ring))
-        if not outline.is_valid:
-            place = re.findall(r"-?[0-9.]+(?:e-?[0-9]+)?", explain_validity(outline))[:2]
-            near = f" near {frame.as_made(np.array(place, dtype=np.float64))}" if len(place) > 1 else ""
-            message = f'an outline of "{printable(name)}" crosses itself or has no width{near}'
-            raise SpecError((Fault(0, 0, "", message, "correct it in the program that drew it"),))
+    polygons, mends = mended(name, polygons, frame)
     area = united((frame.metres(each.outline), [frame.metres(hole) for hole in each.holes]) for each in polygons)
     drawn = [_polygon_keys(each, frame) for each in polygons]
     if len(drawn) == 1:
@@ -102,7 +94,7 @@ def polygon_piece(name: str, role: Role, polygons: Sequence[Polygon], frame: Fra
     else:
         parts = ", ".join("{" + ", ".join(f"{key}: {value}" for key, value in part) + "}" for part in drawn)
         keys = (("polygons", f"[{parts}]"),)
-    return Piece(name, role, area, keys, comments, tuple(polygons))
+    return Piece(name, role, area, keys, (*comments, *mends), tuple(polygons))
 
 
 def circle_keys(centre: str, radius_m: float) -> tuple[tuple[str, str], ...]:

@@ -50,8 +50,10 @@ def draft_that_plans(drawings: Sequence[tuple[str, Drawing]], name: str) -> Tria
         if plain.plan is not None:
             notes = [f"{said} Otherwise: {why}" for said in _changed(plain.plan.spec, guesses)]
             return replace(plain, draft=draft_mission(drawings, name, guesses, notes))
-    note = f"It does not plan as it is: {why}"
-    return replace(first, draft=draft_mission(drawings, name, USUAL, [note]))
+    told = draft_mission(drawings, name, USUAL, [f"It does not plan as it is: {why}"])
+    if isinstance(first.error, SpecError):
+        return _tried(told)  # its places are those of the file as it is written
+    return replace(first, draft=told)
 
 
 def _tried(draft: Draft) -> Trial:

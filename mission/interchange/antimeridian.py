@@ -1,5 +1,6 @@
 """Areas that a file has in two parts because they cross the antimeridian (RFC 7946, 3.1.9), as one again."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -7,7 +8,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray
-from mission.interchange.features import Drawing, Feature, Point, Polygon
+from mission.interchange.features import Drawing, Feature, Line, Point, Polygon, Shape, points_of
 
 _TURN, _HALF = 360.0, 180.0
 _SIDES: Final = {-_HALF, _HALF}
@@ -18,7 +19,31 @@ def joined(drawing: Drawing) -> Drawing:
 
     Two parts with the antimeridian as an edge of both would keep a gap there in metres, which rounding is enough for.
     """
-    return replace(drawing, features=tuple(_joined(feature) for feature in drawing.features))
+    return replace(
+        drawing,
+        features=tuple(_joined(_on_the_map(feature)) for feature in drawing.features),
+        route=_turned(drawing.route),
+        start=drawing.start and _turned((drawing.start,))[0],
+    )
+
+
+def _on_the_map(feature: Feature) -> Feature:
+    """A feature whose longitudes do not go on beyond 180."""
+    if all(abs(longitude) <= _HALF for shape in feature.shapes for longitude, _ in points_of(shape)):
+        return feature
+    return replace(feature, shapes=tuple(map(_shape_on_the_map, feature.shapes)))
+
+
+def _shape_on_the_map(shape: Shape) -> Shape:
+    if isinstance(shape, Polygon):
+        return Polygon(_turned(shape.outline), tuple(map(_turned, shape.holes)))
+    if isinstance(shape, Line):
+        return replace(shape, points=_turned(shape.points))
+    return replace(shape, centre=_turned((shape.centre,))[0])
+
+
+def _turned(points: tuple[Point, ...]) -> tuple[Point, ...]:
+    return tuple((x - math.copysign(_TURN, x) if abs(x) > _HALF else x, y) for x, y in points)
 
 
 def _joined(feature: Feature) -> Feature:

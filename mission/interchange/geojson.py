@@ -31,8 +31,9 @@ def drawing_of_geojson(data: Json, *, in_metres: bool | None = None) -> Drawing:
 
     Args:
         data: The value.
-        in_metres: Whether coordinates are metres; None tells it from them: outside the globe, or wider than a degree
-            about 0, 0, where there is only sea. Nobody flies over an area of a degree, which is a hundred kilometres.
+        in_metres: Whether coordinates are metres; None tells it from them: wider than a degree, and outside the globe
+            or about 0, 0, where there is only sea. Nobody flies over an area of a degree, which is a hundred
+            kilometres, or in one of a metre.
 
     Raises:
         SpecError: Something in it is no GeoJSON, with its path.
@@ -147,4 +148,4 @@ def _in_metres(points: list[Point]) -> bool:
     south, north = min(y for _, y in points), max(y for _, y in points)
     outside = max(-west, east) > 180.0 or max(-south, north) > 90.0  # noqa: PLR2004 - the globe
     wide = max(east - west, north - south) > 1.0
-    return outside or (wide and west <= 0.0 <= east and south <= 0.0 <= north)
+    return wide and (outside or (west <= 0.0 <= east and south <= 0.0 <= north))

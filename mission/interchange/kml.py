@@ -33,6 +33,7 @@ _LINKS: Final = ("NetworkLink", "GroundOverlay", "PhotoOverlay", "ScreenOverlay"
 _NAME_KEYS: Final = ("name", "title", "label", "id")
 _LEAST_PARTS: Final = 2
 _COLOUR: Final = 8
+_MOST_NAMED: Final = 3
 
 
 def drawing_of_kml(tree: Element, kind: str = "KML") -> Drawing:
@@ -78,8 +79,8 @@ def drawing_of_kml(tree: Element, kind: str = "KML") -> Drawing:
     return with_flight(Drawing(kind, tuple(features), remarks=tuple(remarks)), flight, start)
 
 
-def kml_of_kmz(content: bytes, most_bytes: int) -> bytes:
-    """The main KML text of a KMZ archive: ``doc.kml``, or the first that there is.
+def kml_of_kmz(content: bytes, most_bytes: int) -> tuple[bytes, tuple[str, ...]]:
+    """The main KML text of a KMZ archive, ``doc.kml`` or the first that there is, and remarks on the others.
 
     Args:
         content: The archive.
@@ -90,17 +91,23 @@ def kml_of_kmz(content: bytes, most_bytes: int) -> bytes:
     """
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
-            names = [name for name in archive.namelist() if name.lower().endswith(".kml")]
+            # Files like ._doc.kml are what one system notes about files, for itself.
+            names = [
+                name
+                for name in archive.namelist()
+                if name.lower().endswith(".kml") and not name.rpartition("/")[2].startswith("._")
+            ]
             if not names:
                 raise broken("the archive has no .kml file in it")
-            main = "doc.kml" if "doc.kml" in names else names[0]
+            main = next((name for name in names if name.lower() == "doc.kml"), names[0])
             with archive.open(main) as file:
                 text = file.read(most_bytes + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError, OSError) as error:
         raise broken(f"this is no KMZ archive: {error}", "the file may have been cut off, or need a password") from None
     if len(text) > most_bytes:
         raise broken(f"{main[:60]} in the archive is larger than {most_bytes} bytes")
-    return text
+    others = [f"{name[:60]} in the archive is left out, {main[:60]} is read" for name in names if name != main]
+    return text, tuple(others[:_MOST_NAMED]) + (("and so are more",) if len(others) > _MOST_NAMED else ())
 
 
 def _placed(parent: Element, folders: tuple[str, ...]) -> Iterator[tuple[Element, tuple[str, ...]]]:

@@ -121,6 +121,8 @@ def _numbered(kind: str, before: Sequence[Feature]) -> str:
 
 def _homes(data: dict[str, Any], mission: dict[str, Any]) -> Iterator[Feature]:
     home = mission.get("plannedHomePosition")
+    if isinstance(home, dict):
+        home = home.get("coordinate")  # as older versions have it
     if home is not None:
         place = point(home, "mission.plannedHomePosition", latitude_first=True)
         yield Feature("home", (Spot(place),), Role.HOME, "the planned home")

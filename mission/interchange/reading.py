@@ -1,5 +1,6 @@
 """A file's bytes as a drawing, by what is in it: its name says nothing."""
 
+from dataclasses import replace
 from typing import Any, Final
 
 from mission.errors import SpecError
@@ -43,7 +44,9 @@ def _read(content: bytes, *, in_metres: bool | None) -> Drawing:
         raise broken(f"the file is larger than {MAX_BYTES} bytes", "save what the mission needs alone")
     start = content[:1000].removeprefix(b"\xef\xbb\xbf").lstrip()
     if content.startswith(b"PK\x03\x04"):
-        drawing = drawing_of_kml(xml_tree(kml_of_kmz(content, MAX_BYTES)), "KMZ")
+        text, remarks = kml_of_kmz(content, MAX_BYTES)
+        drawing = drawing_of_kml(xml_tree(text), "KMZ")
+        drawing = replace(drawing, remarks=remarks + drawing.remarks)
     elif start.startswith(b"<") or content.startswith((b"\xff\xfe", b"\xfe\xff")):
         tree = xml_tree(content)
         drawing = drawing_of_gpx(tree) if tree.children[0].name == "gpx" else drawing_of_kml(tree)
@@ -58,10 +61,17 @@ def _read(content: bytes, *, in_metres: bool | None) -> Drawing:
         raise broken(f"the file has {len(points)} positions, more than {MOST_POSITIONS}", "simplify its outlines")
     if drawing.in_degrees:
         for longitude, latitude in points:
-            if abs(longitude) > 180.0 or abs(latitude) > 90.0:  # noqa: PLR2004 - the globe
-                hint = "degrees are expected, the longitude first in GeoJSON and KML"
+            if not _is_on_earth(longitude, latitude):
+                swapped = all(_is_on_earth(north, east) for east, north in points)
+                why = ": they are the other way round here" if swapped else ""
+                hint = f"degrees are expected, the longitude first in GeoJSON and KML{why}"
                 raise broken(f"longitude {longitude}, latitude {latitude} is no place on Earth", hint)
     return joined(drawing) if drawing.in_degrees else drawing
+
+
+def _is_on_earth(longitude: float, latitude: float) -> bool:
+    """Whether this is a place; beyond the antimeridian, longitudes may go on."""
+    return abs(longitude) <= 360.0 and abs(latitude) <= 90.0  # noqa: PLR2004 - the globe
 
 
 def _of_json(data: Any, *, in_metres: bool | None) -> Drawing:  # noqa: ANN401 - any JSON value

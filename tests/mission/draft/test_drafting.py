@@ -320,3 +320,56 @@ shapes = st.one_of(
 def test_whatever_is_drawn_the_draft_is_sound(features: Sequence[Feature]) -> None:
     spec = mission(drafted(*features))
     assert any(region.kind is RegionKind.HOME for region in spec.regions)
+
+
+def mended(*rings: tuple[Point, ...]) -> dict[str, object]:
+    region = yaml.safe_load(drafted(feature("field", Polygon(rings[0], rings[1:]), Role.SURVEY)))["regions"]["field"]
+    assert isinstance(region, dict)
+    return region
+
+
+def test_outlines_that_touch_themselves_are_taken_apart_and_spikes_taken_off() -> None:
+    hourglass = ((0, 0), (40, 0), (20, 20), (40, 40), (0, 40), (20, 20))
+    parts = mended(hourglass)["polygons"]
+    assert isinstance(parts, list)
+    assert sorted(sorted(map(tuple, part["polygon"])) for part in parts) == [
+        [(0, 0), (20, 20), (40, 0)],
+        [(0, 40), (20, 20), (40, 40)],
+    ]
+    spike = ((0, 0), (40, 0), (40, 20), (90, 20), (40, 20), (40, 40), (0, 40))
+    assert sorted(map(tuple, mended(spike)["polygon"])) == [(0, 0), (0, 40), (40, 0), (40, 20), (40, 40)]  # type: ignore[call-overload]
+    # Somebody drew the hole with the pen down: from a corner inwards, round it, and back.
+    keyhole = ((0, 0), (40, 0), (40, 40), (0, 40), (0, 0), (10, 10), (10, 20), (20, 20), (20, 10), (10, 10))
+    region = mended(keyhole)
+    assert sorted(map(tuple, region["holes"][0])) == [(10, 10), (10, 20), (20, 10), (20, 20)]  # type: ignore[index]
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [
+        ((0, 0), (40, 40), (40, 0), (0, 40)),  # which of the two is meant, or both?
+        ((0, 0), (40, 0), (20, 20), (0, 40), (40, 40), (20, 20)),  # one loop goes round the other way
+        ((0, 0), (40, 0), (20, 0)),
+    ],
+)
+def test_outlines_that_could_mean_several_things_are_refused_with_the_place(ring: tuple[Point, ...]) -> None:
+    with pytest.raises(SpecError, match=r'an outline of "field" crosses itself or has no width near \['):
+        drafted(feature("field", Polygon(ring), Role.SURVEY))
+
+
+def test_a_hole_outside_of_its_polygon_is_left_out_and_said_so() -> None:
+    text = drafted(feature("field", Polygon(square(0, 0, 40), (square(60, 0, 10), square(5, 5, 10))), Role.SURVEY))
+    assert "# a hole that lies outside of it is left out" in text
+    assert yaml.safe_load(text)["regions"]["field"]["holes"] == [[[5, 5], [15, 5], [15, 15], [5, 15]]]
+    assert "field_holes" in text  # of the one that is left, whether it may be flown over
+
+
+def test_what_is_too_small_is_not_asked_for_and_neither_is_what_makes_the_formula_too_long() -> None:
+    text = drafted(
+        feature("speck", Polygon(square(0, 0, 0.1)), Role.SURVEY),
+        feature("field", Polygon(square(10, 0, 40)), Role.SURVEY),
+    )
+    assert "# Note: speck is too narrow to be visited, with room for a circle of 0.05 m." in text
+    text = drafted(*(feature(f"p{i}", Polygon(square(30 * i, 0, 20)), Role.SURVEY) for i in range(100)))
+    assert "# Note: of 100 regions to survey, the first 90 are asked for" in text
+    assert mission(text).formula.count("F (") == 90

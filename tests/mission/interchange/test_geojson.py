@@ -139,3 +139,21 @@ def test_a_projected_system_is_refused_unless_its_metres_are_wanted() -> None:
     assert fault.path == "crs.properties.name"
     assert fault.message == "the coordinates are in urn:ogc:def:crs:EPSG::32632, not in WGS 84"
     assert not read(collection(feature(utm), crs=system), in_metres=True).in_degrees
+
+
+def test_longitudes_that_go_on_beyond_the_antimeridian_are_degrees() -> None:
+    corners = [[179.999, -17], [180.001, -17], [180.001, -16.999], [179.999, -16.999]]
+    drawing = read_drawing(json.dumps({"type": "Polygon", "coordinates": [corners]}).encode())
+    assert drawing.in_degrees
+    (outline,) = drawing.features[0].shapes
+    assert isinstance(outline, Polygon)
+    assert [round(x, 9) for x, _ in outline.outline] == [179.999, -179.999, -179.999, 179.999]
+
+
+def test_degrees_the_other_way_round_are_told_as_that() -> None:
+    corners = [[37.7, -122.4], [37.701, -122.4], [37.701, -122.401]]
+    with pytest.raises(SpecError) as refused:
+        read_drawing(json.dumps({"type": "Polygon", "coordinates": [corners]}).encode())
+    (fault,) = refused.value.faults
+    assert fault.message == "longitude 37.7, latitude -122.4 is no place on Earth"
+    assert fault.hint.endswith("the longitude first in GeoJSON and KML: they are the other way round here")

@@ -136,3 +136,14 @@ def test_the_main_text_of_an_archive_is_read(names: tuple[str, ...]) -> None:
     drawing = read_drawing(archive(files))
     assert drawing.format == "KMZ"
     assert len(drawing.features) == 4
+
+
+def test_of_several_texts_in_an_archive_one_is_read_and_the_others_are_named() -> None:
+    content = BytesIO()
+    with zipfile.ZipFile(content, "w") as written:
+        written.writestr("__MACOSX/._Doc.KML", b"\0\5\x16")
+        written.writestr("first.kml", "<kml/>")
+        written.writestr("Doc.KML", GOOGLE_EARTH)
+    drawing = read_drawing(content.getvalue())
+    assert drawing.features == read_drawing(GOOGLE_EARTH.encode()).features
+    assert drawing.remarks[0] == "first.kml in the archive is left out, Doc.KML is read"

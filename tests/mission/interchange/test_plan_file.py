@@ -154,11 +154,14 @@ def test_plans_of_the_first_version_have_grids_places_apart_and_one_fence() -> N
     waypoint = {"command": 16, "coordinate": [47.2, 8.2, 30], "frame": 3, "params": [0, 0, 0, 0], "type": "SimpleItem"}
     older = {"command": 16, "coordinate": [47.3, 8.2, 35], "type": "missionItem", "param1": 0, "param2": 0}
     fence = {"polygon": [[47, 8], [47, 8.4], [47.4, 8.4]], "version": 1}
-    drawing = plan(survey, waypoint, older, geoFence=fence, rallyPoints={"points": []})
+    home = {"coordinate": [47.05, 8.05, 0], "type": "missionItem"}
+    mission = {"items": [survey, waypoint, older], "plannedHomePosition": home, "version": 1}
+    drawing = plan(mission=mission, geoFence=fence, rallyPoints={"points": []})
     assert [(each.name, each.role) for each in drawing.features] == [
         ("inclusion_polygon_1", Role.BOUNDARY),
         ("survey_1", Role.SURVEY),
         ("home", Role.HOME),
     ]
+    assert drawing.features[2].shapes == (Spot((8.05, 47.05)),)
     assert drawing.features[1].lanes == Lanes(58.0, 15.0, Camera(None, (23.2, 15.4), 16.0, 0.1, 0.2))
     assert (drawing.route, drawing.altitude_m) == (((8.2, 47.2), (8.2, 47.3)), 50.0)
