@@ -1,5 +1,6 @@
 """What the pieces of a drawing are for, where nobody has said it; the boundary, and a home."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -27,6 +28,7 @@ _WIDEST_TUBE_M: Final = 0.5
 _LEAST_ROOM_M: Final = 0.2
 _ROOM_FOR_LANES_M: Final = 2.0
 _SPACING_M: Final = 10.0
+_LANE_SPACINGS: Final = 6.0  # that lanes are long on average, at least, where houses cut them
 _MANY_LANES: Final = 40
 """A field that lanes of the usual spacing cross more often gets wider ones."""
 
@@ -241,6 +243,8 @@ def _spacing_m(piece: Piece, room_m: float) -> float:
     """As it was planned before; one lane along a line; or so that several lanes and not very many are in what is wide.
 
     Lanes lie along the longer side of what is around a field, so that they are as many as the shorter one has room for.
+    Where houses stand in it they are cut: a line through an area is inside of it for pi times area over circumference
+    on average (Cauchy), and lanes are to be several times as long as the ways from one to the next.
     """
     if piece.lanes and piece.lanes.spacing_m:
         return max(_CLOSEST_LANES_M, piece.lanes.spacing_m)
@@ -249,7 +253,11 @@ def _spacing_m(piece: Piece, room_m: float) -> float:
         return shape.width_m or WIDTH_M
     sides_m = np.hypot(*np.diff(shapely.get_coordinates(piece.area.minimum_rotated_rectangle)[:3], axis=0).T)
     widest_m = _TIDY_M * np.ceil(sides_m.min() / (_TIDY_M * _MANY_LANES))
-    return float(max(min(_SPACING_M, round(room_m)), widest_m if widest_m > _SPACING_M else 0.0))
+    widest_m = max(min(_SPACING_M, round(room_m)), widest_m if widest_m > _SPACING_M else 0.0)
+    if not any(len(part.interiors) for part in shapely.get_parts(piece.area)):
+        return float(widest_m)
+    cut_m = math.pi * piece.area.area / piece.area.length / _LANE_SPACINGS
+    return float(max(min(widest_m, math.floor(2.0 * cut_m) / 2.0), _CLOSEST_LANES_M))
 
 
 def _part_with(free: Area, centre_m: FloatArray) -> Area:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 import shapely
@@ -40,6 +41,9 @@ _NO_WAY_BACK = (
     "a region of kind `home` that can be reached would be one"
 )
 _ONE_ORDER = "the tasks that recur are too many to try every order: the loop is the best in one order of them"
+
+_SHARE_TO_SPARE: Final = 0.005
+"""Of a region, what a flight may leave out that its lanes cover: as much as is usual in wind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +201,7 @@ class FlightPlan:
             *((f"the path of the fields is flown: {self.instead}",) if self.instead else ()),
             *((self._passing_over,) if self.passed_over else ()),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
-            *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share),
+            *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share + _SHARE_TO_SPARE),
             *((_NO_WAY_BACK,) if self.run.recurrent and not self._returns else ()),
         )
 
@@ -256,6 +260,12 @@ class FlightPlan:
 
 
 def _too_little(visit: CoveredVisit) -> str:
+    if visit.planned_share >= visit.share:
+        return (
+            f"the lanes cover {visit.planned_share:.1%} of {visit.region}, hardly more than the {visit.share:.1%} that "
+            f"`regions.{visit.region}.cover.share` asks for: what wind carries the vehicle off its lanes may be too "
+            f"much; a narrower tube or clearance, or wider lanes, cover more"
+        )
     return (
         f"the lanes cover {visit.planned_share:.1%} of {visit.region}, less than the {visit.share:.1%} that "
         f"`regions.{visit.region}.cover.share` asks for: nothing is covered where the tube and the "

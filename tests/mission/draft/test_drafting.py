@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
+import shapely
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -304,6 +306,18 @@ def test_what_is_surveyed_is_covered_where_there_is_room_for_lanes() -> None:
     covers = {name: region["cover"]["spacing_m"] for name, region in regions.items() if "cover" in region}
     assert covers == {"field": 10, "bed": 6, "road": 8}
     assert "# how far apart are the lanes to be?" in text
+
+
+def test_lanes_are_closer_where_houses_cut_them() -> None:
+    houses = tuple(square(x, y, 12) for x in range(8, 100, 24) for y in range(8, 100, 24))
+    text = drafted(feature("yard", Polygon(square(0, 0, 100), houses), Role.SURVEY))
+    spacing_m = yaml.safe_load(text)["regions"]["yard"]["cover"]["spacing_m"]
+    assert spacing_m == 3
+    # On a grid of lines the lanes are six spacings long on average.
+    yard = shapely.Polygon(square(0, 0, 100), houses)
+    lines = [shapely.LineString([(-9, y), (109, y)]) for y in np.linspace(0.05, 99.95, 1000)]
+    pieces = shapely.get_parts(shapely.intersection(yard, shapely.MultiLineString(lines)))
+    assert shapely.length(pieces).mean() > 6.0 * spacing_m
 
 
 roles = st.sampled_from([None, *Role])

@@ -169,6 +169,13 @@ def test_a_part_that_cannot_be_reached_is_left_out_where_the_share_allows_it() -
     assert 0.9 < plan.covers[0].planned_share < 0.99
 
 
+@pytest.mark.parametrize(("spare", "said"), [(0.0061, ""), (0.002, "hardly more than"), (-0.002, "less than the")])
+def test_a_plan_that_covers_hardly_what_is_asked_for_says_so(spare: float, said: str) -> None:
+    planned = plan_of(FIELD_WITH_A_BARN).covers[0].planned_share
+    plan = plan_of(FIELD_WITH_A_BARN.replace("spacing_m: 8", f"spacing_m: 8, share: {planned - spare:.9f}"))
+    assert [said in warning for warning in plan.warnings if "lanes cover" in warning] == [True] * bool(said)
+
+
 def test_a_field_that_is_all_of_the_domain_is_covered() -> None:
     outline = "[[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]"
     whole = FIELD_WITH_A_BARN.replace(outline, "[[0, 0], [150, 0], [150, 100], [0, 100]]")
