@@ -322,6 +322,7 @@ class _Flight:
             ended_s=self.newest_s,
             largest_error_m=watch.tracking.largest_m,
             largest_distance_m=watch.largest_distance_m,
+            largest_velocity_error_m_s=watch.tracking.largest_m_s,
             beyond_tube_s=watch.beyond_tube_s,
             behind_s=self.behind_s,
             word=watch.monitor.word,

@@ -70,6 +70,7 @@ class FlightResult:
         ended_s: Vehicle time at the end.
         largest_error_m: Largest distance on an axis from the trajectory; the certificate's tube is about this.
         largest_distance_m: Largest horizontal distance from the trajectory.
+        largest_velocity_error_m_s: Largest difference of the velocity, on an axis, from the trajectory's.
         beyond_tube_s: Longest time without a break that the error was beyond the tube.
         word: The letters that were flown.
         laps: How often the loop of a recurrent run was flown.
@@ -96,6 +97,7 @@ class FlightResult:
     gaps: tuple[Gap, ...]
     violations: tuple[Violation, ...]
     behind_s: float = 0.0
+    largest_velocity_error_m_s: float = 0.0
     covered: tuple[Covered, ...] = ()
     pictures: tuple[int, ...] = ()
 
@@ -108,6 +110,7 @@ class FlightResult:
             "interrupted": self.interrupted,
             "largest_error_m": self.largest_error_m,
             "largest_distance_m": self.largest_distance_m,
+            "largest_velocity_error_m_s": self.largest_velocity_error_m_s,
             "beyond_tube_s": self.beyond_tube_s,
             "behind_s": self.behind_s,
             "covered": [covered_values(visit) for visit in self.covered],

@@ -145,6 +145,7 @@ class FlightWatch:
         if event.trajectory_s is not None:
             planned = (event.planned_m[0], event.planned_m[1])
             self.tracking.observe(event.t_s, place, planned)
+            self.tracking.observe_velocity(event.velocity_m_s[:2], event.planned_m_s[:2])
             self.coverage.report(event.t_s, event.trajectory_s, place)
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)

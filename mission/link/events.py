@@ -71,8 +71,8 @@ class Anchored:
 class Moved:
     """The vehicle reported where it is; attitude is roll, pitch, yaw against NED, None before the first.
 
-    ``planned_m`` is where it should have been then; ``trajectory_s`` is the time on the trajectory, None before its
-    start and after its end.
+    ``planned_m`` is where it should have been then, ``planned_m_s`` how fast; ``trajectory_s`` is the time on the
+    trajectory, None before its start and after its end.
     """
 
     t_s: float
@@ -80,6 +80,7 @@ class Moved:
     velocity_m_s: Vector
     attitude_rad: Vector | None
     planned_m: Vector
+    planned_m_s: Vector
     trajectory_s: float | None
 
 

@@ -265,7 +265,7 @@ class Session:
         velocity = enu_from_ned(report.velocity_ned_m_s)
         attitude = None if self.vehicle.attitude is None else self.vehicle.attitude.angles_rad
         planned = self.guidance.observe(at_s, position, velocity, attitude)
-        self._note(Moved(at_s, position, velocity, attitude, planned.position_m, self.guidance.trajectory_s(at_s)))
+        self._note(Moved(at_s, position, velocity, attitude, *planned[:2], self.guidance.trajectory_s(at_s)))
 
     def _look_who_flies(self, heartbeat: Heartbeat, vehicle_s: float | None, now_s: float) -> None:
         if heartbeat.armed:

@@ -18,6 +18,7 @@ class TrackingWatch:
         self._now = 0.0
         self.error_m = 0.0
         self.largest_m = 0.0
+        self.largest_m_s = 0.0
 
     def observe(self, t_s: float, position_m: Point, planned_m: Point) -> None:
         """Take a report into account: where the vehicle is, and where it should be, at time ``t_s``."""
@@ -29,6 +30,11 @@ class TrackingWatch:
             self._beyond_since = None
         elif self._beyond_since is None:
             self._beyond_since = t_s
+
+    def observe_velocity(self, velocity_m_s: Point, planned_m_s: Point) -> None:
+        """Take into account how fast the vehicle is on each axis, and how fast it should be."""
+        offsets = [abs(flown - planned) for flown, planned in zip(velocity_m_s, planned_m_s, strict=True)]
+        self.largest_m_s = max(self.largest_m_s, *offsets) if all(map(math.isfinite, offsets)) else math.inf
 
     @property
     def excess_s(self) -> float:

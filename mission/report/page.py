@@ -212,6 +212,10 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
             "Largest error on one axis",
             _against_tube(flown["largest_error_per_axis_m"], certificate["tube_m"]),
         ),
+        (
+            "Largest error of the velocity on one axis",
+            _against_bound(flown["largest_velocity_error_per_axis_m_s"], certificate),
+        ),
         ("Distance from the trajectory, rms", _metres(flown["rms_error_m"])),
         *(
             (f"Smallest distance to {name}", _against_clearance(distance, numbers["planned"]["clearances_m"].get(name)))
@@ -250,6 +254,14 @@ def _progress(judged: Mapping[str, Any], achieved: object) -> str:
 
 def _against_clearance(distance_m: float, clearance_m: float | None) -> str:
     return _metres(distance_m) + ("" if clearance_m is None else f", to be kept: {decimal(clearance_m)} m")
+
+
+def _against_bound(error_m_s: float | None, certificate: Mapping[str, Any]) -> str:
+    """A velocity's error against what goes with the tube, where there is one."""
+    text, bound_m_s = _number(error_m_s, "m/s", 2), certificate["tube_m_s"]
+    if error_m_s is None or certificate["tube_m"] == 0.0:
+        return text
+    return f"{text}, {'within' if error_m_s <= bound_m_s else 'BEYOND'} the {bound_m_s:.2f} m/s that go with the tube"
 
 
 def _against_tube(error_m: float | None, tube_m: float) -> str:

@@ -44,6 +44,11 @@ class Tracking:
         return self.position_m - self.asked_position_m
 
     @property
+    def velocity_error_m_s(self) -> FloatArray:
+        """Reported less asked velocity, shape (N, 2)."""
+        return self.velocity_m_s - self.asked_velocity_m_s
+
+    @property
     def distance_m(self) -> FloatArray:
         """Horizontal distance from where it should be, shape (N,)."""
         distance: FloatArray = np.hypot(*self.error_m.T)

@@ -82,6 +82,14 @@ def test_how_closely_it_was_followed(text: str, values: dict[str, object], line:
     assert fly.tracked(result_of(plan_of(text), **values)) == f"{line} (0.64 m as a distance)"
 
 
+@pytest.mark.parametrize(("off_m_s", "word"), [(0.3, "within"), (1.3, "beyond")])
+def test_the_velocity_is_told_with_what_goes_with_the_tube(off_m_s: float, word: str) -> None:
+    said = fly.tracked(result_of(plan_of(SMALL), largest_velocity_error_m_s=off_m_s))
+    assert said.endswith(
+        f"; at most {off_m_s:.2f} m/s per axis from its velocity, {word} the 1.2 m/s that go with the tube"
+    )
+
+
 def test_what_never_took_off_followed_nothing() -> None:
     stood = result_of(plan_of(SMALL), achieved=False, began_s=None, largest_error_m=0.0, largest_distance_m=0.0)
     assert fly.tracked(stood) == "none: the trajectory was not begun"

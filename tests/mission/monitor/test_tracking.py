@@ -24,6 +24,15 @@ def test_excess_counts_from_the_first_report_outside_without_a_break() -> None:
         assert watch.excess_s == pytest.approx(excess_s)
 
 
+def test_the_largest_error_of_the_velocity_is_kept() -> None:
+    watch = TrackingWatch(0.5)
+    watch.observe_velocity((1.0, 2.0), (1.3, 2.1))
+    watch.observe_velocity((1.0, 2.0), (1.0, 1.9))
+    assert watch.largest_m_s == pytest.approx(0.3)
+    watch.observe_velocity((math.nan, 2.0), (1.0, 1.9))
+    assert watch.largest_m_s == math.inf
+
+
 def test_a_position_that_is_no_number_is_an_endless_error() -> None:
     watch = TrackingWatch(0.5)
     watch.observe(0.0, (math.nan, 0.0), (0.0, 0.0))

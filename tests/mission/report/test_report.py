@@ -63,6 +63,10 @@ def test_the_tracking_error_is_that_of_the_reports_on_the_trajectory() -> None:
     assert flown["largest_error_m"] == pytest.approx(max(lengths), rel=1e-9)
     assert flown["rms_error_m"] == pytest.approx(math.sqrt(sum(d * d for d in lengths) / len(lengths)), rel=1e-9)
     assert flown["largest_error_per_axis_m"] == pytest.approx(float(np.abs(error).max()), rel=1e-9)
+    assert flown["largest_velocity_error_per_axis_m_s"] == pytest.approx(0.0, abs=1e-9)
+    swifter = replace(record.track, velocity_m_s=record.track.velocity_m_s + np.array([0.1, -0.3, 5.0]))
+    flown_faster = summary(plan, replace(record, track=swifter))["flown"]
+    assert flown_faster["largest_velocity_error_per_axis_m_s"] == pytest.approx(0.3, rel=1e-6)
     assert flown["reports"] == 401
     assert flown["reports_on_trajectory"] == 400
     assert flown["duration_s"] == pytest.approx(plan.trajectory.duration_s)
