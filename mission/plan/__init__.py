@@ -3,7 +3,7 @@
 from mission.plan.comparison import difference
 from mission.plan.covering import CoveredVisit
 from mission.plan.flight_plan import FlightPlan, prover_of
-from mission.plan.proved_path import trajectory_of
+from mission.plan.pace import trajectory_of
 from mission.plan.serial import plan_from_json, plan_to_json
 from mission.plan.stages import plan_mission, shortest_runs
 from mission.plan.tasks import DroppedTask, formula_of

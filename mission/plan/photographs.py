@@ -48,7 +48,9 @@ def along_lanes(trajectory: Trajectory, visits: Iterable[CoveredVisit]) -> tuple
     found = []
     for visit in visits:
         if visit.trigger_m is not None:
-            times = trajectory.time_at(visit.lanes_s.ravel()).reshape(-1, 2).tolist()
+            # Where the vehicle waits for its turn to be over before a lane, the lane begins after that.
+            begins = trajectory.time_at(visit.lanes_s[:, 0], leaving=True)
+            times = np.stack((begins, trajectory.time_at(visit.lanes_s[:, 1])), axis=1).tolist()
             headings = headings_of(visit.lanes_m).tolist()
             found += [
                 Photographs(begin, end, visit.trigger_m, heading)

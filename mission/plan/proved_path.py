@@ -1,6 +1,5 @@
-"""From a run to a path with a proof, and to the trajectory that flies it."""
+"""From a run to a path with a proof."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -10,15 +9,14 @@ from mission.errors import UnprovedError
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import Rabin
-from mission.plan.covering import CoveredVisit, Covering
+from mission.plan.covering import Covering
 from mission.plan.deep_visits import DeepVisits
 from mission.plan.loiter import Stop, loiter_stops, shallow_stop
-from mission.plan.turning import RunIn, run_ins
 from mission.plan.visits import covered_visits, earnest_visits, passage_at
 from mission.planning.run import Run
 from mission.spec.clearances import clearances
 from mission.spec.finding import dotted, listed
-from mission.spec.model import CORRIDOR, UNTIL_STOPPED, Extension, MissionSpec, Point, Smoothing
+from mission.spec.model import CORRIDOR, Extension, MissionSpec, Point, Smoothing
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import LanesFrom, SteeringPath, build_path
@@ -29,10 +27,7 @@ from mission.steering.proved_smoothing import (
     fit_legs,
     smooth_with_proof,
 )
-from mission.steering.timing import time_law
-from mission.steering.trajectory import Leg, Trajectory
 
-_ROUNDS: Final = 6
 FEWEST: Final = Smoothing(Extension.ODD, "auto")
 """How the path of the fields is smoothed where the mission does not say."""
 
@@ -171,66 +166,3 @@ def _less_clearance(spec: MissionSpec) -> str:
     """That clearances take room away, where there are any: with their keys."""
     keys = [f"`{dotted(key)}: {metres:g}`" for key, metres in clearances(spec).items()]
     return f"; clearances leave less room, here {listed(keys)}" if keys else ""
-
-
-def trajectory_of(
-    spec: MissionSpec,
-    curve: JoinedCurve,
-    stops: tuple[tuple[float, float], ...],
-    lap: int | None,
-    covers: Sequence[CoveredVisit] = (),
-) -> Trajectory:
-    """The fastest flight along a curve within a mission's limits that has time to turn before photographed lanes.
-
-    Args:
-        spec: The mission.
-        curve: The smoothed path.
-        stops: Pairs (curve parameter, seconds) at which the vehicle stands still.
-        lap: Which leg is the lap.
-        covers: The lanes on it.
-
-    Raises:
-        ValueError: A stop is not on the curve.
-    """
-    if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
-        raise ValueError("a stop is not on the curve")
-    found = _trajectory(spec, curve, stops, lap, ())
-    turns = run_ins(found, covers)
-    # Times are averages over a window, which shortens a slow stretch between faster ones a little.
-    for _ in range(_ROUNDS if turns else 0):
-        found = _trajectory(spec, curve, stops, lap, turns)
-        missing = [each.missing_s(found) for each in turns]
-        if max(missing) <= 0.0:
-            break
-        turns = tuple(each.lasting(more) for each, more in zip(turns, missing, strict=True))
-    return found
-
-
-def _trajectory(
-    spec: MissionSpec,
-    curve: JoinedCurve,
-    stops: tuple[tuple[float, float], ...],
-    lap: int | None,
-    run_ins: tuple[RunIn, ...],
-) -> Trajectory:
-    limits, legs = spec.limits, []
-    stops = (*stops, *((each.end_s, each.wait_s) for each in run_ins if each.wait_s > 0.0))
-    for number, leg in enumerate(curve.legs):
-        begin, end = curve.starts_s[number : number + 2].tolist()
-        # At the place where two legs meet, it is the earlier one that has come into a region.
-        holds = [(s, held) for s, held in stops if begin < s <= end or (number == 0 and s <= begin)]
-        law = time_law(
-            leg,
-            speed_m_s=limits.speed_m_s,
-            acceleration_m_s2=limits.acceleration_m_s2,
-            tilt_rad=limits.tilt_rad,
-            holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
-            slow=tuple(
-                (each.begin_s - begin, each.end_s - begin, each.rate)
-                for each in run_ins
-                if begin <= each.begin_s < each.end_s <= end
-            ),
-        )
-        legs.append(Leg(leg, law))
-    laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
-    return Trajectory(tuple(legs), spec.flight.altitude_m, lap, laps)

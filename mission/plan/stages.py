@@ -14,8 +14,9 @@ from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.narrows import closed_by_clearances
+from mission.plan.pace import trajectory_of
 from mission.plan.photographs import along_lanes
-from mission.plan.proved_path import PathPlanner, trajectory_of
+from mission.plan.proved_path import PathPlanner
 from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import of_mission
 from mission.plan.steered import Steering

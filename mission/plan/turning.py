@@ -7,7 +7,7 @@ way, and waits at the begin of the lane where there is hardly any way.
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -22,7 +22,6 @@ SETTLE_S: Final = 0.75
 LEAD_S: Final = math.pi / TURN_RAD_S + SETTLE_S
 """How long before a lane the heading is its own at most: turning right round takes no longer."""
 _STRAIGHT_RAD: Final = 0.01
-_AMPLY: Final = 1.2
 _SLOWEST: Final = 0.3
 """Of the planned speed: whoever would have to be slower waits for the rest."""
 
@@ -35,32 +34,27 @@ class RunIn:
         begin_s: Where it begins, steering time.
         end_s: Where it ends, where the vehicle has turned.
         lasts_s: How long it takes at least.
-        asked_s: How long it is planned to take, as if the vehicle changed its speed at once.
     """
 
     begin_s: float
     end_s: float
     lasts_s: float
-    asked_s: float
 
     @property
     def rate(self) -> float:
         """The largest share of the planned speed."""
-        return max((self.end_s - self.begin_s) / self.asked_s, _SLOWEST)
+        return max((self.end_s - self.begin_s) / self.lasts_s, _SLOWEST)
 
     @property
     def wait_s(self) -> float:
         """How long the vehicle waits at the end."""
-        return self.asked_s - (self.end_s - self.begin_s) / self.rate
+        return self.lasts_s - (self.end_s - self.begin_s) / self.rate
 
     def missing_s(self, trajectory: Trajectory) -> float:
         """How much longer it would have to take on a trajectory; not positive where that is slow enough."""
-        begin, end = trajectory.time_at([self.begin_s, self.end_s])
-        return float(self.lasts_s - (end - begin))
-
-    def lasting(self, more_s: float) -> "RunIn":
-        """The same, planned to take longer where that is positive."""
-        return replace(self, asked_s=self.asked_s + _AMPLY * max(more_s, 0.0))
+        begin = trajectory.time_at([self.begin_s])
+        end = trajectory.time_at([self.end_s], leaving=True)
+        return float(self.lasts_s - (end - begin)[0])
 
 
 def turn_s(before_rad: float, after_rad: float) -> float:
@@ -86,7 +80,7 @@ def run_ins(trajectory: Trajectory, visits: Iterable[CoveredVisit]) -> tuple[Run
             here = int(np.searchsorted(starts[1:-1], begin_s, side="right"))
             # Whatever the heading is at the begin of a leg, turning right round is the most.
             from_s, lasts_s = (end, turn_s(heading, after)) if here == leg else (float(starts[here]), LEAD_S)
-            run_in = RunIn(from_s, begin_s, lasts_s, lasts_s)
+            run_in = RunIn(from_s, begin_s, lasts_s)
             if run_in.missing_s(trajectory) > 0.0:
                 found.append(run_in)
             leg, end, heading = here, end_s, after

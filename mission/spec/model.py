@@ -278,11 +278,15 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the vehicle can do; the trajectory is slowed down where it would exceed them."""
+    """What the vehicle can do; the trajectory is slowed down where it would exceed them.
+
+    The default of the jerk is PX4's in its missions (MPC_JERK_AUTO); ArduCopter's is 5 m/s^3 (PSC_JERK_XY).
+    """
 
     speed_m_s: float
     acceleration_m_s2: float
     tilt_rad: float
+    jerk_m_s3: float = 4.0
 
 
 class TaskKind(StrEnum):

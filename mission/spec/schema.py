@@ -302,6 +302,9 @@ _LIMITS: Final = mapping(
     {
         "speed_m_s": number("Largest horizontal speed, m/s.", 0.001, 100.0, default=5.0),
         "acceleration_m_s2": number("Largest horizontal acceleration, m/s2.", 0.001, 50.0, default=2.5),
+        "jerk_m_s3": number(
+            "Largest horizontal jerk, m/s3: how fast the acceleration may change.", 0.01, 1000.0, default=4.0
+        ),
         "tilt_deg": number("Largest tilt, degrees.", 1.0, 80.0, default=25.0),
     },
     examples=[{"speed_m_s": 5.0, "acceleration_m_s2": 2.5, "tilt_deg": 25.0}],

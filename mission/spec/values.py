@@ -74,6 +74,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             speed_m_s=_measure(data, "limits", "speed_m_s"),
             acceleration_m_s2=_measure(data, "limits", "acceleration_m_s2"),
             tilt_rad=math.radians(_measure(data, "limits", "tilt_deg")),
+            jerk_m_s3=_measure(data, "limits", "jerk_m_s3"),
         ),
         tasks=tuple(task_of(task) for task in data.get("tasks", [])),
         automaton=automaton,

@@ -126,21 +126,20 @@ class JoinedCurve:
         return Sampled(knots, points, derivatives[0], derivatives[1])
 
     def norm_bounds(self, knots_s: FloatArray, order: int, values: FloatArray | None = None) -> FloatArray:
-        """Proved upper bounds of |d^order r / ds^order| between knots, shape (K,), order 1 or 2.
+        """Proved upper bounds of |d^order r / ds^order| between knots, shape (K,), order 1, 2 or 3.
 
         Args:
             knots_s: Shape (K + 1,), ascending, those at which pieces meet among them.
-            order: 1 or 2.
+            order: 1, 2 or 3.
             values: The derivative at the knots, shape (K + 1, 2), where the caller has it already; where two pieces
                 meet, the longer of the two.
         """
-        if values is None:
-            values = self.derivative(knots_s, order)
         bounds = np.empty(len(knots_s) - 1)
         ends = np.searchsorted(knots_s, self.joints_s)
         for piece, start, (first, last) in zip(self.pieces, self.joints_s, pairwise(ends), strict=False):
             own = slice(first, last + 1)
-            bounds[first:last] = piece.norm_bounds(knots_s[own] - start, order, values[own])
+            at_knots = None if values is None else values[own]
+            bounds[first:last] = piece.norm_bounds(knots_s[own] - start, order, at_knots)
         return bounds
 
     def to_json(self) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from mission.steering.sampled import Sampled
 _BLEND_CELLS = 8  # into which a blend is cut
 _STRAIGHT_S = 0.5  # of what length at most the parts are into which a straight part is cut
 _PEAK = 1.5  # largest value of S'
+_STEEPEST = 6.0  # largest value of S''
 _OFF_CORNER = 3.0 / 16.0
 _SLACK = 1e-9  # of a length, for rounding
 
@@ -143,15 +144,22 @@ class RoundedPolyline:
         return position, slope, self.speed_m_s * turns * growth
 
     def derivative(self, s: ArrayLike, order: int) -> FloatArray:
-        """The derivative d^order r / ds^order, shape (P, 2), of order 0, 1 or 2."""
-        return self.jet(s)[order]
+        """The derivative d^order r / ds^order, shape (P, 2), of order 0 to 3; the third jumps at ends of blends."""
+        if order < 3:  # noqa: PLR2004 - those of the jet
+            return self.jet(s)[order]
+        times = np.clip(np.atleast_1d(np.asarray(s, dtype=np.float64)), 0.0, self.duration_s)
+        piece = self._piece_at(times)
+        lasts, blends = self._pieces.lasts_s[piece], self._pieces.blends[piece]
+        turns = (self._pieces.after - self._pieces.before)[piece]
+        growth = np.divide(_bend(self._share(times, piece)), lasts**2, out=np.zeros_like(lasts), where=blends)
+        return np.asarray(self.speed_m_s * turns * growth[:, None])
 
     def position(self, s: ArrayLike) -> FloatArray:
         """Points of the curve, shape (P, 2), at the parameters ``s`` (P,)."""
         return self.jet(s)[0]
 
     def norm_bounds(self, knots_s: FloatArray, order: int, values: FloatArray | None = None) -> FloatArray:
-        """Least upper bounds of |d^order r / ds^order| between consecutive knots, shape (K,), order 1 or 2.
+        """Least upper bounds of |d^order r / ds^order| between consecutive knots, shape (K,), order 1, 2 or 3.
 
         ``values`` is not needed; it is there for curves that are not made of such simple pieces.
         """
@@ -165,14 +173,16 @@ class RoundedPolyline:
             return np.where(first == last, np.maximum(slopes[:-1], slopes[1:]), self.speed_m_s) * (1.0 + _SLACK)
         lasts = self._pieces.lasts_s
         turns = np.linalg.norm(self._pieces.after - self._pieces.before, axis=1)
-        rates = np.divide(turns * self.speed_m_s, lasts, out=np.zeros_like(lasts), where=lasts > 0.0)
+        scale = lasts ** (order - 1)
+        rates = np.divide(turns * self.speed_m_s, scale, out=np.zeros_like(lasts), where=lasts > 0.0)
         low, high = self._share(begin, first), self._share(end, last)
         one = first == last
+        peak, most = (_peak, _PEAK) if order == 2 else (_steepest, _STEEPEST)  # noqa: PLR2004 - the second derivative
         ends = np.maximum(
-            rates[first] * _peak(low, np.where(one, high, 1.0)), rates[last] * _peak(np.where(one, low, 0.0), high)
+            rates[first] * peak(low, np.where(one, high, 1.0)), rates[last] * peak(np.where(one, low, 0.0), high)
         )
         between = np.maximum.reduceat(np.append(rates, [0.0, 0.0]), np.stack((first + 1, last), axis=1).ravel())[::2]
-        bounds = np.where(last > first + 1, np.maximum(ends, _PEAK * between), ends)
+        bounds = np.where(last > first + 1, np.maximum(ends, most * between), ends)
         return np.asarray(bounds * (1.0 + _SLACK))
 
     def sampled(self, fewest: int) -> Sampled:
@@ -217,6 +227,11 @@ def _peak(low: FloatArray, high: FloatArray) -> FloatArray:
     return np.where(halfway, _PEAK, np.maximum(_rise(low), _rise(high)))
 
 
+def _steepest(low: FloatArray, high: FloatArray) -> FloatArray:
+    """The largest modulus of S'' between two shares."""
+    return np.maximum(np.abs(_bend(low)), np.abs(_bend(high)))
+
+
 def _eased(u: FloatArray) -> FloatArray:
     """S(u)."""
     return np.asarray(u * u * (3.0 - 2.0 * u))
@@ -225,3 +240,8 @@ def _eased(u: FloatArray) -> FloatArray:
 def _rise(u: FloatArray) -> FloatArray:
     """S'(u)."""
     return np.asarray(6.0 * u * (1.0 - u))
+
+
+def _bend(u: FloatArray) -> FloatArray:
+    """S''(u)."""
+    return np.asarray(6.0 - 12.0 * u)

@@ -153,23 +153,21 @@ class FourierCurve:
         return float(simpson(np.hypot(slopes[:, 0], slopes[:, 1]), dx=self.duration_s / cells))
 
     @cached_property
-    def suprema(self) -> tuple[float, float, float, float]:
-        """Proved upper bounds of |r'|, |r''|, |r'''| and |r''''| on the whole curve (Euclidean norms)."""
+    def suprema(self) -> tuple[float, ...]:
+        """Proved upper bounds of the norms of the first to the fifth derivative on the whole curve, in this order."""
         cells = _GRID * self.frequencies
         spread = _ROUNDING / math.cos(math.pi / (2 * _GRID))
-        norms = (float(np.linalg.norm(self.on_grid(cells, order), axis=1).max()) for order in (1, 2, 3, 4))
-        first, second, third, fourth = (spread * norm for norm in norms)
-        return first, second, third, fourth
+        return tuple(spread * float(np.linalg.norm(self.on_grid(cells, order), axis=1).max()) for order in range(1, 6))
 
     def norm_bounds(self, knots_s: FloatArray, order: int, values: FloatArray | None = None) -> FloatArray:
-        """Proved upper bounds of |d^order r / ds^order| between consecutive knots, shape (K,), order 1 or 2.
+        """Proved upper bounds of |d^order r / ds^order| between consecutive knots, shape (K,), order 1, 2 or 3.
 
         On an interval of length h the derivative lies within sup |r^(order + 2)| h^2 / 8 of the chord of its end
         values, and a chord is nowhere longer than its longer end.
 
         Args:
             knots_s: Shape (K + 1,), ascending.
-            order: 1 or 2.
+            order: 1, 2 or 3.
             values: The derivative at the knots, shape (K + 1, 2), where the caller has it already.
         """
         ends = np.linalg.norm(self.derivative(knots_s, order) if values is None else values, axis=1)

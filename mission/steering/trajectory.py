@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from mission.geometry.arrays import FloatArray, IntArray
 from mission.steering.joined import Curve, JoinedCurve, curve_from_json, joins
-from mission.steering.timing import TimeLaw
+from mission.steering.law import TimeLaw
 
 
 class Leg(NamedTuple):
@@ -113,14 +113,18 @@ class Trajectory:
         which, own_s, _ = self._placed(t_s)
         return float(self._once_s[which[0]] + own_s[0])
 
-    def time_at(self, s: ArrayLike) -> FloatArray:
-        """The first time at which each place of the curve (P,) is reached, as if there were one lap, shape (P,)."""
+    def time_at(self, s: ArrayLike, *, leaving: bool = False) -> FloatArray:
+        """The first time at which each place of the curve (P,) is reached, as if there were one lap, shape (P,).
+
+        With ``leaving`` it is the last time at which the vehicle is there.
+        """
         asked = np.atleast_1d(np.asarray(s, dtype=np.float64))
         which = np.clip(np.searchsorted(self.curve.starts_s, asked, side="right") - 1, 0, len(self.legs) - 1)
         times = self._once_s[which]
         for number in np.unique(which).tolist():
             own = which == number
-            times[own] += self.legs[number].law.time_at(asked[own] - self.curve.starts_s[number])
+            law, places = self.legs[number].law, asked[own] - self.curve.starts_s[number]
+            times[own] += law.left_at(places) if leaving else law.time_at(places)
         return times
 
     def lap_at(self, t_s: ArrayLike) -> IntArray:

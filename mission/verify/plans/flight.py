@@ -32,12 +32,15 @@ def limits_kept(plan: Written) -> Verdict:
             law.fault
             or ("it ends elsewhere than its curve" if abs(law.place_s - end_s) > _SAME * end_s else None)
             or (f"it does not rest at {turns[0]:.3f} s, where its curve turns at once" if turns else None)
-            or law.excess(curve, limits.speed_m_s, level)
+            or law.excess(curve, limits.speed_m_s, level, limits.jerk_m_s3)
         )
         if fault:
             return f"the law of leg {number}: {fault}", ""
         durations.append(law.duration_s)
-    return None, f"{sum(durations):.1f} s, at most {limits.speed_m_s:g} m/s and {level:.3g} m/s^2"
+    return (
+        None,
+        f"{sum(durations):.1f} s, at most {limits.speed_m_s:g} m/s, {level:.3g} m/s^2 and {limits.jerk_m_s3:g} m/s^3",
+    )
 
 
 def stops_made(plan: Written) -> Verdict:

@@ -32,7 +32,7 @@ class Patches(NamedTuple):
         begins_s: Shape (K,), ascending curve parameters.
         ends_s: Shape (K,).
         control_m: Shape (K, 8, 2), control points.
-        off: Shape (K, 3), how far position, first and second derivative of the curve may lie from the polynomial's.
+        off: Shape (K, 4), how far the curve's position and first three derivatives may lie from the polynomial's.
     """
 
     begins_s: FloatArray
@@ -49,11 +49,10 @@ class Patches(NamedTuple):
         edges, parent, low, high = self._pieces(breaks_s)
         return Patches(edges[:-1], edges[1:], _between(self.control_m[parent], low, high), self.off[parent])
 
-    def derivatives(self, breaks_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """The ends of the pieces that ``cut`` gives, of each the control points of r' and r'', and ``off``."""
+    def derivatives(self, breaks_s: FloatArray) -> tuple[FloatArray, ...]:
+        """The ends of the pieces that ``cut`` gives, of each the control points of three derivatives, and ``off``."""
         edges, parent, low, high = self._pieces(breaks_s)
-        first, second = (_between(self.derivative(order)[parent], low, high) for order in (1, 2))
-        return edges, first, second, self.off[parent]
+        return edges, *(_between(self.derivative(order)[parent], low, high) for order in (1, 2, 3)), self.off[parent]
 
     def _pieces(self, breaks_s: FloatArray) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
         inside = (breaks_s > self.begins_s[0]) & (breaks_s < self.ends_s[-1])
@@ -175,7 +174,7 @@ def _fourier(curve: Mapping[str, Any]) -> Patches:
         [[comb(k, i) * 2.0**i * (-1.0) ** (k - i) for k in range(order)] for i in range(order)]
     )  # comb is 0 where i > k
     control = _of_powers(np.einsum("ik,ckx->cix", turned, jets))
-    off = [steepest * half ** (order - q) / factorial(order - q) + ROUNDING * size / half**q for q in range(3)]
+    off = [steepest * half ** (order - q) / factorial(order - q) + ROUNDING * size / half**q for q in range(4)]
     return Patches(edges[:-1], edges[1:], control, np.tile(off, (cells, 1)))
 
 
@@ -219,7 +218,7 @@ def _exact(knots_s: FloatArray, control: FloatArray) -> Patches:
     kept = np.flatnonzero(np.diff(knots_s) > ROUNDING * knots_s[-1])
     size = float(np.abs(control).max(initial=1.0))
     widths = np.diff(knots_s)[kept]
-    off = np.stack([ROUNDING * size / widths**order for order in range(3)], axis=1)
+    off = np.stack([ROUNDING * size / widths**order for order in range(4)], axis=1)
     return Patches(knots_s[kept], knots_s[kept + 1], control[kept], np.minimum(off, 1e-6 * size))
 
 

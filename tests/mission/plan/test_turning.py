@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.plan import FlightPlan
-from mission.plan.proved_path import trajectory_of
+from mission.plan.pace import trajectory_of
 from mission.plan.turning import LEAD_S, SETTLE_S, TURN_RAD_S, RunIn, headings_of, run_ins, turn_s
 from tests.support.fields import SMALL_FIELD
 from tests.support.small_missions import plan_of
@@ -34,7 +34,7 @@ def test_turning_takes_the_short_way_and_time_to_settle() -> None:
 
 @given(st.floats(0.0, 100.0), st.floats(0.0, 20.0), st.floats(0.1, 10.0))
 def test_a_run_in_lasts_as_long_as_it_takes_to_turn(begin_s: float, length_s: float, lasts_s: float) -> None:
-    run_in = RunIn(begin_s, begin_s + length_s, lasts_s, lasts_s)
+    run_in = RunIn(begin_s, begin_s + length_s, lasts_s)
     way_s = run_in.end_s - run_in.begin_s
     assert way_s / run_in.rate + run_in.wait_s == pytest.approx(lasts_s)
     assert run_in.wait_s >= -1e-9 or way_s > lasts_s

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.steering.enclosure import enclose, insert_knots
+from mission.steering.grid import Limits
 from mission.steering.joined import JoinedCurve, curve_from_json
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.timing import time_law
@@ -57,7 +58,7 @@ def test_it_passes_its_corners_at_the_stated_distance_and_time(curve: RoundedPol
     assert curve.length_m == pytest.approx(steps.sum(), rel=1e-4)
 
 
-@given(polylines, st.integers(0, 10**6), st.sampled_from([1, 2]))
+@given(polylines, st.integers(0, 10**6), st.sampled_from([1, 2, 3]))
 @settings(deadline=None, max_examples=60)
 def test_bounds_between_any_knots_hold_and_are_the_least(curve: RoundedPolyline, seed: int, order: int) -> None:
     rng = np.random.default_rng(seed)
@@ -70,7 +71,8 @@ def test_bounds_between_any_knots_hold_and_are_the_least(curve: RoundedPolyline,
         largest = float(np.linalg.norm(curve.derivative(s, order), axis=1).max())
         assert largest <= bound
         crosses = bool(len(corners))
-        assert bound <= largest * (1.0 + 1e-3) + 1e-9 or (order == 1 and crosses)
+        # At the ends of blends samples of the third derivative are those of one side only.
+        assert bound <= largest * (1.0 + 1e-3) + 1e-9 or (order != 2 and crosses)
 
 
 @given(polylines, st.integers(0, 10**6))
@@ -97,9 +99,8 @@ def test_limits_are_kept_and_where_curves_join_the_vehicle_rests(
 ) -> None:
     back = RoundedPolyline(curve.corners_m[::-1], curve.reaches_m[::-1], curve.speed_m_s)
     whole = JoinedCurve((curve, back))
-    law = time_law(whole, speed_m_s=speed, acceleration_m_s2=limit, tilt_rad=0.5)
-    knots = np.concatenate((law.knots_t_s, law.knots_t_s + law.window_s))
-    t = np.union1d(np.linspace(0.0, law.duration_s, 4001), knots)
+    law = time_law(whole, Limits(speed, limit, 2.0 * limit), fastest=1.0)
+    t = np.union1d(np.linspace(0.0, law.duration_s, 4001), law.knots_t_s)
     _, velocity, acceleration = Trajectory((Leg(whole, law),), 10.0).state(t)
     assert np.linalg.norm(velocity, axis=1).max() <= min(speed, curve.speed_m_s) * (1 + 1e-9)
     assert np.linalg.norm(acceleration, axis=1).max() <= limit * (1 + 1e-6)
@@ -112,10 +113,10 @@ def test_limits_are_kept_and_where_curves_join_the_vehicle_rests(
 
 
 def test_a_long_lane_is_flown_at_full_speed() -> None:
-    """400 m at 4 m/s, with 2.5 m/s^2 to reach it: 100 s and one ramp, half a window at each end."""
+    """400 m at 4 m/s, with 2.5 m/s^2 to reach it: 100 s and one ramp, half of what the jerk takes at each end."""
     curve = RoundedPolyline(np.array([[0.0, 0.0], [400.0, 0.0]]), np.empty(0), 4.0)
-    law = time_law(curve, speed_m_s=8.0, acceleration_m_s2=2.5, tilt_rad=0.5)
-    assert law.duration_s == pytest.approx(100.0 + 1.6 + law.window_s, abs=0.05)
+    law = time_law(curve, Limits(8.0, 2.5, 5.0), fastest=1.0)
+    assert law.duration_s == pytest.approx(100.0 + 1.6 + 0.5, abs=0.1)
 
 
 def test_joined_curves_are_written_and_read_bit_by_bit() -> None:

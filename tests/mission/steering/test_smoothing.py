@@ -114,7 +114,7 @@ def test_suprema_bound_the_derivatives_and_are_tight(curve: FourierCurve) -> Non
 def test_bounds_hold_between_knots(curve: FourierCurve, seed: int, pieces: int) -> None:
     inner = np.random.default_rng(seed).uniform(0.0, curve.duration_s, pieces - 1)
     knots = np.concatenate(([0.0], np.sort(inner), [curve.duration_s]))
-    for order in (1, 2):
+    for order in (1, 2, 3):
         bounds = curve.norm_bounds(knots, order)
         inside = knots[:-1, None] + np.diff(knots)[:, None] * np.linspace(0.0, 1.0, 33)
         norms = np.linalg.norm(curve.derivative(inside.ravel(), order), axis=1).reshape(inside.shape)

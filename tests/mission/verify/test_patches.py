@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from mission.geometry.arrays import FloatArray
 from mission.spec.model import Extension
 from mission.steering.bezier import BezierCurve
+from mission.steering.grid import Limits
 from mission.steering.joined import Curve, JoinedCurve
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.smoothing import FourierCurve
@@ -91,7 +92,7 @@ def test_smooth_curves_have_no_jumps_and_joined_ones_have_them_where_they_join(n
 
 
 def written(curve: Curve) -> Law:
-    law = time_law(curve, speed_m_s=6.0, acceleration_m_s2=2.5, tilt_rad=0.4, holds=((5.0, 2.0),))
+    law = time_law(curve, Limits(6.0, 2.5, 4.0), holds=((5.0, 2.0),))
     return Law(law.to_json())
 
 
@@ -100,21 +101,24 @@ def test_a_law_keeps_the_limits_it_was_made_for_and_no_tighter_ones(name: str) -
     curve = CURVES[name]
     law, patches = written(curve), patches_of(curve.to_json())
     assert law.fault is None
-    assert law.excess(patches, 6.0, 2.5) is None
+    assert law.excess(patches, 6.0, 2.5, 4.0) is None
     assert any(rest.s == pytest.approx(5.0) and rest.seconds >= 2.0 for rest in law.rests())
-    speed, bent = flown(law, curve)
-    assert law.excess(patches, speed + 1e-3, bent * 1.6 + 0.1) is None
-    assert "m/s at" in str(law.excess(patches, speed * 0.999, 100.0))
-    assert "m/s^2 at" in str(law.excess(patches, 100.0, bent * 0.999))
+    speed, bent, shaken = flown(law, curve)
+    assert law.excess(patches, speed + 1e-3, bent * 1.6 + 0.1, 4.0) is None
+    assert "m/s at" in str(law.excess(patches, speed * 0.999, 100.0, 100.0))
+    assert "m/s^2 at" in str(law.excess(patches, 100.0, bent * 0.999, 100.0))
+    assert "m/s^3 at" in str(law.excess(patches, 100.0, 100.0, shaken * 0.99))
 
 
-def flown(law: Law, curve: Curve) -> tuple[float, float]:
-    """The largest speed and acceleration at many instants."""
+def flown(law: Law, curve: Curve) -> tuple[float, float, float]:
+    """The largest speed, acceleration and change of the acceleration at many instants."""
     t = np.linspace(0.0, law.duration_s, 20_001)
     s, rate, growth = law.jet(t)
     _, slope, bend = curve.jet(np.clip(s, 0.0, curve.duration_s))
     velocity, acceleration = slope * rate[:, None], bend * rate[:, None] ** 2 + slope * growth[:, None]
-    return float(np.hypot(*velocity.T).max()), float(np.hypot(*acceleration.T).max())
+    changes = np.diff(acceleration, axis=0) / np.diff(t)[:, None]
+    speed, bent, shaken = (float(np.hypot(*values.T).max()) for values in (velocity, acceleration, changes))
+    return speed, bent, shaken
 
 
 @given(st.integers(0, 10_000), st.integers(1, 30))
@@ -122,19 +126,20 @@ def flown(law: Law, curve: Curve) -> tuple[float, float]:
 def test_the_bounds_of_a_law_hold_at_every_instant(seed: int, waves: int) -> None:
     curve = wave(seed, waves, Extension.ODD)
     law, patches = written(curve), patches_of(curve.to_json())
-    speed, bent = flown(law, curve)
-    assert law.excess(patches, speed * (1.0 - 1e-4), 100.0) is not None
-    assert law.excess(patches, 100.0, bent * (1.0 - 1e-4)) is not None
+    speed, bent, shaken = flown(law, curve)
+    assert law.excess(patches, speed * (1.0 - 1e-4), 100.0, 100.0) is not None
+    assert law.excess(patches, 100.0, bent * (1.0 - 1e-4), 100.0) is not None
+    assert law.excess(patches, 100.0, 100.0, shaken * (1.0 - 1e-4)) is not None
 
 
 def test_a_broken_law_is_told() -> None:
-    good = time_law(WAY, speed_m_s=6.0, acceleration_m_s2=2.5, tilt_rad=0.4).to_json()
-    for key, number, shift in (("rates", 9, 0.1), ("knots_s", 7, 1e-3), ("rates", 0, 0.1), ("rates", -1, 0.1)):
+    good = time_law(WAY, Limits(6.0, 2.5, 4.0)).to_json()
+    for key, number, shift in (("rates", 9, 0.1), ("knots_s", 7, 1e-3), ("rates", 0, 0.1), ("growths", 5, 1e-4)):
         data = {name: list(value) if isinstance(value, list) else value for name, value in good.items()}
         data[key][number] += shift
         assert Law(data).fault is not None
     with pytest.raises(ValueError, match="knots in the order of time"):
-        Law({**good, "window_s": 0.0})
+        Law({**good, "growths": [0.0]})
 
 
 def test_a_patch_that_is_cut_lies_in_the_hull_of_the_whole() -> None:

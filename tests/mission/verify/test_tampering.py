@@ -47,8 +47,6 @@ LEFT_AS_IT_IS: Final = {
     ".homeward.certificate.knots_s.#: a little": "as of the laps",
     ".homeward.certificate.possible.#: order": "as of the laps",
     ".photographs: gone": "without it there are none, which is so where no camera is",
-    ".trajectory.legs.#.law.window_s: a little": "without stops, an average over another time keeps the limits too",
-    ".trajectory.legs.#.law.window_s: much": "the same",
 }
 """What may pass, with the reason why no claim is touched; entry and alteration."""
 

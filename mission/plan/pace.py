@@ -1,0 +1,84 @@
+"""How fast a path is flown: the trajectory along it within a mission's limits."""
+
+import math
+from collections.abc import Sequence
+
+from mission.plan.covering import CoveredVisit
+from mission.plan.turning import RunIn, run_ins
+from mission.spec.model import UNTIL_STOPPED, MissionSpec
+from mission.steering.grid import Limits, Slow
+from mission.steering.joined import Curve, JoinedCurve
+from mission.steering.smoothing import FourierCurve
+from mission.steering.timing import level_acceleration, time_law
+from mission.steering.trajectory import Leg, Trajectory
+
+
+def trajectory_of(
+    spec: MissionSpec,
+    curve: JoinedCurve,
+    stops: tuple[tuple[float, float], ...],
+    lap: int | None,
+    covers: Sequence[CoveredVisit] = (),
+) -> Trajectory:
+    """The fastest flight along a curve within a mission's limits that has time to turn before photographed lanes.
+
+    Args:
+        spec: The mission.
+        curve: The smoothed path.
+        stops: Pairs (curve parameter, seconds) at which the vehicle stands still.
+        lap: Which leg is the lap.
+        covers: The lanes on it.
+
+    Raises:
+        ValueError: A stop is not on the curve.
+    """
+    if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
+        raise ValueError("a stop is not on the curve")
+    fastest = _trajectory(spec, curve, stops, lap, ())
+    turns = run_ins(fastest, covers)
+    return _trajectory(spec, curve, stops, lap, turns) if turns else fastest
+
+
+def _trajectory(
+    spec: MissionSpec,
+    curve: JoinedCurve,
+    stops: tuple[tuple[float, float], ...],
+    lap: int | None,
+    run_ins: tuple[RunIn, ...],
+) -> Trajectory:
+    legs = []
+    stops = (*stops, *((each.end_s, each.wait_s) for each in run_ins if each.wait_s > 0.0))
+    for number, leg in enumerate(curve.legs):
+        begin, end = curve.starts_s[number : number + 2].tolist()
+        # At the place where two legs meet, it is the earlier one that has come into a region.
+        holds = [(s, held) for s, held in stops if begin < s <= end or (number == 0 and s <= begin)]
+        law = time_law(
+            leg,
+            _vehicle_limits(spec, leg),
+            # A series smooths a path that is flown at the speed of its fields, which is that to be flown.
+            fastest=1.0 if _has_waves(leg) else math.inf,
+            holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
+            slow=tuple(
+                Slow(each.begin_s - begin, each.end_s - begin, each.rate)
+                for each in run_ins
+                if begin <= each.begin_s < each.end_s <= end
+            ),
+        )
+        legs.append(Leg(leg, law))
+    laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
+    return Trajectory(tuple(legs), spec.flight.altitude_m, lap, laps)
+
+
+def _has_waves(curve: Curve) -> bool:
+    """Whether a curve, or a piece of it, is a Fourier series."""
+    return any(
+        isinstance(piece, FourierCurve) for piece in (curve.pieces if isinstance(curve, JoinedCurve) else [curve])
+    )
+
+
+def _vehicle_limits(spec: MissionSpec, curve: Curve) -> Limits:
+    """What the vehicle may do on a curve, level."""
+    limits = spec.limits
+    speed_m_s = limits.speed_m_s if _has_waves(curve) else min(limits.speed_m_s, spec.flight.speed_m_s)
+    acceleration_m_s2 = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
+    return Limits(speed_m_s, acceleration_m_s2, limits.jerk_m_s3)
