@@ -23,7 +23,8 @@ _LONGEST_MITRE: Final = 10.0
 _WHOLE: Final = 24
 """Corners of a ring that is one piece."""
 _PIECE: Final = 12
-_PIECE_SHARE: Final = 4.0
+_PART: Final = 4.0
+"""How long parts are of ways that are looked at, if edges of rims lie a length apart."""
 """Edges in a piece of any other ring."""
 
 
@@ -58,7 +59,7 @@ class FreeSpace:
         self._piece_of_edge = np.concatenate(pieces)
         barriers = np.concatenate(edges)
         self._tree = shapely.STRtree(shapely.linestrings(barriers))
-        self._piece_m = _PIECE_SHARE * float(np.sqrt(shapely.box(*bounds).area / len(barriers)))
+        self._part_m = _PART * float(np.sqrt(shapely.box(*bounds).area / len(barriers)))
         self.part_of_corner, piece_of = (np.concatenate([each[k] for each in corners]) for k in (0, 1))
         self._begins = np.searchsorted(piece_of, np.arange(count + 1))  # the corners of each piece follow each other
         triples = np.concatenate([each[2] for each in corners])
@@ -78,16 +79,23 @@ class FreeSpace:
         return found
 
     def hits(self, begins_m: FloatArray, ends_m: FloatArray) -> tuple[IntArray, IntArray]:
-        """Which straight ways, shapes (N, 2) in one part, meet barriers: pairs of the way's index and the piece."""
-        # Short pieces: the box round a long slanting way holds far more of the rims than are near it.
-        pieces = np.maximum(np.ceil(np.hypot(*(ends_m - begins_m).T) / self._piece_m), 1.0).astype(np.int64)
-        way = np.repeat(np.arange(len(pieces)), pieces)
-        at = np.arange(len(way)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-        step = ((ends_m - begins_m) / pieces[:, None])[way]
-        starts = begins_m[way] + at[:, None] * step
-        lines = shapely.linestrings(np.stack((starts, starts + step), axis=1))
-        index, edge = self._tree.query(lines, predicate="intersects")
-        return way[index], self._piece_of_edge[edge]
+        """Which straight ways, shapes (N, 2), meet barriers: pairs of the way's index and a piece that it meets."""
+        # In short parts: the box round a long slanting way holds far more of the rims than are near it. Those at its
+        # ends first: most ways that are not free are not even free there.
+        count = np.maximum(np.ceil(np.hypot(*(ends_m - begins_m).T) / self._part_m), 1.0).astype(np.int64)
+        open_, done, found = np.arange(len(count)), 0, []
+        while len(open_):
+            wanted = np.minimum(count[open_] - done, max(2, done))
+            way = np.repeat(open_, wanted)
+            place = done + np.arange(len(way)) - np.repeat(np.cumsum(wanted) - wanted, wanted)
+            part = np.where(place % 2 == 0, place // 2, count[way] - 1 - place // 2)
+            begins, step = begins_m[way], (ends_m - begins_m)[way] / count[way, None]
+            lines = np.stack((begins + part[:, None] * step, begins + (part + 1)[:, None] * step), axis=1)
+            index, edge = self._tree.query(shapely.linestrings(lines), predicate="intersects")
+            found.append((way[index], self._piece_of_edge[edge]))
+            done += max(2, done)
+            open_ = np.setdiff1d(open_[count[open_] > done], way[index])
+        return np.concatenate([way for way, _ in found]), np.concatenate([piece for _, piece in found])
 
     def corners_of(self, pieces: set[int]) -> IntArray:
         """The corners of some pieces, ascending."""

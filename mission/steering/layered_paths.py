@@ -25,7 +25,7 @@ _NO_LENGTH: Final = 1e-9
 """Metres that a way between equal places counts: sparse arrays take zero for no way."""
 _NEARLY: Final = 2e-3
 """Ways on paths that are longer than the best one by at most this part are looked at together with its own."""
-_AT_ONCE: Final = 400
+_AT_ONCE: Final = 1500
 
 Graph: TypeAlias = "csr_array[np.float64, tuple[int, int]]"
 
@@ -148,14 +148,19 @@ class LayeredPaths:
     # -- what is asked of the graph --------------------------------------------------------------------------------
 
     def _nearest(self, there: FloatArray, back: FloatArray, length_m: float, limit_m: float) -> IntArray:
-        """Ways to be looked at: on paths no longer than a length, the shortest first; only those below a limit stay."""
+        """Ways on paths no longer than a length, to be looked at, and of many the shortest.
+
+        All that are on longer ones than a limit are left out from now on.
+        """
         ways = np.flatnonzero(self._near)
         begins, ends = self._begins[ways], self._ends[ways]
         other = np.where(self._both[ways], there[ends] + back[begins], np.inf)
         through = np.minimum(there[begins] + back[ends], other) + self._lengths[ways]
         self._near[ways[through > limit_m]] = False
         chosen = np.flatnonzero(~self._seen[ways] & (through <= length_m))
-        found: IntArray = ways[chosen[np.argsort(through[chosen], kind="stable")[:_AT_ONCE]]]
+        if len(chosen) > _AT_ONCE:
+            chosen = chosen[np.argpartition(through[chosen], _AT_ONCE)[:_AT_ONCE]]
+        found: IntArray = ways[chosen]
         return found
 
     def _look(self, ways: IntArray) -> None:
