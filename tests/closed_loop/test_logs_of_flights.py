@@ -2,6 +2,7 @@
 
 import io
 import struct
+from itertools import groupby
 from pathlib import Path
 
 import pytest
@@ -34,11 +35,13 @@ class HeardVehicle(LockstepVehicle):
         return heard
 
 
-def flown(plan: FlightPlan, flavour: str) -> tuple[Record, bytes]:
+def flown(plan: FlightPlan, flavour: str) -> tuple[Record, bytes, bytes]:
+    """The record, the log of who heard the vehicle, and the vehicle's own."""
     vehicle, sink = HeardVehicle(flavour), io.BytesIO()
     record = FlightRecord(sink, mission="heard")
     fly(plan, vehicle, vehicle, record, options=FlightOptions(land_when_stopped=True))
-    return parse_record(sink.getvalue()), bytes(vehicle.log)
+    (own,) = vehicle.endpoint.recorder.logs
+    return parse_record(sink.getvalue()), bytes(vehicle.log), bytes(own.data)
 
 
 def word_of(found: Judged) -> list[list[str]]:
@@ -46,27 +49,28 @@ def word_of(found: Judged) -> list[list[str]]:
 
 
 @pytest.mark.parametrize(("text", "flavour"), [(SMALL, "px4"), (ROUNDS, "ardupilot")], ids=["stays", "laps"])
-def test_both_logs_say_what_was_known_in_flight(text: str, flavour: str, tmp_path: Path) -> None:
+def test_all_logs_say_what_was_known_in_flight(text: str, flavour: str, tmp_path: Path) -> None:
     plan = plan_of(text)
-    record, heard = flown(plan, flavour)
+    record, *logs = flown(plan, flavour)
     assert record.verdict is not None
-    file = tmp_path / "heard.tlog"
-    file.write_bytes(heard)
-    own = judged(plan.spec, track_of_record(record), plan=plan)
-    station = judged(plan.spec, read_flight(file, origin=None, start_m=plan.start_m).track, plan=plan)
+    tracks = [track_of_record(record)]
+    for log in logs:
+        file = tmp_path / "heard.tlog"
+        file.write_bytes(log)
+        tracks.append(read_flight(file, origin=None, start_m=plan.start_m).track)
+    found_in = [judged(plan.spec, track, plan=plan) for track in tracks]
     assert record.verdict["achieved"]
-    letters = [
-        letter for k, letter in enumerate(record.verdict["word"]) if k == 0 or letter != record.verdict["word"][k - 1]
-    ]
-    for found in (own, station):
+    letters = [letter for letter, _ in groupby(record.verdict["word"])]
+    for found in found_in:
         assert found.achieved, found.reason
         assert word_of(found) == letters
         assert not found.violations
         assert found.deviation is not None
-        assert found.deviation.largest_m < 0.5
+        assert found.deviation.largest_m < 1.0
         if plan.run.recurrent:
             assert found.laps == (record.verdict["laps"], plan.spec.flight.laps)
-    assert own.nearness[0].least_m == pytest.approx(station.nearness[0].least_m, abs=0.05)
+        # The flight was laid where the vehicle was armed, and is here where it took off: its estimate wanders a little.
+        assert found.nearness[0].least_m == pytest.approx(found_in[0].nearness[0].least_m, abs=0.2)
 
 
 def test_the_folder_of_a_flight_is_enough(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -84,7 +88,7 @@ def test_the_folder_of_a_flight_is_enough(tmp_path: Path, capsys: pytest.Capture
 
 def test_a_record_of_a_flight_that_was_cut_leaves_the_rest_open() -> None:
     plan = plan_of(SMALL)
-    record, _ = flown(plan, "ardupilot")
+    record, *_ = flown(plan, "ardupilot")
     half = len(record.track.t_s) // 2
     assert judged(plan.spec, track_of_record(record)).achieved
     stages = [event for event in record.events if event.text == "stage" and event.t_s < record.track.t_s[half]]

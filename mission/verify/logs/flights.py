@@ -74,18 +74,19 @@ def chosen_flight(flights: Sequence[Airborne], number: int | None) -> tuple[int,
 
 def _flights(boot: Telemetry) -> list[Airborne]:
     first_s, last_s = _told_from_to(boot)
+    airborne = boot.airborne or boot.active
     found = []
     for begin_s, end_s in _spans(boot.armed) if boot.armed else [(-np.inf, np.inf)]:
         begin, end = begin_s, end_s
-        if boot.airborne:
-            within = [span for span in _spans(boot.airborne) if span[1] > begin_s and span[0] < end_s]
+        if airborne:
+            within = [span for span in _spans(airborne) if span[1] > begin_s and span[0] < end_s]
             if not within:
                 continue
             # A touch on the way is no landing: what counts is that the motors went on.
             begin, end = max(within[0][0], begin_s), min(within[-1][1], end_s)
         if begin < last_s and end > first_s:
             begins, ends = begin > first_s, end <= last_s
-            if not boot.airborne:
+            if not airborne:
                 low_begin, low_end = _low_ends(boot)
                 begins, ends = begins or low_begin, ends or low_end
             found.append(Airborne(boot, max(begin, first_s), min(end, last_s), begins, ends))

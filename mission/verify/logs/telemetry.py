@@ -46,6 +46,8 @@ class Telemetry:
         armed: Times at which this changed, and to what; what was before the first is the opposite where it is told by
             changes alone, and the same where it is told again and again.
         airborne: Likewise.
+        active: Likewise, whether it said that it was active, which of some autopilots means the same; it counts where
+            nothing else tells of take-offs.
         origins: Where the local frame has its origin, when that was told.
         pictures: Times and numbers of pictures.
         clock: Pairs of the vehicle's time and that of the day, seconds since 1970, at least a second apart.
@@ -55,6 +57,7 @@ class Telemetry:
     world: "array[float]" = field(default_factory=lambda: array("d"))
     armed: list[tuple[float, bool]] = field(default_factory=list)
     airborne: list[tuple[float, bool]] = field(default_factory=list)
+    active: list[tuple[float, bool]] = field(default_factory=list)
     origins: list[tuple[float, LatLon]] = field(default_factory=list)
     pictures: list[tuple[float, int]] = field(default_factory=list)
     clock: list[tuple[float, float]] = field(default_factory=list)
@@ -76,6 +79,10 @@ class Telemetry:
     def note_airborne(self, t_s: float, airborne: bool) -> None:  # noqa: FBT001 - what it is about
         """The vehicle told that it was in the air, or on the ground."""
         _changed(self.airborne, t_s, airborne)
+
+    def note_active(self, t_s: float, active: bool) -> None:  # noqa: FBT001 - what it is about
+        """The vehicle told that it was active, or standing by."""
+        _changed(self.active, t_s, active)
 
     def note_clock(self, t_s: float, utc_s: float) -> None:
         """What time of the day it was."""

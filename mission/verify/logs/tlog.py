@@ -153,7 +153,7 @@ class _Vehicle:
             return
         self.told.note(lambda now, t_s: now.note_armed(t_s, body.armed))
         if body.autopilot == AUTOPILOT_ARDUPILOT and body.system_status in (_STANDBY, _ACTIVE):
-            self.told.note(lambda now, t_s: now.note_airborne(t_s, body.system_status == _ACTIVE))
+            self.told.note(lambda now, t_s: now.note_active(t_s, body.system_status == _ACTIVE))
 
 
 class _Records:

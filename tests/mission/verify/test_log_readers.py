@@ -202,6 +202,18 @@ def test_without_a_word_of_landing_heights_tell_of_the_ends(tmp_path: Path) -> N
     assert (in_air.begins_whole, in_air.ends_whole) == (False, False)
 
 
+def test_who_tells_of_landings_is_not_asked_whether_it_is_active(tmp_path: Path) -> None:
+    told = flight(TIMES, PLACES)
+    ground, air = (mavlink.MAVLink_extended_sys_state_message(0, state) for state in (1, 2))
+    # Active from arming on, in the air a second after the first report.
+    armed = [heartbeat(t_s, armed=True, flying=True) for t_s in (29.0, 40.0)]
+    disarmed = [heartbeat(t_s, armed=False, flying=False) for t_s in (28.0, 51.0)]
+    active = [*armed, *disarmed, *(each for each in told if each[1].get_type() != "HEARTBEAT")]
+    both = sorted([*active, (29.0, ground), (31.01, air), (48.01, ground)], key=lambda each: each[0])
+    track = read(tmp_path, tlog(both)).track
+    assert (track.t_s[0], track.t_s[-1]) == pytest.approx((31.0, 48.0))
+
+
 def test_a_vehicle_that_never_flew_has_no_flight(tmp_path: Path) -> None:
     ground = [heartbeat(1.0, armed=False, flying=False), local(2.0, 0.0, 0.0, 0.0), local(3.0, 0.0, 0.0, 0.0)]
     with pytest.raises(LogError, match="never armed"):
