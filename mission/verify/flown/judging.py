@@ -15,7 +15,7 @@ from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD
 from mission.monitor.laps import LapCounter
-from mission.monitor.monitor import Violation
+from mission.monitor.monitor import Violation, ViolationKind
 from mission.plan import FlightPlan, plan_mission
 from mission.plan.covering import spacing_of
 from mission.plan.specification import Specification, deterministic_of, of_mission
@@ -165,6 +165,8 @@ class _Judge:
     ) -> tuple[bool | None, str, float | None]:
         if found.violations:
             first = found.violations[0]
+            if first.kind is ViolationKind.LEFT_DOMAIN and first.time_s == self._track.t_s[0]:
+                return False, "the flight begins outside of the domain", first.time_s
             named = f" ({', '.join(first.names)})" if first.names else ""
             return False, f"the vehicle {first.kind}{named}", first.time_s
         satisfied, reason = self._ended(found) if laps is None else self._recurred(found, laps)

@@ -7,7 +7,7 @@ import numpy as np
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import FloatArray, frozen_floats
-from mission.geometry.geodesy import REACH_M, LatLon, enu_offset_m
+from mission.geometry.geodesy import PLANE_M, REACH_M, LatLon, enu_offset_m
 from mission.geometry.places import enu_offsets_m
 from mission.monitor.gaps import GAP_S
 from mission.spec.model import Point
@@ -122,12 +122,14 @@ def _seen_from(origin: LatLon, world: FloatArray) -> tuple[FloatArray, FloatArra
     """Rows of positions on Earth and their offsets from a place; without those that are damaged.
 
     Raises:
-        LogError: Most of them are beyond what an offset can be.
+        LogError: Most of them are beyond where a mission can be.
     """
     places, away = enu_offsets_m(origin, world[:, 1:3])
-    near = away <= REACH_M
+    near = away <= PLANE_M
     if near.mean() < _MOST:
-        raise LogError(f"the flight is {np.median(away) / 1000.0:.0f} km away from the mission's origin")
+        far_km = np.median(away) / 1000.0
+        hint = "take `origin` out of a copy of the mission, so that it lies where the vehicle took off"
+        raise LogError(f"the flight is {far_km:.0f} km away from the mission's origin; {hint}")
     return world[near], places[near]
 
 

@@ -11,11 +11,12 @@ import pytest
 from mission.cli import main
 from mission.geometry.arrays import FloatArray
 from tests.support.commands import MISSIONS, ROOT, ran
-from tests.support.logs import flight, local, picture, tlog
+from tests.support.logs import HOME as EARTHLY
+from tests.support.logs import flight, local, picture, tlog, world
 from tests.support.small_missions import ROUNDS, SMALL
 
 LOG = ROOT / "tests" / "golden" / "logs" / "ardupilot_survey_auto.tlog.gz"
-SURVEY = str(MISSIONS / "survey.yaml")
+SURVEY, FARM = (str(MISSIONS / f"{name}.yaml") for name in ("survey", "farm"))
 Place = tuple[float, float]
 
 HOME, GOAL, EAST, NORTH, POND = (9.0, 8.0), (31.0, 8.0), (31.0, 8.0), (31.0, 23.0), (9.0, 24.0)
@@ -188,6 +189,8 @@ def test_what_was_covered_and_photographed_is_told(tmp_path: Path, capsys: pytes
         (("--flight", SURVEY, "--mission", SURVEY), "no log that can be read"),
         (("--flight", str(LOG), "--mission", SURVEY, "--flight-number", "2"), "one flight"),
         (("--flight", str(LOG), "--mission", SURVEY, "--system", "9"), "vehicle 9"),
+        (("--flight", str(LOG).replace("tlog", "bin"), "--mission", SURVEY, "--system", "1"), "leave --system out"),
+        (("--flight", str(LOG).replace("ardupilot_survey_auto", "px4_survey"), "--mission", FARM), "km away"),
     ],
 )
 def test_what_cannot_be_used_is_said(
@@ -204,6 +207,17 @@ def test_a_vehicle_outside_the_domain_has_left_it(
     result = ran(capsys, "verify", "--mission", small, "--flight", logged(tmp_path, HOME, (9.0, -4.0), HOME))
     assert result.code == 1
     assert "violation left the domain at " in result.out
+
+
+def test_a_flight_that_begins_elsewhere_is_said_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mission = tmp_path / "elsewhere.yaml"
+    place = f"origin: {{latitude_deg: {EARTHLY.latitude_deg + 0.01}, longitude_deg: {EARTHLY.longitude_deg}}}\n"
+    mission.write_text(SMALL + place, encoding="utf-8")
+    file = tmp_path / "flight.tlog"
+    file.write_bytes(tlog(flight(*along(HOME, GOAL, HOME), world)))
+    result = ran(capsys, "verify", "--mission", str(mission), "--flight", str(file))
+    assert result.code == 1
+    assert "verdict   not achieved: the flight begins outside of the domain" in result.out
 
 
 def test_one_position_is_a_flight(small: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
