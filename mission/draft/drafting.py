@@ -22,6 +22,7 @@ from mission.printable import printable
 from mission.spec.schema import default_of
 
 _WIDTH: Final = 118
+_LONGEST_STAY_S: Final = 86_400.0
 _SPEED_M_S: Final = 5.0
 _NEVER: Final = "restricted ones are never entered, whatever the formula says"
 _MOST_VISITED: Final = 90
@@ -146,7 +147,7 @@ def _region(piece: Piece, layout: Layout, altitude_m: float | None) -> Iterator[
     if piece.clearance_m:
         yield f"    clearance_m: {decimal(piece.clearance_m)}"
     if piece.loiter_s:
-        yield f"    loiter_s: {decimal(piece.loiter_s)}"
+        yield f"    loiter_s: {decimal(min(piece.loiter_s, _LONGEST_STAY_S))}"
     if piece.name not in layout.covered:
         return
     spacing_m, lanes = layout.covered[piece.name], piece.lanes
@@ -155,7 +156,7 @@ def _region(piece: Piece, layout: Layout, altitude_m: float | None) -> Iterator[
     if lanes is not None:
         if lanes.camera and agrees(lanes.camera, lanes.spacing_m, altitude_m or ALTITUDE_M):
             values = {"camera": camera_keys(lanes.camera), "heading_deg": "auto"}
-        values |= {} if lanes.heading_deg is None else {"heading_deg": decimal(lanes.heading_deg)}
+        values |= {} if lanes.heading_deg is None else {"heading_deg": decimal(lanes.heading_deg % 360.0)}
         values |= {} if lanes.share is None else {"share": decimal(lanes.share)}
     yield from _entry("    cover", "{" + ", ".join(f"{key}: {value}" for key, value in values.items()) + "}")
 

@@ -1,7 +1,7 @@
 """What the pieces of a drawing are for, where nobody has said it; the boundary, and a home."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -27,13 +27,18 @@ _WIDEST_TUBE_M: Final = 0.5
 """The disturbance that is allowed for: as much, or as the narrowest region that is visited has room for."""
 _LEAST_ROOM_M: Final = 0.2
 _ROOM_FOR_LANES_M: Final = 2.0
+_ROOM_ALONG_M: Final = 0.75
+_LONG: Final = 30.0
+"""A field with less room is covered, too, where it is long: its area is so many times the square of the room."""
+
 _SPACING_M: Final = 10.0
 _LANE_SPACINGS: Final = 6.0  # that lanes are long on average, at least, where houses cut them
 _MANY_LANES: Final = 40
 """A field that lanes of the usual spacing cross more often gets wider ones."""
 
 _TIDY_M: Final = 5.0
-_CLOSEST_LANES_M: Final = 0.5
+_MOST_WALLS: Final = 60
+_CLOSEST_LANES_M, _FARTHEST_LANES_M = 0.5, 10_000.0
 
 
 @dataclass(frozen=True)
@@ -123,7 +128,7 @@ def laid_out(
     surveyed = [piece for piece in regions if piece.role is Role.SURVEY]
     free = boundary.kept.difference(restricted)
     if inradius_m(free) < _LEAST_ROOM_M:
-        message = "nothing is left to fly in: what is restricted covers all that the boundary holds"
+        message = "nothing is left to fly in: what is restricted, with clearances, covers all that the boundary holds"
         raise SpecError((Fault(0, 0, "", message, "draw the boundary wider, or name what is not restricted"),))
     homes, centre_m, written, said = homes_of(regions, surveyed, free, frame)
     if start is not None:
@@ -135,7 +140,8 @@ def laid_out(
     ground = _part_with(free, centre_m)
     rooms = {piece.name: inradius_m(piece.kept.intersection(ground)) for piece in (*homes, *surveyed)}
     visited = [piece for piece in surveyed if rooms[piece.name] >= _LEAST_ROOM_M]
-    remarks.extend(_not_visited(piece) for piece in surveyed if piece not in visited)
+    barred = [piece for piece in surveyed if piece not in visited]
+    remarks.extend(_why_not(barred, [piece for piece in regions if piece.role is Role.RESTRICTED], ground, boundary))
     narrowest_m = min(rooms[piece.name] for piece in (*homes, *visited))
     others = [piece for piece in regions if piece.role is not Role.HOME]
     return Layout(
@@ -155,11 +161,21 @@ def laid_out(
     )
 
 
-def _not_visited(piece: Piece) -> str:
-    room_m = inradius_m(piece.kept)
-    if room_m < _LEAST_ROOM_M:
-        return f"{piece.name} is too narrow to be visited, with room for a circle of {decimal(round(room_m, 3))} m"
-    return f"{piece.name} cannot be reached from home"
+def _why_not(barred: Sequence[Piece], restricted: Sequence[Piece], ground: Area, boundary: Piece) -> Iterator[str]:
+    """Why regions are not asked for: they are too narrow, or something keeps them apart from home."""
+    opened: list[tuple[str, Area]] = []
+    for wall in restricted if barred and len(restricted) <= _MOST_WALLS else ():
+        others = shapely.union_all([each.kept for each in restricted if each is not wall])
+        parts = shapely.get_parts(boundary.kept.difference(others))
+        opened.append((wall.name, shapely.union_all(parts[shapely.intersects(parts, ground)])))
+    for piece in barred:
+        room_m = inradius_m(piece.kept)
+        if room_m < _LEAST_ROOM_M:
+            yield f"{piece.name} is too narrow to be visited, with room for a circle of {decimal(round(room_m, 3))} m"
+            continue
+        wall_name = next((name for name, open_to in opened if open_to.intersection(piece.kept).area > 0.0), "")
+        why = f": {wall_name} lies between or over it" if wall_name else ""
+        yield f"{piece.name} cannot be reached from home{why}"
 
 
 def _with_roles(pieces: Sequence[Piece]) -> list[Piece]:
@@ -201,7 +217,8 @@ def _is_covered(piece: Piece, room_m: float, *, told: bool, guesses: Guesses) ->
         return True
     shape = piece.shapes[0]
     is_place = piece.turn > 0 or (isinstance(shape, Spot) and shape.radius_m is None)
-    return not (told or is_place or piece.name in guesses.only_visited) and room_m >= _ROOM_FOR_LANES_M
+    is_long = room_m >= _ROOM_ALONG_M and piece.area.area >= _LONG * room_m**2
+    return not (told or is_place or piece.name in guesses.only_visited) and (room_m >= _ROOM_FOR_LANES_M or is_long)
 
 
 def _boundary(told: Sequence[Piece], pieces: Sequence[Piece], route: Sequence[Point], frame: Frame) -> Piece:
@@ -247,10 +264,12 @@ def _spacing_m(piece: Piece, room_m: float) -> float:
     on average (Cauchy), and lanes are to be several times as long as the ways from one to the next.
     """
     if piece.lanes and piece.lanes.spacing_m:
-        return max(_CLOSEST_LANES_M, piece.lanes.spacing_m)
+        return min(max(_CLOSEST_LANES_M, piece.lanes.spacing_m), _FARTHEST_LANES_M)
     shape = piece.shapes[0]
     if isinstance(shape, Line):
         return shape.width_m or WIDTH_M
+    if room_m < _ROOM_FOR_LANES_M:
+        return round(2.0 * room_m, 1)  # one lane along the middle
     sides_m = np.hypot(*np.diff(shapely.get_coordinates(piece.area.minimum_rotated_rectangle)[:3], axis=0).T)
     widest_m = _TIDY_M * np.ceil(sides_m.min() / (_TIDY_M * _MANY_LANES))
     widest_m = max(min(_SPACING_M, round(room_m)), widest_m if widest_m > _SPACING_M else 0.0)

@@ -9,22 +9,31 @@ from mission.interchange.features import Role
 _WORDS: Final = {
     Role.RESTRICTED: (
         "restricted|restriction|forbidden|prohibited|no ?fly|nfz|no ?go|keep ?out|exclude|exclusion|excluded|avoid|"
-        "obstacle|hazard|danger|hole|hospital|school|building|(?:farm|glass|green|ware|boat|power )?house|barn|shed|"
-        "silo|stable|greenhouse|substation|pylon|mast|power ?line|power|cable|line_?power|road|street|highway|motorway|"
-        "railway|rail|track bed|pond|lake|river|creek|canal|stream|waterway|water"
+        "obstacle|hazard|danger"
     ),
     Role.BOUNDARY: (
         "boundary|bounds|border|fence|geo ?fence|perimeter|limit|inclusion|include|flight area|flying area|"
         "operating area|operation area|operational area|flight zone|domain"
     ),
-    Role.HOME: "home|home ?base|launch|launch ?pad|landing|landing ?pad|take ?off|pad|helipad|rally|base|start",
-    Role.SURVEY: (
-        "survey|mapping|photo|photograph|scan|inspect|inspection|roi|aoi|target|field|plot|parcel|block|crop|"
-        "farmland|meadow|paddock|pasture|orchard|vineyard|acre|solar|row"
+    Role.SURVEY: "survey|mapping|photo|photograph|scan|inspect|inspection|roi|aoi|target",
+}
+"""Words for what is to be done, or not to be done, with something: they come before what it is."""
+
+_THINGS: Final = {
+    Role.RESTRICTED: (
+        "hole|hospital|school|building|(?:farm|glass|green|ware|boat|power )?house|barn|shed|"
+        "silo|stable|greenhouse|substation|pylon|mast|power ?line|power|cable|line_?power|road|street|highway|motorway|"
+        "railway|rail|track bed|pond|lake|river|creek|canal|stream|waterway|water"
     ),
+    Role.HOME: "home|home ?base|launch|launch ?pad|landing|landing ?pad|take ?off|pad|helipad|rally|base|start",
+    Role.SURVEY: ("field|plot|parcel|block|crop|farmland|meadow|paddock|pasture|orchard|vineyard|acre|solar|row"),
     Role.AREA: "^area$|lawn|garden|grass",
 }
-_PATTERNS: Final = {role: re.compile(rf"(?<![a-z])(?:{words})(?:e?s)?(?![a-z])") for role, words in _WORDS.items()}
+_PATTERNS: Final = [
+    (role, re.compile(rf"(?<![a-z])(?:{words})(?:e?s)?(?![a-z])"))
+    for told in (_WORDS, _THINGS)
+    for role, words in told.items()
+]
 _SPEAKING_KEYS: Final = re.compile(
     "kind|type|class|category|role|zone|usage|use|fence|fclass|landuse|natural|leisure|building|power|highway|railway|"
     "waterway|water|amenity",
@@ -68,7 +77,7 @@ def role_of(
 def _in_words(text: str) -> Role | None:
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
     words = re.sub(r"[\W_]+", " ", apart).lower()
-    return next((role for role, pattern in _PATTERNS.items() if pattern.search(words)), None)
+    return next((role for role, pattern in _PATTERNS if pattern.search(words)), None)
 
 
 def _is_red(fill: str) -> bool:

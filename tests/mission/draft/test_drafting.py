@@ -195,8 +195,8 @@ def test_what_cannot_be_reached_is_not_asked_for() -> None:
     )
     plan = planned(text)
     assert plan.spec.formula == "F field & F G home"
-    assert "# Note: island cannot be reached from home." in text
-    assert "# Note: under cannot be reached from home." in text
+    assert "# Note: island cannot be reached from home: moat lies between or over it." in text
+    assert "# Note: under cannot be reached from home: moat lies between or over it." in text
 
 
 def test_several_fences_are_one_boundary_and_several_homes_one_is_returned_to() -> None:
@@ -301,10 +301,11 @@ def test_what_is_surveyed_is_covered_where_there_is_room_for_lanes() -> None:
         feature("bed", Polygon(square(130, 0, 12)), Role.SURVEY),
         feature("spot", Spot((130, 40), 1.5), Role.SURVEY),
         feature("road", Line(((-20, 120), (120, 120)), 8.0), Role.SURVEY),
+        feature("verge", Polygon(((-20, 130), (120, 130), (120, 133), (-20, 133))), Role.SURVEY),
     )
     regions = yaml.safe_load(text)["regions"]
     covers = {name: region["cover"]["spacing_m"] for name, region in regions.items() if "cover" in region}
-    assert covers == {"field": 10, "bed": 6, "road": 8}
+    assert covers == {"field": 10, "bed": 6, "road": 8, "verge": 3}
     assert "# how far apart are the lanes to be?" in text
 
 
