@@ -60,6 +60,7 @@ def _told(document: dict[str, Any]) -> dict[str, Any]:
     return {
         **{key: value for key, value in document.items() if key not in JUDGED},
         "run": document["run"],
+        "path": None if "segments" in document["path"] else document["path"],
         "covers": [{key: visit[key] for key in _CHOSEN} for visit in document["covers"]],
         "certificate": {"reason": document["certificate"]["reason"]},
         "homeward": back and {"certificate": {"reason": back["certificate"]["reason"]}},

@@ -11,6 +11,7 @@ from itertools import groupby, pairwise
 from typing import Any, Final, NamedTuple, NoReturn
 
 import numpy as np
+import shapely
 
 from mission.errors import Fault, MissionError, SpecError
 from mission.logic.formula.word import LassoWord
@@ -43,6 +44,7 @@ JUDGED: Final = frozenset(
 """The parts of a plan file that are judged here."""
 
 _SAME: Final = 1e-9
+_ROUNDING_M: Final = 1e-6
 _UNREADABLE = (ArithmeticError, AttributeError, LookupError, MissionError, RecursionError, TypeError, ValueError)
 
 
@@ -170,7 +172,11 @@ def _run(plan: Written) -> Verdict:
 
 
 def _path(plan: Written) -> Verdict:
-    """Segments that follow the runs, steered by fields within triangles."""
+    """Segments that follow the runs, steered by fields within triangles, or a polyline in what may be entered."""
+    return _segments(plan) if plan.steered else _polyline(plan)
+
+
+def _segments(plan: Written) -> Verdict:
     segments, run, back = plan.data["path"]["segments"], plan.data["run"], plan.data["homeward"]
     loops, lap = len(set(run["suffix"])) > 1, plan.data["path"]["lap"]
     if lap is not None and not lap[0] < lap[1]:
@@ -195,33 +201,50 @@ def _path(plan: Written) -> Verdict:
     return fault, f"{len(segments)} fields"
 
 
+def _polyline(plan: Written) -> Verdict:
+    path, closed = plan.data["path"], shapely.polygons(plan.partition.corners_m[plan.restricted])
+    points, lap = np.array(path["points_m"], dtype=np.float64), path["lap"]
+    if np.abs(points[0] - plan.data["start_m"]).max() > _SAME * plan.partition.extent_m:
+        return "`path` does not begin where the flight does", ""
+    if (lap is None) != (plan.lap is None) or (lap and np.abs(points[lap[0]] - points[lap[1]]).max() > _ROUNDING_M):
+        return "the lap of `path` is not that of the trajectory, or does not close", ""
+    if len(points) > 1 and shapely.intersects(shapely.union_all(closed), shapely.linestrings(points)):
+        return "`path` meets what must not be entered", ""
+    return None, f"{len(points)} corners"
+
+
 def _curve(plan: Written) -> Verdict:
-    """The series of the path, and its lanes; legs that join, and a lap that closes."""
-    legs = plan.data["trajectory"]["legs"]
-    if len(legs) != len(plan.segments):
-        return f"there are {len(legs)} legs, and the path has {len(plan.segments)}", ""
+    """Legs that join, and a lap that closes; where fields steer, the series of their path, and its lanes."""
     plan.curve.jumps_s  # noqa: B018 - raises where legs do not join
     if plan.lap is not None:
         control = plan.legs[plan.lap].control_m
         gap = float(np.abs(control[0, 0] - control[-1, -1]).max())
-        if gap > 1e-9 * plan.curve.size_m:
+        if gap > _SAME * plan.curve.size_m:
             return f"the lap ends {gap:.3g} m from where it begins", ""
-    waves = []
-    for number, (leg, own) in enumerate(zip(legs, plan.segments, strict=True)):
-        pieces = leg["curve"]["legs"] if leg["curve"]["kind"] == "joined" else [leg["curve"]]
-        parts = [(lanes, list(part)) for lanes, part in groupby(own, key=lambda segment: segment.get("lanes"))]
-        if len(parts) != len(pieces):
-            return f"leg {number} has {len(pieces)} pieces, and its path {len(parts)}", ""
-        for piece, (lanes, part) in zip(pieces, parts, strict=True):
-            fault = series_fault(piece, part) if lanes is None else "is not as its lanes" * (lanes != piece) or None
-            if fault:
-                return f"leg {number} {fault}", ""
-        waves.append(max(len(piece.get("coefficients_m", ())) for piece in pieces))
-    ends = [0, len(legs) if plan.lap is None else plan.lap + 1, len(legs)]
+    fault = _series(plan) if plan.steered else None
+    if fault:
+        return fault, ""
+    waves = [max(len(piece.get("coefficients_m", ())) for piece in pieces) for pieces in plan.pieces]
+    ends = [0, len(waves) if plan.lap is None else plan.lap + 1, len(waves)]
     due = [max(waves[a:b]) for a, b in pairwise(ends) if a < b]
     told = [proof["frequencies"] for _, proof in certified(plan)]
     fault = None if told == due else f"`certificate.frequencies` is {told}, and the curve has {due}"
-    return fault, f"{len(legs)} legs, {plan.curve.ends_s[-1]:.1f} s of steering, {max(waves)} frequencies"
+    return fault, f"{len(waves)} legs, {plan.curve.ends_s[-1]:.1f} s of steering, {max(waves)} frequencies"
+
+
+def _series(plan: Written) -> str | None:
+    """Whether a leg is not the series of its path, with its lanes in between."""
+    if len(plan.pieces) != len(plan.segments):
+        return f"there are {len(plan.pieces)} legs, and the path has {len(plan.segments)}"
+    for number, (pieces, own) in enumerate(zip(plan.pieces, plan.segments, strict=True)):
+        parts = [(lanes, list(part)) for lanes, part in groupby(own, key=lambda segment: segment.get("lanes"))]
+        if len(parts) != len(pieces):
+            return f"leg {number} has {len(pieces)} pieces, and its path {len(parts)}"
+        for piece, (lanes, part) in zip(pieces, parts, strict=True):
+            fault = series_fault(piece, part) if lanes is None else "is not as its lanes" * (lanes != piece) or None
+            if fault:
+                return f"leg {number} {fault}"
+    return None
 
 
 _CLAIMS: Final[Mapping[str, Callable[[Written], Verdict]]] = {

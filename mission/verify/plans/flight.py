@@ -1,7 +1,7 @@
 """How the curve is flown: within the limits, with the stops, the lanes and the pictures that the mission asks for."""
 
 from collections.abc import Iterator
-from itertools import groupby
+from itertools import accumulate, groupby
 from math import atan2, isclose, pi, remainder, tan
 from typing import Final, NamedTuple
 
@@ -10,7 +10,8 @@ import shapely
 
 from mission.geometry.regions import union_of
 from mission.verify.plans.lanes import cover_faults
-from mission.verify.plans.proof import Verdict
+from mission.verify.plans.patches import patches_of
+from mission.verify.plans.proof import Verdict, certified, pieces_of
 from mission.verify.plans.written import Written
 
 GRAVITY_M_S2: Final = 9.80665
@@ -44,18 +45,21 @@ def limits_kept(plan: Written) -> Verdict:
 
 
 def stops_made(plan: Written) -> Verdict:
-    """A stop for each time that the path enters a region to loiter in, with the whole tube inside, and no others."""
+    """A stop in each visit of a region to loiter in, all of the tube inside, and no stops but in such regions."""
     stops = [(float(s), float(seconds)) for s, seconds in plan.data["stops"]]
-    due = sorted(_stays(plan), key=lambda stay: stay[1])
-    if len(stops) != len(due):
-        return f"there are {len(stops)} stops, and the path enters {len(due)} times where it is to loiter", ""
+    loitering = {region.name: region.loiter_s for region in plan.spec.regions if region.loiter_s > 0.0}
     half = plan.spec.flight.tube_m + plan.ground.slack_m
-    for number, ((s, seconds), (region, begin, end, asked)) in enumerate(zip(stops, due, strict=True)):
+    if sorted(stops) != stops:
+        return "`stops` are not in order", ""
+    for number, (s, seconds) in enumerate(stops):
         x, y = plan.curve.at(np.array([s]))[0].tolist()
         _, met, outside = plan.ground.met(np.array([shapely.box(x - half, y - half, x + half, y + half)]))
-        inside = not outside[0] and all(region in plan.labelling.label(triangle) for triangle in met.tolist())
-        if seconds != asked or not begin - _SAME_S <= s <= end + _SAME_S or not inside:
-            return f"`stops.{number}` is not {asked:g} s in {region}, with all of the tube inside", ""
+        inside = frozenset.intersection(*(plan.labelling.label(triangle) for triangle in met.tolist()))
+        if outside[0] or seconds not in {loitering[name] for name in inside & loitering.keys()}:
+            return f"`stops.{number}` is not in a region in which to loiter for {seconds:g} s, with all of the tube", ""
+    for name, begin, end in _visits(plan, frozenset(loitering)):
+        if not any(begin - _SAME_S <= s <= end + _SAME_S and seconds >= loitering[name] for s, seconds in stops):
+            return f"there is no stop in {name}, which is visited from {begin:.3f} s to {end:.3f} s on the curve", ""
     legs = zip(plan.laws, plan.starts_s.tolist(), strict=False)
     held = sorted(
         (start + rest.s, rest.seconds) for law, start in legs for rest in law.rests() if rest.seconds > _SAME_S
@@ -70,23 +74,32 @@ def stops_made(plan: Written) -> Verdict:
     return fault, f"{len(stops)} stops, {sum(seconds for _, seconds in stops):g} s"
 
 
-def _stays(plan: Written) -> Iterator[tuple[str, float, float, float]]:
-    """Each time that the path enters a region to loiter in: its name, when it comes and goes, and the time to stay."""
-    for leg, start in zip(plan.segments, plan.starts_s.tolist(), strict=False):
-        begins = [start + each["start_s"] - leg[0]["start_s"] for each in leg]
-        ends = [*begins[1:], begins[-1] + leg[-1]["duration_s"]]
-        for region in (each for each in plan.spec.regions if each.loiter_s > 0.0):
-            inside = [region.name in plan.labelling.label(each["triangle"]) for each in leg]
-            for within, group in groupby(range(len(leg)), key=inside.__getitem__):
-                first, *others = group
-                if within and first > 0:
-                    yield region.name, begins[first], ends[[first, *others][-1]], region.loiter_s
+def _visits(plan: Written, names: frozenset[str]) -> Iterator[tuple[str, float, float]]:
+    """When the tube comes into a region and leaves it, by the pieces of the proof; all of it is inside in between.
+
+    To begin inside is no visit.
+    """
+    knots, sets = [0.0], []
+    for _, proof in certified(plan):
+        its_knots, its_sets = pieces_of(proof)
+        knots += (knots[-1] + its_knots[1:]).tolist()
+        sets += its_sets
+    letters = [[plan.labelling.label(triangle) for triangle in each] for each in sets]
+    for name in sorted(names):
+        touched = [any(name in letter for letter in each) for each in letters]
+        filled = [all(name in letter for letter in each) for each in letters]
+        for inside, group in groupby(range(len(sets)), key=touched.__getitem__):
+            first, *others = group
+            if inside and first > 0 and any(filled[k] for k in (first, *others)):
+                yield name, knots[first], knots[[first, *others][-1] + 1]
 
 
 def lanes_cover(plan: Written) -> Verdict:
     """Each visit that covers: its lanes are flown, and cover as much as it says; each flight of lanes is a visit."""
     visits = plan.data["covers"]
-    flown = [each["start_s"] for each in plan.data["path"]["segments"] if "lanes" in each]
+    pieces = [piece for leg in plan.pieces for piece in leg]
+    begins = accumulate((float(patches_of(piece).ends_s[-1]) for piece in pieces), initial=0.0)
+    flown = [s for s, piece in zip(begins, pieces, strict=False) if piece["kind"] == "rounded polyline"]
     for visit in visits:
         if not any(isclose(visit["start_s"], s, abs_tol=_SAME_S) for s in flown):
             return f"no lanes of {visit['region']} begin at {visit['start_s']:.3f} s on the path", ""

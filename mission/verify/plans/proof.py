@@ -36,9 +36,9 @@ def tube_holds(plan: Written) -> Verdict:
     """No triangle is met but those that are named, none of which is restricted, and the domain is not left."""
     pieces = 0
     for what, (curve, proof) in zip(("the tube", "the tube of the way back"), certified(plan), strict=False):
-        knots, sets = _pieces(proof)
-        if abs(knots[0]) > 0.0 or abs(knots[-1] - curve.ends_s[-1]) > 1e-9 * knots[-1] or (np.diff(knots) <= 0.0).any():
-            return "`certificate.knots_s` do not ascend from the beginning of the curve to its end", ""
+        knots, sets = pieces_of(proof)
+        if abs(knots[0]) > 0.0 or abs(knots[-1] - curve.ends_s[-1]) > 1e-9 * knots[-1]:
+            return "`certificate.knots_s` do not lead from the beginning of the curve to its end", ""
         closed = [t for each in sets for t in each if plan.restricted[t]]
         if closed:
             names = sorted({name for t in closed for name in plan.labelling.label(t)})
@@ -86,10 +86,11 @@ def figures_hold(plan: Written) -> Verdict:
     return None, ", ".join(told)
 
 
-def _pieces(proof: Mapping[str, Any]) -> tuple[FloatArray, Sets]:
+def pieces_of(proof: Mapping[str, Any]) -> tuple[FloatArray, Sets]:
+    """The ends of the pieces of a certificate, and their sets; a piece may be an instant."""
     knots, sets = np.array(proof["knots_s"], dtype=np.float64), proof["possible"]
-    if len(knots) != len(sets) + 1 or not all(sets):
-        raise ValueError("`certificate.possible` names triangles for each piece")
+    if len(knots) != len(sets) + 1 or not all(sets) or (np.diff(knots) < 0.0).any():
+        raise ValueError("`certificate.possible` names triangles for each piece, one after the other")
     return knots, sets
 
 
@@ -97,7 +98,7 @@ def _layers(
     plan: Written, curve: Patches, proof: Mapping[str, Any], *, alone: bool = False
 ) -> tuple[Sets, tuple[int, int] | None]:
     """The sets of a proof with those of the place where the curve begins and of that where it ends; and its lap."""
-    knots, sets = _pieces(proof)
+    knots, sets = pieces_of(proof)
     half = plan.spec.flight.tube_m + plan.ground.slack_m
     ends = curve.at(np.array([0.0, curve.ends_s[-1]]))
     which, triangles, _ = plan.ground.met(shapely.box(*(ends - half).T, *(ends + half).T))

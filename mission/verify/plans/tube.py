@@ -65,11 +65,16 @@ def stray(ground: Ground, patches: Patches, half_m: float, knots_s: FloatArray, 
         ground: The domain.
         patches: The curve.
         half_m: Half width of the tube.
-        knots_s: Shape (K + 1,), ends of the pieces.
+        knots_s: Shape (K + 1,), ends of the pieces, some of which may be instants.
         sets: The triangles that are named for each of the K pieces.
     """
     size = ground.size
     named = np.unique(np.concatenate([k * size + np.array(sets[k], dtype=np.int64) for k in range(len(sets))]))
+    instants = np.flatnonzero(np.diff(knots_s) == 0.0)
+    points, half = patches.at(knots_s[instants]), half_m + float(patches.off[:, 0].max()) + ground.slack_m
+    which, triangles, outside = ground.met(shapely.box(*(points - half).T, *(points + half).T))
+    if outside.any() or not np.isin(instants[which] * size + triangles, named).all():
+        return "may leave the triangles that are named at one of the instants"
     patches = patches.cut(knots_s)
     most = max(_MOST_OPEN, 2 * len(patches.begins_s))
     for _ in range(_ROUNDS):

@@ -111,11 +111,21 @@ class Written:
         return None if (lap := self.data["trajectory"]["lap"]) is None else int(lap)
 
     @property
+    def steered(self) -> bool:
+        """Whether fields steer along the path; otherwise it is a polyline in a corridor."""
+        return "segments" in self.data["path"]
+
+    @property
     def segments(self) -> list[list[Mapping[str, Any]]]:
-        """The path's segments of each leg."""
+        """The segments of each leg of a path that fields steer."""
         path, lap = self.data["path"], self.data["path"]["lap"]
         cuts = sorted({0, *(lap or ()), len(path["segments"])})
         return [path["segments"][a:b] for a, b in pairwise(cuts)]
+
+    @property
+    def pieces(self) -> list[list[Mapping[str, Any]]]:
+        """The smooth curves of each leg."""
+        return [_pieces_of(leg["curve"]) for leg in self.data["trajectory"]["legs"]]
 
     def place(self, t_s: float) -> float:
         """Where on the curve the vehicle is at a time, of the first lap."""
@@ -125,3 +135,7 @@ class Written:
                 return float(start + law.jet(np.array([t_s - begins]))[0][0])
             begins += law.duration_s
         return float("inf")
+
+
+def _pieces_of(curve: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    return [piece for leg in curve["legs"] for piece in _pieces_of(leg)] if curve["kind"] == "joined" else [curve]

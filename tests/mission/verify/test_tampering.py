@@ -39,6 +39,8 @@ start:
     + FLOWN_BRISKLY
 )
 
+CORRIDOR, FIELDS = "smoothing: corridor\n", "smoothing: {frequencies: auto}\n"
+
 LEFT_AS_IT_IS: Final = {
     ".certificate.clearance_m: a little": "a lower bound that is a little lower, or still below the truth, is one",
     ".certificate.knots_s.#: a little": "pieces with the same triangles may meet anywhere where the tube is in both",
@@ -47,6 +49,7 @@ LEFT_AS_IT_IS: Final = {
     ".homeward.certificate.knots_s.#: a little": "as of the laps",
     ".homeward.certificate.possible.#: order": "as of the laps",
     ".photographs: gone": "without it there are none, which is so where no camera is",
+    ".trajectory.legs.#.curve.controls_m.#.#.#: a little": "a curve as smooth, or that turns where it rests",
 }
 """What may pass, with the reason why no claim is touched; entry and alteration."""
 
@@ -96,9 +99,10 @@ def altered(document: object, place: Place, value: object) -> str:
 
 def plans() -> dict[str, Callable[[], FlightPlan]]:
     return {
-        "laps": lambda: plan_of(ROUNDS),
-        "stops": lambda: plan_of(SMALL),
-        "lanes": lambda: plan_of(PHOTOGRAPHED),
+        "laps": lambda: plan_of(ROUNDS + FIELDS),
+        "stops": lambda: plan_of(SMALL + FIELDS),
+        "corridor": lambda: plan_of(ROUNDS.replace("kind: survey,", "kind: survey, loiter_s: 1,", 1) + CORRIDOR),
+        "lanes": lambda: plan_of(PHOTOGRAPHED + FIELDS),
         "paper": lambda: plan_mission(load_mission(MISSIONS / "paper.yaml")),
         "survey": lambda: plan_mission(load_mission(MISSIONS / "survey.yaml")),
     }
@@ -153,7 +157,7 @@ def passed(name: str, file: Path, **which: int | None) -> list[str]:
 
 
 @pytest.mark.usefixtures("planned_once")
-@pytest.mark.parametrize(("name", "turn"), [("laps", 0), ("lanes", 1)])
+@pytest.mark.parametrize(("name", "turn"), [("laps", 0), ("corridor", 0), ("lanes", 1)])
 def test_an_altered_entry_is_found(name: str, turn: int, tmp_path: Path) -> None:
     file = tmp_path / "plan.json"
     file.write_text(whole(name), encoding="utf-8")
