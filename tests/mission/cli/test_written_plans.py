@@ -42,8 +42,8 @@ def bend_the_path(plan: dict[str, Any]) -> None:
 
 
 def hurry(plan: dict[str, Any]) -> None:
-    law = plan["trajectory"]["legs"][0]["law"]
-    law["knots_s"] = [knot / 2.0 for knot in law["knots_s"]]
+    """Fly with a vehicle that is slower than the trajectory."""
+    plan["mission"]["limits"]["speed_m_s"] = 0.04
 
 
 def dive(plan: dict[str, Any]) -> None:
@@ -55,7 +55,7 @@ def dive(plan: dict[str, Any]) -> None:
     [
         (move_the_survey, "`labels.letter_of."),
         (bend_the_path, "may"),
-        (hurry, "the law of leg 0: its rates do not lead to its places"),
+        (hurry, " m/s at "),
         (dive, "`trajectory.altitude_m` is 0.5, and "),
     ],
 )
