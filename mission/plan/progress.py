@@ -2,37 +2,31 @@
 
 A run of triangles spells a word, and the states that the automaton goes through while it reads it are all of the run
 that matters. While the automaton is in one of them, the vehicle may be wherever no letter does harm: where a letter
-leads to the same state, or to one that *simulates* it (it accepts every word that the state accepts, with no better
-marks on the way). Then whatever the tube around a path touches in whatever order leaves the automaton at least where
-the run has it. The stage ends where all of the tube lies in triangles whose letters lead to the next state. So the
-triangles of the run no longer matter, and how fine the mesh is never did.
+leads to a state that accepts every word that this one accepts, or, in a lap that is flown for ever, *simulates* it.
+Then whatever the tube around a path touches, in whatever order, leaves the automaton no worse off than the run does.
+The stage ends where all of the tube lies in triangles whose letters lead to the next state. So the triangles of the run
+no longer matter, and how fine the mesh is never did.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from itertools import chain
-from operator import or_
-from typing import Final
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from mission.errors import MissionError
-from mission.geometry.arrays import BoolArray, IntArray
+from mission.geometry.arrays import BoolArray
 from mission.geometry.regions import Labelling
 from mission.geometry.shapes import Area, narrowed, polygonal, widened, without_straight_corners
 from mission.geometry.simplices import ROUNDING, Partition
 from mission.logic.automata.conjunction import Conjunction
-from mission.logic.automata.rabin import DEAD, Pair, Rabin
+from mission.logic.automata.inclusion import included, simulated
+from mission.logic.automata.rabin import DEAD, Pair
 from mission.planning.run import Run
 from mission.spec.model import Semantics
 from mission.steering.taut import Stretch
-
-_MOST_COMPARED: Final = 400
-"""States of a part above which only equal ones are taken to simulate each other."""
 
 
 class NoStagesError(MissionError):
@@ -192,7 +186,8 @@ class StagesOfRuns:
         self._grounds, self._whole, self._semantics = grounds, automaton.whole, semantics
         self._repeated = automaton.repeated
         self._digits = automaton.digits
-        self._stepwise, self._onward = zip(*(simulated(part) for part in automaton.parts), strict=True)
+        self._simulated = [simulated(part) for part in automaton.parts]
+        self._accepted = [included(part) for part in automaton.parts]
 
     def of(self, run: Run) -> Stages:
         """The stages of a run.
@@ -206,29 +201,38 @@ class StagesOfRuns:
         steps: list[_Step] = []
         for index in range(0 if self._semantics is Semantics.STANDARD else 1, head + 1):
             after = int(self._whole.targets[state, letters[index]])
-            if after != state and index:
+            if index and not self._alike(state, after, None):
                 steps.append(_Step(state, after, 0, index))
             state = after
         start = _Step(DEAD, DEAD, 0, 0)
-        stages = list(chain.from_iterable(self._cut_all(steps, [start, *steps[:-1]], letters, 0)))
+        stages = list(chain.from_iterable(self._cut_all(steps, [start, *steps[:-1]], letters, None)))
         if not run.recurrent:
             return Stages(self._with_stay(stages, state, letters[-1], len(run.states) - 1))
         steps, pair = self._lap(state, letters, head)
-        laps = self._cut_all(steps, [*steps[-1:], *steps[:-1]], letters, pair[0])
+        laps = self._cut_all(steps, [*steps[-1:], *steps[:-1]], letters, pair)
         begins = np.cumsum([len(stages), *map(len, laps)]).tolist()
         entries = tuple(
-            begin for begin, step in zip(begins, steps, strict=False) if self._no_worse(state, step.state, once=True)
+            begin for begin, step in zip(begins, steps, strict=False) if self._no_worse(state, step.state, None)
         )
         return Stages((*stages, *chain.from_iterable(laps)), len(stages), entries)
 
-    def _cut_all(self, steps: list[_Step], before: list[_Step], letters: list[int], fin: int) -> list[list[Stage]]:
-        """For each of some steps the stages that it ends; beside it, the step before."""
+    def _cut_all(
+        self, steps: list[_Step], before: list[_Step], letters: list[int], lap: Pair | None
+    ) -> list[list[Stage]]:
+        """For each of some steps the stages that it ends.
+
+        Args:
+            steps: The steps.
+            before: Beside each the step before.
+            letters: Of the run's states.
+            lap: The pair that is satisfied by what is repeated; None where nothing is.
+        """
         found: list[list[Stage]] = []
         for step, earlier in zip(steps, before, strict=False):
-            ends = self._ends(step, fin) - self._unread(step, earlier, letters, fin)
+            ends = self._ends(step, lap) - self._unread(step, earlier, letters, lap)
             if letters[step.index] not in ends:
                 raise NoStagesError(f"how many triangles of {self._named(letters[step.index])} are entered is counted")
-            found.append(list(self._cut(step, ends, self._named(letters[step.index]), fin)))
+            found.append(list(self._cut(step, ends, self._named(letters[step.index]), lap)))
         return found
 
     def _lap(self, state: int, letters: list[int], head: int) -> tuple[list[_Step], Pair]:
@@ -242,58 +246,45 @@ class StagesOfRuns:
         # As many rounds of the run as the automaton needs to come back are one lap.
         again = begins[begins.index(state) : -1]
         read *= len(again)
-        begin = next((each for each in again if self._no_worse(begins[0], each, once=True)), DEAD)
+        begin = next((each for each in again if self._no_worse(begins[0], each, None)), DEAD)
         if begin == DEAD:
             raise NoStagesError("the first lap of the run does something else to the automaton than the others")
         state, borne, met = begin, 0, 0
         for index in read:
             borne |= int(self._whole.marks[state, letters[index]])
             state = int(self._whole.targets[state, letters[index]])
-        satisfied = [pair for pair in self._whole.pairs if not borne & pair[0] and borne & pair[1] == pair[1]]
-        fin, inf = satisfied[0]
+        pair = next(each for each in self._whole.pairs if not borne & each[0] and borne & each[1] == each[1])
         steps, state = [], begin
         for index in read:
             after = int(self._whole.targets[state, letters[index]])
-            new = int(self._whole.marks[state, letters[index]]) & inf & ~met
-            if after != state or new:
+            new = int(self._whole.marks[state, letters[index]]) & pair[1] & ~met
+            if new or not self._alike(state, after, pair):
                 steps.append(_Step(state, after, new, index))
             state, met = after, met | new
-        return steps, (fin, inf)
+        return steps, pair
 
-    def _ends(self, step: _Step, fin: int) -> set[int]:
+    def _ends(self, step: _Step, lap: Pair | None) -> set[int]:
         """The letters that make a step, however often they are read."""
-        found = self._reading(
-            step.state,
-            lambda after, marks: self._no_worse(after, step.after) and marks & step.marks == step.marks,
-            fin,
-        )
-        return found & self._reading(step.after, lambda after, _: self._no_worse(after, step.after), fin)
+        return self._making(step, step.state, lap) & self._reading(step.after, [step.after], lap)
 
-    def _unread(self, step: _Step, earlier: _Step, letters: list[int], fin: int) -> set[int]:
+    def _unread(self, step: _Step, earlier: _Step, letters: list[int], lap: Pair | None) -> set[int]:
         """The letters that are read when the stage before ends, and would have to be read again to make a step.
 
         Where all of the tube lies in triangles with such a letter, no other need be entered.
         """
         if earlier.state == DEAD:
             return {letters[0]}
-        both = self._reading(
-            earlier.state,
-            lambda after, marks: self._no_worse(after, step.after) and marks & step.marks == step.marks,
-            fin,
-        )
-        return self._ends(earlier, fin) - both
+        return self._ends(earlier, lap) - self._making(step, earlier.state, lap)
 
-    def _cut(self, step: _Step, ends: set[int], name: str, fin: int) -> Iterator[Stage]:
+    def _making(self, step: _Step, state: int, lap: Pair | None) -> set[int]:
+        """The letters that make a step from a state."""
+        found = self._reading(state, [step.after], lap)
+        return {each for each in found if int(self._whole.marks[state, each]) & step.marks == step.marks}
+
+    def _cut(self, step: _Step, ends: set[int], name: str, lap: Pair | None) -> Iterator[Stage]:
         """The stages that a step ends: one, but where what harms after the step does not before it."""
-        harmless = self._reading(step.state, lambda after, _: self._no_worse(after, step.state), fin)
-        undone = {
-            letter
-            for letter in harmless - ends
-            if not any(
-                self._no_worse(int(self._whole.targets[step.after, letter]), state)
-                for state in (step.state, step.after)
-            )
-        }
+        harmless = self._reading(step.state, [step.state], lap)
+        undone = harmless - ends - self._reading(step.after, [step.state, step.after], lap)
         last = self._grounds.touching_only((harmless - undone) | ends)
         if undone:
             free = self._grounds.touching_only(harmless - ends)
@@ -314,71 +305,41 @@ class StagesOfRuns:
         if stages and shapely.covers(target, stages[-1].target):
             last = stages.pop()
             return (*stages, Stage(last.free, last.target, None, last.index, last.names, stays=True))
-        harmless = self._reading(state, lambda after, _: self._no_worse(after, state), 0)
+        harmless = self._reading(state, [state], None)
         free = self._grounds.touching_only(harmless | allowed)
         return (*stages, Stage(free, target, None, index, names, stays=True))
 
-    def _staying(self, state: int, letter: int) -> set[int]:
+    def _staying(self, state: int, letter: int) -> frozenset[int]:
         """Letters of which every word for ever is accepted from a state."""
+        after, marks = self._whole.targets[state], self._whole.marks[state]
         for fin, inf in self._whole.pairs:
-            found = self._reading(state, lambda after, marks: after == state and marks & inf == inf, fin)  # noqa: B023
-            if letter in found:
-                return found
+            kept = np.flatnonzero((after == state) & (marks & fin == 0) & (marks & inf == inf))
+            if letter in kept:
+                return self._grounds.letters & set(kept.tolist())
         if not self._repeated[state, letter]:
             raise NoStagesError(f"to stay in {self._named(letter)} is not accepted")
-        return {letter}
+        return frozenset((letter,))
 
-    def _reading(self, state: int, wanted: Callable[[int, int], bool], fin: int) -> set[int]:
-        """The letters that lead from a state to where it is wanted, and have none of some marks."""
+    def _reading(self, state: int, than: Sequence[int], lap: Pair | None) -> set[int]:
+        """The letters that lead from a state to one that is no worse than some state, without what a lap must not."""
+        targets, marks = self._whole.targets[state].tolist(), self._whole.marks[state].tolist()
         return {
             letter
             for letter in self._grounds.letters
-            if (marks := int(self._whole.marks[state, letter])) & fin == 0
-            and wanted(int(self._whole.targets[state, letter]), marks)
+            if (lap is None or not marks[letter] & lap[0])
+            and any(self._no_worse(targets[letter], other, lap) for other in than)
         }
 
-    def _no_worse(self, state: int, than: int, *, once: bool = False) -> bool:
-        """Whether a state simulates another one; only from here on, if what follows is asked once."""
+    def _alike(self, state: int, other: int, lap: Pair | None) -> bool:
+        return self._no_worse(state, other, lap) and self._no_worse(other, state, lap)
+
+    def _no_worse(self, state: int, than: int, lap: Pair | None) -> bool:
+        """Whether a state accepts what another one does, or in a lap, over and over, simulates it."""
         if state == DEAD:
             return False
-        orders = self._onward if once else self._stepwise
+        orders = self._accepted if lap is None else self._simulated
         pairs = zip(orders, self._digits[than].tolist(), self._digits[state].tolist(), strict=True)
         return all(bool(order[worse, better]) for order, worse, better in pairs)
 
     def _named(self, letter: int) -> str:
         return " & ".join(sorted(self._grounds.labelling.letters[letter])) or "what is in no region"
-
-
-def simulated(part: Rabin) -> tuple[BoolArray, BoolArray]:
-    """(Q, Q) whether the second state simulates the first: at every step, and where it matters in the end.
-
-    One state simulates another if for each letter on which the other's run goes on, its own does with at least the
-    marks that must come again and none of those that must not but the other's, and enters a state that simulates the
-    one that the other enters. Steps that are taken once only, between components, have no marks that matter. To be
-    compared step by step, again and again, they count as the worst; to be compared once, from here on, they count as
-    the worst of the first state's and as the best of the second's. The second relation contains the first; of very
-    large automata both hold the states themselves only.
-    """
-    if part.size > _MOST_COMPARED:
-        return np.eye(part.size, dtype=np.bool_), np.eye(part.size, dtype=np.bool_)
-    fin, inf = (reduce(or_, (pair[place] for pair in part.pairs), 0) for place in (0, 1))
-    sources, letters = np.nonzero(part.targets != DEAD)
-    graph = coo_array((np.ones(len(sources)), (sources, part.targets[sources, letters])), (part.size, part.size))
-    _, component = connected_components(graph.tocsr(), directed=True, connection="strong")
-    again = component[:, None] == component[part.targets]
-    worst, best = np.where(again, part.marks, fin & ~inf), np.where(again, part.marks, inf & ~fin)
-    return _greatest(part.targets, worst, worst, fin, inf), _greatest(part.targets, worst, best, fin, inf)
-
-
-def _greatest(targets: IntArray, of_first: IntArray, of_second: IntArray, fin: int, inf: int) -> BoolArray:
-    """The greatest simulation (Q, Q), with the marks (Q, letters) of the first and of the second state."""
-    order = np.ones((len(targets), len(targets)), dtype=np.bool_)
-    for entered, first, second in zip(targets.T, of_first.T, of_second.T, strict=True):
-        worse = (first[:, None] & inf & ~second[None]) | (second[None] & fin & ~first[:, None])
-        order &= (entered == DEAD)[:, None] | ((entered != DEAD)[None] & (worse == 0))
-    while True:
-        before = order.copy()
-        for entered in targets.T:
-            order &= (entered == DEAD)[:, None] | before[entered[:, None], entered[None]]
-        if (order == before).all():
-            return order

@@ -233,6 +233,8 @@ class LayeredPaths:
         self._least = self._least_over(corners, self._corner_stage)
         for stage, (entry, exit_) in enumerate(self._parts):
             same = (entry[:, None] == exit_[None]) & (entry >= 0)[:, None]
+            if stage == 0 and (entry < 0).all():
+                raise NoWayError(stage, "the way would begin where it must not be")
             if not same.any():
                 raise NoWayError(stage, "no place from which the way could begin is connected with its target")
             first, second = np.nonzero(same)

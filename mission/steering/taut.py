@@ -165,8 +165,11 @@ class _Search:
         return self._solved(_Layers(start_m, [stretch.target for _, stretch in stretches]), stretches)
 
     def _solved(self, layers: "_Layers", stretches: list[tuple[int, Stretch]]) -> list[TautLine]:
+        for number, each in stretches:
+            if shapely.is_empty(each.free) or shapely.is_empty(each.target):
+                raise NoWayError(number, "there is no place that it could be reached at")
         try:
-            paths = LayeredPaths([self._space(each.free, number) for number, each in stretches], cyclic=layers.cyclic)
+            paths = LayeredPaths([self._space(each.free) for _, each in stretches], cyclic=layers.cyclic)
             places, share = layers.first(), 1.0
             chain = paths.shortest(places)
             while share > _FINEST:
@@ -191,9 +194,7 @@ class _Search:
             for line, (number, stretch) in zip(chain.lines, stretches, strict=True)
         ]
 
-    def _space(self, free: shapely.Geometry, number: int) -> FreeSpace:
-        if shapely.is_empty(free):
-            raise NoWayError(number, "there is no free space")
+    def _space(self, free: shapely.Geometry) -> FreeSpace:
         if id(free) not in self._spaces:
             self._spaces[id(free)] = FreeSpace(free), free
         return self._spaces[id(free)][0]
