@@ -53,6 +53,11 @@ The flight gets a folder of its own with the record, the plan, the report and th
 safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once. A flight
 of laps takes one Ctrl-C more: at the first it completes the lap that it is in, and returns.
 """
+_CALIBRATE = """\
+Fly a figure of eight about the start at the mission's speed and within its limits, three times, and measure how far the
+vehicle is from it: that is what the tube of the proof has to hold. Without a mission file it flies in an open field of
+120 m; without --connect, with the bundled vehicle. Where there is no room, nothing takes off.
+"""
 _VERIFY = """\
 Judge each claim of a written plan:
 
@@ -183,6 +188,15 @@ def build_parser() -> argparse.ArgumentParser:
     )
     _add_flight(fly)
 
+    calibrate = commands.add_parser(
+        "calibrate",
+        help="measure how a vehicle follows, by a figure of eight",
+        description=_CALIBRATE,
+        epilog=_ADDRESSES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    _add_calibration(calibrate)
+
     report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
     report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")
     return parser
@@ -266,13 +280,26 @@ def _add_export(export: argparse.ArgumentParser) -> None:
 
 def _add_flight(fly: argparse.ArgumentParser) -> None:
     fly.add_argument("file", metavar="FILE", help="mission file (YAML)")
-    fly.add_argument("--connect", metavar="ADDRESS", help="fly the vehicle at this address, see below")
     _add_run(fly)
     fly.add_argument(
         "--laps", type=_laps, metavar="N", help="fly so many laps, or until-stopped (default: as in the file)"
     )
     fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
+    _add_vehicle(fly)
+
+
+def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
+    calibrate.add_argument(
+        "file", nargs="?", metavar="FILE", help="mission file (YAML) with the place, the limits and the speed"
+    )
+    calibrate.add_argument("--out", metavar="TUBE.yaml", help="where the measured lines go (default: standard output)")
+    calibrate.add_argument("--force", action="store_true", help="write over a file that is there already")
+    _add_vehicle(calibrate)
+
+
+def _add_vehicle(fly: argparse.ArgumentParser) -> None:
+    fly.add_argument("--connect", metavar="ADDRESS", help="fly the vehicle at this address, see below")
     fly.add_argument(
         "--system-id",
         type=_system_id,

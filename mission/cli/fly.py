@@ -1,10 +1,8 @@
 """``mission fly``: fly a mission, show how it goes, and leave a record, a report and a verdict."""
 
-import errno
-import socket
 from argparse import Namespace
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -14,14 +12,11 @@ from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
 from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.cli.signals import EndingSignals
-from mission.clock import Clock, WallClock
-from mission.errors import Fault, LinkError, MissionError, SpecError, reason
-from mission.fly import BundledVehicle, FlightOptions, FlightResult, StopSignals, VehicleOptions, fly, home_for
-from mission.link.address import parse_address
+from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_options, link_to, warn
+from mission.clock import WallClock
+from mission.errors import LinkError, MissionError, reason
+from mission.fly import FlightOptions, FlightResult, StopSignals, fly
 from mission.link.contact import LinkOptions
-from mission.link.key_file import open_signatures
-from mission.link.lockstep import LockstepLink
-from mission.link.transport import Transport, open_transport
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
@@ -29,28 +24,13 @@ from mission.report.reading import read_record
 from mission.report.record import FlightRecord
 from mission.whole_file import write_whole
 
-_OF_THE_BUNDLED_VEHICLE = ("speed", "seed", "wind", "flavour", "dynamics", "faults", "no_ground_station")
 AUTOMATON_SUFFIX = ".hoa"
-_UNHEARD = (
-    "check that the vehicle or its simulator runs and sends MAVLink there; "
-    "udpin: waits for a vehicle that calls, udpout: and tcp: call one"
-)
-_HINTS = {
-    errno.ECONNREFUSED: "start the vehicle or its simulator first, and check the port",
-    errno.EADDRINUSE: "another program, such as a ground station, listens there: close it, or take another port",
-    errno.EADDRNOTAVAIL: "listen at an address of this machine, such as 0.0.0.0; to call the vehicle use udpout:",
-    errno.ENOENT: "check the name of the device, such as /dev/ttyUSB0 or /dev/ttyACM0",
-    errno.EACCES: "this user may not use it: for a serial line join its group, for a port below 1024 take a higher one",
-    errno.ETIMEDOUT: "check the address, and that no firewall is in between",
-    errno.EHOSTUNREACH: "check the address, and the network between here and there",
-    errno.ENETUNREACH: "check the address, and the network between here and there",
-}
 
 
 def run(arguments: Namespace) -> int:
     """Fly, and return the verdict as an exit code, whether or not somebody reads what is said of it."""
-    _check_options(arguments)
-    link = _link_options(arguments)
+    check_vehicle_options(arguments)
+    link = link_options(arguments)
     plan = planned(arguments.file, arguments.run, arguments.laps)
     with suppress(OSError):
         proved = f"proved {reach(plan.certificate.tube_m)}"
@@ -90,7 +70,7 @@ class _Flown:
 def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: StopSignals) -> _Flown:
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
-        vehicle, transport, clock = _link(arguments, link, plan, stack)
+        vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
         folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
         stack.enter_context(record)
         display = stack.enter_context(Display(plan))
@@ -107,13 +87,13 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                 on_progress=display.show,
                 vehicle_failure=None if vehicle is None else vehicle.failure,
                 stop_request=stop.take,
-                on_warning=_warn,
+                on_warning=warn,
             )
         except MissionError as failure:
             stack.close()
             print_error(failure)
             if isinstance(failure, LinkError) and not display.heard:
-                err.print(f"    {_UNHEARD}", markup=False)
+                err.print(f"    {UNHEARD}", markup=False)
             err.print(f"the record is kept in {folder}", markup=False)
             return _Flown(folder, display.heard, failure.exit_code)
         except KeyboardInterrupt:
@@ -123,68 +103,6 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
         elapsed_s = wall.now_s() - began_s
     _keep_plan(folder, result.plan)
     return _Flown(folder, heard=True, exit_code=result.exit_code, result=result, elapsed_s=elapsed_s)
-
-
-def _check_options(arguments: Namespace) -> None:
-    if arguments.connect is None:
-        if arguments.system_id is not None:
-            hint = "leave it out to fly the bundled vehicle, or say with --connect where the vehicle is"
-            raise SpecError((Fault(0, 0, "--system-id", "chooses among the vehicles at an address", hint),))
-        return
-    parse_address(arguments.connect)
-    # A seed of 0 is given, too.
-    given = [
-        n for n in _OF_THE_BUNDLED_VEHICLE if getattr(arguments, n) is not None and getattr(arguments, n) is not False
-    ]
-    if given:
-        names = ", ".join("--" + name.replace("_", "-") for name in given)
-        hint = f"leave out --connect to fly the bundled vehicle, or leave out {names}"
-        raise SpecError((Fault(0, 0, names, "is for the bundled vehicle, not for one at an address", hint),))
-
-
-def _link_options(arguments: Namespace) -> LinkOptions:
-    """Whom to fly, and with which key."""
-    link = LinkOptions(vehicle_id=arguments.system_id or 0)
-    if arguments.signing_key is None:
-        return link
-    who = (link.system_id, link.component_id)
-    signatures = open_signatures(Path(arguments.signing_key), who, _warn)
-    return replace(link, signatures=signatures)
-
-
-def _warn(words: str) -> None:
-    """Say what does not end the flight; nor does it where nobody reads that."""
-    with suppress(OSError):
-        print_warnings((words,))
-
-
-def _link(
-    arguments: Namespace, link: LinkOptions, plan: FlightPlan, stack: ExitStack
-) -> tuple[BundledVehicle | None, Transport, Clock]:
-    """The bundled vehicle, if that is to be flown, the link to what is, and the clock to fly by."""
-    vehicle = None
-    if arguments.connect is None:
-        vehicle = stack.enter_context(BundledVehicle(_vehicle_options(arguments, plan)))
-    transport = _opened(arguments.connect if vehicle is None else vehicle.address, link)
-    stack.callback(transport.close)
-    if vehicle is None:
-        return None, transport, WallClock()
-    lockstep = LockstepLink(transport, WallClock())
-    return vehicle, lockstep, lockstep
-
-
-def _opened(address: str, link: LinkOptions) -> Transport:
-    try:
-        return open_transport(address, None if link.signatures is None else link.signatures.is_genuine)
-    except LinkError as error:
-        cause = error.__cause__
-        if not isinstance(cause, OSError):
-            raise
-        if isinstance(cause, socket.gaierror):
-            hint = "check the name of the host"
-        else:
-            hint = _HINTS.get(cause.errno or 0, "check the address")
-        raise LinkError(f"cannot open {address}: {reason(cause)}; {hint}") from error
 
 
 def _begin_record(root: Path, plan: FlightPlan, file: Path) -> tuple[Path, FlightRecord]:
@@ -206,21 +124,6 @@ def _write_automaton(folder: Path, plan: FlightPlan) -> None:
     named = plan.spec.automaton
     if named is not None and named.file == Path(named.file).name and named.file.endswith(AUTOMATON_SUFFIX):
         write_whole(folder / named.file, named.text)
-
-
-def _vehicle_options(arguments: Namespace, plan: FlightPlan) -> VehicleOptions:
-    default = VehicleOptions()
-    return VehicleOptions(
-        speed=arguments.speed or default.speed,
-        seed=arguments.seed,
-        wind=arguments.wind,
-        flavour=arguments.flavour,
-        dynamics=arguments.dynamics,
-        faults=arguments.faults,
-        home=home_for(plan.spec),
-        ground_station=not arguments.no_ground_station,
-        signing_key=arguments.signing_key,
-    )
 
 
 def _keep_pictures(folder: Path) -> None:

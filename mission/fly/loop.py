@@ -10,23 +10,23 @@ from mission.clock import Clock
 from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
-from mission.fly.placing import anchored_at_start, check_stand, placed
+from mission.fly.placing import anchored_at_start, bounds_of, check_stand, placed
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.result import FlightResult, Progress
 from mission.fly.retreat import retreat, speak, switch_off_camera
 from mission.fly.watch import FlightWatch
 from mission.link.contact import LinkOptions
-from mission.link.course import Bounds, Course
+from mission.link.course import Course
 from mission.link.ending import Ending
 from mission.link.session import Session
 from mission.link.transport import Transport
-from mission.monitor.attitude import GRAVITY_M_S2
 from mission.monitor.coverage import Covered, coverage_text, judged
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.gaps import gaps_text
 from mission.monitor.pictures import pictures_text
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan, plan_mission
+from mission.spec.model import MissionSpec, Point
 
 _STRAY_M = 10.0
 _STRAY_FOR_S = 5.0
@@ -62,6 +62,7 @@ def fly(
     vehicle_failure: Callable[[], str] | None = None,
     stop_request: Callable[[], StopRequest | None] | None = None,
     on_warning: Callable[[str], None] | None = None,
+    planner: Callable[[Point], FlightPlan] | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -81,6 +82,7 @@ def fly(
         stop_request: Gives each wish to end the flight once. Laps are ended first, if the wish allows for it: the
             vehicle completes the one that it is in and returns. The next wish is for giving the flight up, as is the
             first one where no lap is flown; one more interrupts at once, as ``KeyboardInterrupt`` does.
+        planner: What plans it anew; that of missions by default.
         on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
 
     Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
@@ -92,7 +94,7 @@ def fly(
         FlightError: It was in flight when something failed here; the cause is chained.
     """
     recording = Recording(record, on_warning or _unsaid)
-    flight = _Flight(plan, clock, recording, options or FlightOptions(), run)
+    flight = _Flight(plan, clock, recording, options or FlightOptions(), planner or _planner_of(plan.spec, run))
     gone = vehicle_failure or _nothing
     try:
         return _loop(flight, transport, on_progress, gone, stop_request or _no_wish)
@@ -104,6 +106,10 @@ def fly(
         if failure is error:
             raise
         raise failure from error
+
+
+def _planner_of(spec: MissionSpec, run: int | None) -> Callable[[Point], FlightPlan]:
+    return lambda start_m: plan_mission(spec, start_m=start_m, run=run)
 
 
 def _nothing() -> str:
@@ -145,7 +151,12 @@ class _Flight:
     """One flight's parts, and what holds them together."""
 
     def __init__(
-        self, plan: FlightPlan, clock: Clock, record: Recording, options: FlightOptions, run: int | None
+        self,
+        plan: FlightPlan,
+        clock: Clock,
+        record: Recording,
+        options: FlightOptions,
+        planner: Callable[[Point], FlightPlan],
     ) -> None:
         self.plan, self.clock, self.record, self.options = plan, clock, record, options
         self.session = Session(
@@ -156,7 +167,7 @@ class _Flight:
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
         self._given_up = False
-        self._run = run
+        self._planner = planner
         self._trusted_s = self._near_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, clock)
         self._told_behind = self._warned_behind = self._warned_trouble = False
@@ -228,7 +239,7 @@ class _Flight:
         else:
             stands_m, anchoring = placed(spec.origin, vehicle)
             check_stand(self.plan, stands_m)
-            self.plan = plan_mission(spec, start_m=stands_m, run=self._run)
+            self.plan = self._planner(stands_m)
             name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
             self.watch.vehicle = name
         self.record.write(
@@ -241,9 +252,7 @@ class _Flight:
             tube_m=self.plan.certificate.tube_m,
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
-        lean_m_s2 = GRAVITY_M_S2 * math.tan(spec.limits.tilt_rad)
-        bounds = Bounds(self.plan.certificate.tube_m, spec.flight.margins.correction_m, lean_m_s2)
-        course = Course(self.plan.trajectory, heading, bounds, self.plan.photographs)
+        course = Course(self.plan.trajectory, heading, bounds_of(self.plan), self.plan.photographs)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 

@@ -1,4 +1,4 @@
-"""Where the mission lies: at a place on Earth, or wherever the vehicle stands."""
+"""Where the mission lies, at a place on Earth or wherever the vehicle stands, and what its flight stays within."""
 
 import math
 from typing import Final
@@ -8,8 +8,10 @@ import numpy as np
 from mission.errors import GeometryError, NoPlanError, VehicleError
 from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.geometry.location import OUTSIDE
+from mission.link.course import Bounds
 from mission.link.frames import Anchor, Anchoring, Vector, enu_from_ned, ned_from_enu
 from mission.link.vehicle_state import VehicleState
+from mission.monitor.attitude import GRAVITY_M_S2
 from mission.plan import FlightPlan
 from mission.spec.model import Origin, Point
 
@@ -76,3 +78,9 @@ def check_stand(plan: FlightPlan, stands_m: Point) -> None:
     }
     if names:
         raise NoPlanError(f"{place}, in or at the edge of the restricted {', '.join(sorted(names))}")
+
+
+def bounds_of(plan: FlightPlan) -> Bounds:
+    """What the flight of a plan stays within."""
+    lean_m_s2 = GRAVITY_M_S2 * math.tan(plan.spec.limits.tilt_rad)
+    return Bounds(plan.certificate.tube_m, plan.spec.flight.margins.correction_m, lean_m_s2)

@@ -51,7 +51,7 @@ def test_who_does_not_hold_the_key_cannot_fly_and_changes_nothing(
 ) -> None:
     listen = ("--listen", "udpin:127.0.0.1:0", "--listen", "udpin:127.0.0.1:0,signing=off")
     with running(*VEHICLE, "--signing-key", str(key_file), *listen) as (process, (address, open_address)):
-        monkeypatch.setattr("mission.cli.fly.LinkOptions", lambda **_options: LinkOptions(connect_s=1.0))
+        monkeypatch.setattr("mission.cli.vehicle_link.LinkOptions", lambda **_options: LinkOptions(connect_s=1.0))
         assert flown(mission_file, "--connect", called(address)) == 4
         assert "no vehicle was heard" in capsys.readouterr().err
         monkeypatch.undo()

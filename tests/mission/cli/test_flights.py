@@ -85,7 +85,7 @@ def unheard(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
     out, said = tmp_path_factory.mktemp("unheard") / "flights", io.StringIO()
     link = LinkOptions(connect_s=0.2)
     with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stderr(said):
-        patch.setattr("mission.cli.fly.LinkOptions", lambda **_others: link)
+        patch.setattr("mission.cli.vehicle_link.LinkOptions", lambda **_others: link)
         assert main(["fly", PAPER, "--connect", "udpin:127.0.0.1:0", "--out", str(out), "--no-pictures"]) == 4
     (folder,) = out.iterdir()
     return folder, said.getvalue().splitlines()
