@@ -20,8 +20,8 @@ UNIT = {Cost.TRANSITIONS: ("", 1.0), Cost.DISTANCE: ("m", 1e-3), Cost.TIME: ("s"
 
 MEASURED = {
     Cost.TRANSITIONS: "triangles that are entered, and stays",
-    Cost.DISTANCE: "metres of the shortest way with room for the tube",
-    Cost.TIME: "seconds on the fastest way with room for the tube, with its stops",
+    Cost.DISTANCE: "metres of the shortest way, which touches what it visits and has room for the tube",
+    Cost.TIME: "seconds of the fastest way, which touches what it visits and has room for the tube, with its stops",
 }
 """What each cost counts."""
 

@@ -1,18 +1,17 @@
 """Crossing points on a mission's map, with room for the tube, without, or on its own mesh."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
 import numpy as np
-import shapely
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, IntArray
 from mission.geometry.location import Locator
 from mission.geometry.outline_mesh import JOINED, ClassedMesh, Outlines
-from mission.geometry.regions import Labelling, union_of
+from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import selected
 from mission.logic.automata.conjunction import Conjunction
@@ -66,11 +65,6 @@ class CrossingMaps:
             made = self._made[key]
             if made is not None:
                 yield made
-
-    def inside(self, triangles: Sequence[int]) -> shapely.Geometry:
-        """What is well inside some triangles of the mission."""
-        area = union_of(self._partition, np.array(triangles, dtype=np.int64))
-        return shapely.buffer(area, -self.near_m)
 
     @property
     def near_m(self) -> float:

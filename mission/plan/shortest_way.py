@@ -48,8 +48,9 @@ class RunSearch:
     def best(self, specification: Specification, closed: Sequence[int] = ()) -> BestRuns:
         """The best runs that keep out of some triangles: all with the fewest transitions, or one on a shortest way.
 
-        Where no way is found, or the specification does not accept what its run reads (it counts triangles, perhaps),
-        runs are searched in T.
+        Runs are searched in T where triangles are given to keep out of, for with these a run along a way was not
+        proved; and where no way is found, or the specification does not accept what its run reads: it counts triangles,
+        perhaps.
 
         Args:
             specification: What the flight must satisfy.
@@ -61,7 +62,8 @@ class RunSearch:
             SearchSizeError: If triangles times states are too many.
         """
         automaton = deterministic_of(specification.formula, specification.given, self.system.letters)
-        found = None if self._spec.search.cost is Cost.TRANSITIONS else self._on_a_way(automaton, closed)
+        in_plane = self._spec.search.cost is not Cost.TRANSITIONS and not closed
+        found = self._on_a_way(automaton) if in_plane else None
         return found or self._searched(self.system.without(closed), automaton, self.maps.triangle)
 
     def homeward(self, laps: BestRuns, onward: Safety, goal: BoolArray, *, lap_triangle: int) -> Run | None:
@@ -84,19 +86,18 @@ class RunSearch:
                 return run
         return way_in(self.system, onward, lap_triangle, goal)
 
-    def _on_a_way(self, automaton: Conjunction, closed: Sequence[int]) -> BestRuns | None:
+    def _on_a_way(self, automaton: Conjunction) -> BestRuns | None:
         for ground in self.maps.each(automaton):
-            within = ground.without(self.maps.inside(closed)) if closed else ground
             try:
-                found = self._searched(within.system, automaton, within.start)
+                found = self._searched(ground.system, automaton, ground.start)
             except (NoPlanError, SearchSizeError):
                 continue
-            run = self._traced(within, found.runs[0], self.maps.triangle)
+            run = self._traced(ground, found.runs[0], self.maps.triangle)
             if run is not None and self._accepts(automaton, run):
                 counted = TransitionSystem(self.system.successors, self.system.letter_of, self.system.letters)
                 product = Product(counted, found.product.automaton, self.maps.triangle, self._spec.semantics)
                 one = OneRun(run, found.runs.cost)
-                return BestRuns(product, one, found.exact, self._way(within, found.runs[0]))
+                return BestRuns(product, one, found.exact, self._way(ground, found.runs[0]))
         return None
 
     def _homeward_on(

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -65,18 +64,6 @@ class Crossings:
     system: TransitionSystem
     points_m: FloatArray
     start: int
-
-    def without(self, places: shapely.Geometry) -> "Crossings":
-        """The same where no way leads through an area."""
-        system = self.system
-        rows, controls = np.nonzero(system.successors >= 0)
-        ends = np.stack((self.points_m[rows], self.points_m[system.successors[rows, controls]]), axis=1)
-        shapely.prepare(places)
-        hit = shapely.intersects(places, shapely.linestrings(ends)) & (rows != system.successors[rows, controls])
-        kept = system.successors.copy()
-        kept[rows[hit], controls[hit]] = _NONE
-        closed = TransitionSystem(kept, system.letter_of, system.letters, system.weights)
-        return Crossings(closed, self.points_m, self.start)
 
 
 def crossings(

@@ -113,8 +113,7 @@ def _bounds(
     chosen = {number for number in free if automaton.parts[number].size == 1}
     passing = {number for number in free if not np.any(automaton.parts[number].recurrent, axis=0).all()}
     while True:
-        part, distances = product.projected(sorted(chosen))
-        tour, reached = _tours(part, distances, objective, rank, nearest=product.nearest)
+        tour, reached = _tours_of_parts(product, sorted(chosen), objective, rank)
         tried = len(chosen)
         yield tour.min(axis=0, keepdims=True), reached, chosen
         if tried == len(free):
@@ -132,6 +131,16 @@ def _bounds(
         )
     bound = np.where(triangles, 2.0 * float(product.system.weights.min()), np.inf)[None]
     yield bound, _tours(product, product.distances, objective, rank)[1], every
+
+
+def _tours_of_parts(product: Product, chosen: list[int], objective: Objective, rank: Rank) -> tuple[FloatArray, Rank]:
+    """What tours cost at least, by some parts of A and by what the others must read, if the latter is not too much."""
+    part, distances = product.projected(chosen, implied=True)
+    try:
+        return _tours(part, distances, objective, rank, nearest=product.nearest)
+    except SearchSizeError:
+        part, distances = product.projected(chosen, implied=False)
+        return _tours(part, distances, objective, rank, nearest=product.nearest)
 
 
 class _Search:

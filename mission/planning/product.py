@@ -15,12 +15,16 @@ from functools import cached_property
 import numpy as np
 
 from mission.errors import SearchSizeError
-from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD
 from mission.planning.sweeps import Codes, Graph
 from mission.planning.transition_system import TransitionSystem
+from mission.planning.unavoidable import unavoidable, visited
 from mission.spec.model import Semantics
+
+MOST_SETS = 12
+"""Sets of what must come again and again for which the best of all tours is looked for."""
 
 MAX_STATES = 12_000_000
 """States of P at which its construction gives up."""
@@ -99,12 +103,27 @@ class Product:
         least: FloatArray = self.distances.reshape(self.automaton.size, -1).min(axis=0)
         return least
 
-    def projected(self, numbers: Sequence[int]) -> tuple["Product", FloatArray]:
-        """The product with some parts of A alone, and the distances in P of what each of its states stands for."""
+    def projected(self, numbers: Sequence[int], *, implied: bool) -> tuple["Product", FloatArray]:
+        """The product with some parts of A alone, and the distances in P of what each of its states stands for.
+
+        Args:
+            numbers: The parts.
+            implied: Whether loops must visit, besides, the regions that no loop can leave out that A accepts.
+        """
         automaton, states = self.automaton.of_parts(numbers)
+        if implied:
+            known = {inside.tobytes() for inside in unavoidable(automaton.whole, self.system.letters)}
+            room = MOST_SETS - max((inf.bit_count() for _, inf in automaton.whole.pairs), default=0)
+            sets = [inside for inside in self._unavoidable if inside.tobytes() not in known][: max(0, room)]
+            if sets:
+                automaton, states = self.automaton.of_parts(numbers, [visited(sets)])
         distances = np.full((automaton.size, self.system.size), np.inf)
         np.minimum.at(distances, states, self.distances.reshape(self.automaton.size, -1))
         return self.along(automaton), distances.reshape(-1)
+
+    @cached_property
+    def _unavoidable(self) -> list[BoolArray]:
+        return unavoidable(self.automaton.whole, self.system.letters)
 
     def along(self, automaton: Conjunction) -> "Product":
         """The product of the same flights with another automaton."""

@@ -19,10 +19,10 @@ from mission.errors import SearchSizeError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.planning.bounds import Marked, TourTable
 from mission.planning.objective import Objective, Rank
+from mission.planning.product import MOST_SETS
 from mission.planning.recurrence import Component
 from mission.planning.sweeps import Graph
 
-MOST_SETS = 12
 _MOST_VERTICES = 8_000_000
 _ROUNDING = 1e-6
 """Costs are whole numbers; a bound of them that was divided by a weight need not be."""

@@ -18,12 +18,14 @@ from mission.geometry.simplices import Partition
 from mission.plan.best_runs import BestRuns
 from mission.plan.costs import transition_weights
 from mission.plan.crossing_maps import CrossingMaps
+from mission.plan.progress import stages_of
 from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import of_mission
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
+from mission.steering.taut import TautPath, taut_path
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +75,21 @@ def search_of(spec: MissionSpec) -> RunSearch:
 def found(spec: MissionSpec) -> Found:
     search = search_of(spec)
     return Found(search, search.best(of_mission(spec, search.system.letters)))
+
+
+def taut_of(way: Found, spec: MissionSpec) -> TautPath:
+    """The shortest path that does what a run does, with all of the tube."""
+    maps = way.search.maps
+    stages = stages_of(
+        way.best.runs[0],
+        way.best.product.automaton,
+        way.partition,
+        way.labelling,
+        restricted=maps.restricted,
+        semantics=spec.semantics,
+        margin_m=spec.flight.tube_m,
+    )
+    return taut_path(np.array(maps.start_m), stages.stages, lap=stages.lap, entries=stages.entries)
 
 
 @dataclass(frozen=True, eq=False)

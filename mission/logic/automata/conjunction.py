@@ -96,10 +96,17 @@ class Conjunction:
             number for number, part in enumerate(self.parts) if not part.counter_free and counts_rounds(part)
         )
 
-    def of_parts(self, numbers: Sequence[int]) -> tuple["Conjunction", IntArray]:
-        """The conjunction of some parts, and (Q,) the state of it that each state is a state of."""
-        fewer = Conjunction.of([self.parts[number] for number in numbers] or [everything(self.whole.targets.shape[1])])
-        digits = self.digits[:, list(numbers)] if numbers else 0 * self.digits[:, :1]
+    def of_parts(self, numbers: Sequence[int], beside: Sequence[Rabin] = ()) -> tuple["Conjunction", IntArray]:
+        """The conjunction of some parts, and (Q,) the state of it that each state is a state of.
+
+        Args:
+            numbers: The parts.
+            beside: Automata of one state each, which accept whatever the conjunction accepts, but not everything.
+        """
+        parts = [*(self.parts[number] for number in numbers), *beside]
+        fewer = Conjunction.of(parts or [everything(self.whole.targets.shape[1])])
+        single = np.zeros((self.size, len(beside) if parts else 1), dtype=np.int64)
+        digits = np.hstack((self.digits[:, list(numbers)], single))
         number = {row.tobytes(): index for index, row in enumerate(fewer.digits)}
         return fewer, np.array([number[row.tobytes()] for row in np.ascontiguousarray(digits)], dtype=np.int64)
 

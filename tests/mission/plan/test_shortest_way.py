@@ -1,6 +1,7 @@
 """Runs of least length: against brute force on visibility graphs, on meshes of any fineness, and proved."""
 
 from dataclasses import replace
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import BoundaryDomain, Cost, Refinement, Search
 from tests.support.small_missions import ROUNDS, plan_of
-from tests.support.ways import DrawnMap, found
+from tests.support.ways import DrawnMap, found, taut_of
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 _NEAR = 1.015
@@ -57,6 +58,21 @@ def test_the_order_of_visits_is_that_of_a_shortest_way(drawn: DrawnMap) -> None:
     least = min(lengths.values())
     assert 0.995 * least <= way.length_m <= _NEAR * least
     assert lengths[tuple(way.visits)] <= _NEAR * least
+
+
+@pytest.mark.parametrize("seed", [0, 4, 7])
+def test_the_order_of_visits_is_best_for_a_vehicle_with_a_tube(seed: int) -> None:
+    """All of the tube comes into what is visited: ways are longer, in any order, than those that only touch it."""
+    spec = DrawnMap.random(seed, 8, 3).mission()
+    flight = replace(spec.flight, disturbance_m_s2=1.0, time_constant_s=1.0)
+
+    def length_m(formula: str) -> float:
+        asked = replace(spec, formula=formula, flight=flight)
+        return taut_of(found(asked), asked).length_m
+
+    orders = [f"F ({a} & F ({b} & F {c}))" for a, b, c in permutations(["p0", "p1", "p2"])]
+    least = min(map(length_m, orders))
+    assert length_m("F p0 & F p1 & F p2") <= _NEAR * least
 
 
 @pytest.mark.parametrize("name", ["patrol", "inspection", "survey"])
