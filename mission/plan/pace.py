@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from mission.plan.covering import CoveredVisit
 from mission.plan.turning import RunIn, run_ins
 from mission.spec.model import UNTIL_STOPPED, MissionSpec
 from mission.steering.grid import Limits, Slow
-from mission.steering.joined import Curve, JoinedCurve
+from mission.steering.joined import Curve, JoinedCurve, joins_smoothly
 from mission.steering.smoothing import FourierCurve
-from mission.steering.timing import level_acceleration, time_law
+from mission.steering.timing import even_rate, level_acceleration, time_law
 from mission.steering.trajectory import Leg, Trajectory
 
 
@@ -46,27 +47,64 @@ def _trajectory(
     lap: int | None,
     run_ins: tuple[RunIn, ...],
 ) -> Trajectory:
-    legs = []
     stops = (*stops, *((each.end_s, each.wait_s) for each in run_ins if each.wait_s > 0.0))
+    rate = _rate_between_laps(spec, curve, [s for s, _ in stops], lap)
+    try:
+        legs = _legs(spec, curve, stops, run_ins, (lap, rate))
+    except ValueError:
+        if rate == 0.0:
+            raise
+        legs = _legs(spec, curve, stops, run_ins, (lap, 0.0))
+    laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
+    return Trajectory(legs, spec.flight.altitude_m, lap, laps)
+
+
+def _legs(
+    spec: MissionSpec,
+    curve: JoinedCurve,
+    stops: tuple[tuple[float, float], ...],
+    run_ins: tuple[RunIn, ...],
+    flown_through: tuple[int | None, float],
+) -> tuple[Leg, ...]:
+    """The legs with their laws; ``flown_through`` is which is the lap, and the rate with which it begins and ends."""
+    lap, rate = flown_through
+    legs = []
     for number, leg in enumerate(curve.legs):
         begin, end = curve.starts_s[number : number + 2].tolist()
         # At the place where two legs meet, it is the earlier one that has come into a region.
         holds = [(s, held) for s, held in stops if begin < s <= end or (number == 0 and s <= begin)]
+        ends = (rate if lap in {number - 1, number} else 0.0, rate if lap in {number, number + 1} else 0.0)
         law = time_law(
             leg,
             _vehicle_limits(spec, leg),
-            # A series smooths a path that is flown at the speed of its fields, which is that to be flown.
-            fastest=1.0 if _has_waves(leg) else math.inf,
+            fastest=_fastest(leg),
             holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
             slow=tuple(
                 Slow(each.begin_s - begin, each.end_s - begin, each.rate)
                 for each in run_ins
                 if begin <= each.begin_s < each.end_s <= end
             ),
+            ends=ends,
         )
         legs.append(Leg(leg, law))
-    laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
-    return Trajectory(tuple(legs), spec.flight.altitude_m, lap, laps)
+    return tuple(legs)
+
+
+def _rate_between_laps(spec: MissionSpec, curve: JoinedCurve, stops_s: list[float], lap: int | None) -> float:
+    """The rate with which laps are begun and ended; 0 where they do not go on smoothly, or the vehicle stops there."""
+    if lap is None or not 0 < lap < len(curve.legs) - 1:
+        return 0.0
+    ends_s = curve.starts_s[lap : lap + 2].tolist()
+    near = curve.legs[lap - 1 : lap + 2]
+    onward = (*pairwise(near), (curve.legs[lap],) * 2)
+    if any(s in ends_s for s in stops_s) or not all(joins_smoothly(*each) for each in onward):
+        return 0.0
+    return min(even_rate(leg, _vehicle_limits(spec, leg), _fastest(leg)) for leg in near)
+
+
+def _fastest(curve: Curve) -> float:
+    """The largest sigma': a series smooths a path that has the speed of its fields, which is the one asked for."""
+    return 1.0 if _has_waves(curve) else math.inf
 
 
 def _has_waves(curve: Curve) -> bool:

@@ -18,6 +18,9 @@ from mission.steering.smoothing import FourierCurve
 _APART = 1e-11
 """How far ends that are one point may lie apart, as a part of their coordinates: rounding."""
 
+_SMOOTH = 1e-6
+"""Likewise of derivatives."""
+
 Piece = FourierCurve | RoundedPolyline | BezierCurve
 """A curve with a continuous second derivative."""
 
@@ -154,6 +157,15 @@ def joins(before: Curve, after: Curve) -> bool:
     """Whether one curve ends where the other begins."""
     end, begin = before.position([before.duration_s])[0], after.position([0.0])[0]
     return float(np.abs(end - begin).max()) <= _APART * (1.0 + float(np.abs(end).max()))
+
+
+def joins_smoothly(before: Curve, after: Curve) -> bool:
+    """Whether one curve ends where the other begins, with the same first and second derivative."""
+    ends, begins = before.jet([before.duration_s]), after.jet([0.0])
+    return joins(before, after) and all(
+        float(np.abs(end - begin).max()) <= _SMOOTH * (1.0 + float(np.abs(end).max()))
+        for end, begin in zip(ends[1:], begins[1:], strict=True)
+    )
 
 
 def curve_from_json(data: Any) -> Curve:  # noqa: ANN401 - any JSON value

@@ -51,6 +51,8 @@ class PacingProblem:
         ceilings: Shape (n + 1,), d.
         accelerations: Shape (n + 1,), a.
         jerks: Shape (n + 1,), j.
+
+    Where an end is no stop, b stays as it is at the inner knot next to it, for sigma'' to vanish at the end.
     """
 
     knots_s: FloatArray
@@ -146,6 +148,11 @@ class PacingProblem:
                 bands[i - j, j : j + count] += blocks[i, j]
         self._add_time(squares, weight, gradient, bands)
         gradient, bands = gradient[1:-1], bands[:, 1:-1].copy()
+        for knot in (knot for knot, end in zip((0, count - 1), self.ends, strict=True) if end > 0.0):
+            gradient[knot], bands[:, knot] = 0.0, (1.0, 0.0, 0.0)
+            for below in (1, 2):
+                if knot >= below:
+                    bands[below, knot - below] = 0.0
         step = solveh_banded(bands, -gradient, lower=True, check_finite=False)
         return step, float(-gradient @ step)
 

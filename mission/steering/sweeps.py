@@ -13,6 +13,7 @@ the largest speed is held for h at least.
 """
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -33,16 +34,28 @@ _LONGEST_S: Final = 1.0
 _ACTIVE: Final = 0.02  # of the acceleration: what counts as none
 
 
-def guessed(grid: Grid, limits: Limits) -> tuple[TimeLaw, FloatArray]:
+def guessed(grid: Grid, limits: Limits, ends: tuple[float, float]) -> tuple[TimeLaw, FloatArray]:
     """A first guess of the law, and knots (n + 1,) at which it is after about equal times.
 
     Where the guess has no acceleration they are farther apart, but no farther than those of the grid.
+
+    Args:
+        grid: The curve.
+        limits: Those of the vehicle.
+        ends: Its rate at both ends. Where one is not 0, the guess is nowhere faster, and does not look at bends.
+
+    Raises:
+        ValueError: The way is too short to come to these rates.
     """
     ceilings = ceilings_of(grid)
     shaken = (limits.jerk_m_s3 / np.maximum(beside(grid.third), _TINY)) ** (2.0 / 3.0)
     bent = limits.acceleration_m_s2 / np.maximum(np.hypot(grid.bends[:, 0], grid.bends[:, 1]), _TINY)
     ceilings = np.minimum(np.minimum(ceilings, shaken), bent)
-    ceilings[[0, -1]] = 0.0
+    if any(ends):
+        # An even rate at which all of it can be flown, with gentle ramps.
+        ceilings = np.full(len(ceilings), max(ends) ** 2)
+        grid = replace(grid, bends=np.zeros_like(grid.bends))
+    ceilings[[0, -1]] = np.array(ends) ** 2
     window_s = limits.acceleration_m_s2 / limits.jerk_m_s3
     guess = averaged(grid.knots_s, largest_squares(grid, ceilings, limits.acceleration_m_s2), window_s)
     count = max(FEWEST_CELLS, math.ceil(guess.duration_s / min(_STEP_S, window_s / _STEPS)))

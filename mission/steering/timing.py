@@ -1,4 +1,4 @@
-"""The time law s = sigma(t) that flies a curve r(s) within a vehicle's limits, from rest to rest.
+"""The time law s = sigma(t) that flies a curve r(s) within a vehicle's limits, from rest to rest or in flight.
 
 Between two stops it is found in three steps:
 
@@ -7,7 +7,8 @@ Between two stops it is found in three steps:
    in time goes through them (``mission.steering.law_fit``): sigma'' is continuous, and linear between knots.
 3. What that asks of the vehicle is bounded on every cell (``mission.steering.strain``). Where it is more than a limit,
    as cells have a size, that limit is lowered by as much for another turn. What little is left in the end is taken off
-   by flying from stop to stop more slowly: with t -> q t, speed, acceleration and jerk shrink by q, q^2 and q^3.
+   by flying from stop to stop more slowly: with t -> q t, speed, acceleration and jerk shrink by q, q^2 and q^3. What
+   is flown into or out of while moving cannot be slowed down: there the limits are a little lower from the beginning.
 
 So the bounds are proved; nothing rests on samples.
 """
@@ -30,6 +31,9 @@ from mission.steering.sweeps import FEWEST_CELLS, ceilings_of, guessed
 GRAVITY_M_S2 = 9.80665
 _CELLS_PER_WAVE: Final = 8
 _FEWEST_SAMPLES: Final = 64
+_FEWEST_CELLS: Final = 256
+_TINY: Final = 1e-100  # against 0 / 0
+_EVEN: Final = 0.96
 _SAME_PLACE: Final = 1e-6
 _SAME_KNOT: Final = 1e-9  # of the way between two stops
 _QUICKEST_S: Final = 0.15  # in which the acceleration comes up: a larger jerk is not made use of
@@ -38,6 +42,8 @@ _NEARLY: Final = 1.001  # of a limit; a law that asks for no more is good
 _BEGIN: Final = 0.9
 _SLOWER: Final = 0.8
 _NEXT: Final = 0.98
+_GENTLE: Final = 0.35  # of the limits: where a first guess must not be slowed down
+_SPARE: Final = 0.96  # of the limits, where what exceeds them cannot be slowed down
 
 
 def level_acceleration(acceleration_m_s2: float, tilt_rad: float) -> float:
@@ -52,6 +58,7 @@ def time_law(
     fastest: float = math.inf,
     holds: tuple[tuple[float, float], ...] = (),
     slow: tuple[Slow, ...] = (),
+    ends: tuple[float, float] = (0.0, 0.0),
 ) -> TimeLaw:
     """The fastest law within the limits, but for the little that the method leaves.
 
@@ -62,10 +69,11 @@ def time_law(
         fastest: Largest sigma': 1 where the curve's own speed is that to be flown.
         holds: Pairs of a steering time in [0, T] and the seconds to stand still there; at one place the longest counts.
         slow: Where sigma' is to be less than elsewhere, but positive.
+        ends: The rate sigma' with which the curve is begun and ended, where sigma'' = 0; at most the ``even_rate``.
 
     Raises:
         ValueError: A limit that is not positive, a hold outside the curve or of negative or infinite length, or a part
-            of the curve with a largest rate that is not positive.
+            of the curve with a largest rate that is not positive; or there is no law with these rates at the ends.
     """
     if not (all(0.0 < limit < math.inf for limit in limits) and fastest > 0.0):
         raise ValueError("limits of speed, acceleration and jerk must be positive")
@@ -83,19 +91,31 @@ def time_law(
     slow = (*slow, Slow(0.0, curve.duration_s, fastest))
     limits = limits._replace(jerk_m_s3=min(limits.jerk_m_s3, limits.acceleration_m_s2 / _QUICKEST_S))
     places = sorted(stops)
+    if any(end > 0.0 and stops[place] > 0.0 for end, place in zip(ends, places[:: len(places) - 1], strict=True)):
+        raise ValueError("where the vehicle stands still it does not fly through")
     knots = curve.sampled(max(_FEWEST_SAMPLES, _CELLS_PER_WAVE * curve.frequencies)).knots_s
     laws = []
     for begin, end in pairwise(places):
         own = np.union1d(knots[(knots > begin) & (knots < end)], np.linspace(begin, end, FEWEST_CELLS + 1))
         apart = np.diff(own[:-1]) > _SAME_KNOT * (end - begin)
         own = np.concatenate((own[:1], own[1:-1][apart], own[-1:]))
-        laws.append(_between_stops(curve, own, limits, slow))
+        at_ends = ends[0] if begin == 0.0 else 0.0, ends[1] if end == curve.duration_s else 0.0
+        laws.append(_between_stops(curve, own, limits, slow, at_ends))
     return _with_holds(laws, places, [stops[place] for place in places])
+
+
+def even_rate(curve: Curve, limits: Limits, fastest: float) -> float:
+    """A rate at which a whole curve can be flown without a change: the largest one, but for a little."""
+    sampled = curve.sampled(max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies)).knots_s
+    first, second, third = (float(curve.norm_bounds(sampled, order).max()) for order in (1, 2, 3))
+    speed, acceleration, jerk = limits
+    most = min(fastest, speed / first, math.sqrt(acceleration / max(second, _TINY)), np.cbrt(jerk / max(third, _TINY)))
+    return _EVEN * float(most)
 
 
 def _with_holds(laws: list[TimeLaw], places: list[float], holds_s: list[float]) -> TimeLaw:
     """Laws one after the other, from place to place, standing still at each place for so long."""
-    parts = [(np.zeros(1), np.array(places[:1]), np.zeros(1), np.zeros(1))]
+    parts = [(np.zeros(1), np.array(places[:1]), laws[0].rates[:1], np.zeros(1))]
     now_s = 0.0
     for law, begin, end, hold_s in zip((None, *laws), (0.0, *places[:-1]), places, holds_s, strict=True):
         if law is not None:
@@ -111,43 +131,66 @@ def _with_holds(laws: list[TimeLaw], places: list[float], holds_s: list[float]) 
     return TimeLaw(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
 
-def _between_stops(curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ...]) -> TimeLaw:
-    """The law from rest at the first knot to rest at the last one; its knots are counted from the first."""
-    span_s = float(knots[0]), float(knots[-1])
-    guess, places = guessed(grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits), limits)
+def _between_stops(
+    curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ...], ends: tuple[float, float]
+) -> TimeLaw:
+    """The law from one stop, or end of the curve, to the next, with these rates there; its knots count from the first.
+
+    Raises:
+        ValueError: None was found with these rates.
+    """
+    span_s, moving = (float(knots[0]), float(knots[-1])), any(ends)
+    gently = limits._replace(acceleration_m_s2=_GENTLE * limits.acceleration_m_s2, jerk_m_s3=_GENTLE * limits.jerk_m_s3)
+    rough = grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits)
+    guess, places = guessed(rough, gently if moving else limits, ends)
     grid = grid_of(curve, span_s, places, limits, slow)
     firm = grid.firm(limits)
-    ceilings = ceilings_of(grid)
+    spare = _SPARE if moving else 1.0
+    ceilings = ceilings_of(grid) * (_NEARLY**-2 if moving else 1.0)
     # From rest, with the largest jerk, sigma' is (9/2 j)^(1/3) times the distance to the power 2/3.
-    for knot, cell in ((1, 0), (-2, -1)):
-        jerk = limits.jerk_m_s3 / float(firm.first[cell])
-        ceilings[knot] = min(ceilings[knot], float(np.cbrt(4.5 * jerk * (places[knot] - places[cell]) ** 2)) ** 2)
-    accelerations, jerks = (np.full(len(places), limit) for limit in (limits.acceleration_m_s2, limits.jerk_m_s3))
-    inner = _BEGIN * np.minimum(guess.jet(guess.time_at(places))[1] ** 2, ceilings)[1:-1]
-    best = _slowed(guess, strain(guess, grid, limits))
+    for knot, cell, end in ((1, 0, ends[0]), (-2, -1, ends[1])):
+        if end == 0.0:
+            jerk = spare * limits.jerk_m_s3 / float(firm.first[cell])
+            ceilings[knot] = min(ceilings[knot], float(np.cbrt(4.5 * jerk * (places[knot] - places[cell]) ** 2)) ** 2)
+    squares_at_ends = ends[0] ** 2, ends[1] ** 2
+    accelerations = np.full(len(places), spare * limits.acceleration_m_s2)
+    jerks = np.full(len(places), spare * limits.jerk_m_s3)
+    start = guess.jet(guess.time_at(places))[1][1:-1] ** 2
+    start[[0, -1]] = [end**2 if end > 0.0 else b for end, b in zip(ends, start[[0, -1]].tolist(), strict=True)]
+    inner = start if moving else _BEGIN * np.minimum(start, ceilings[1:-1])
+    laws = [_slowed(guess, strain(guess, grid, limits), moving=moving)]
     for turn in range(_TURNS):
         problem = PacingProblem(
-            places, firm.slopes, firm.bends, beside(grid.third), (0.0, 0.0), ceilings, accelerations, jerks
+            places, firm.slopes, firm.bends, beside(grid.third), squares_at_ends, ceilings, accelerations, jerks
         )
-        while problem.barrier(inner, 0.0) == math.inf:
+        while problem.barrier(inner, 0.0) == math.inf and not moving:
             inner = inner * (_SLOWER if turn == 0 else _NEXT)
-        inner = fastest_squares(problem, inner, rough=turn == 0)
-        law = law_through(places, np.sqrt(problem.squares(inner)), problem.growths(problem.squares(inner)))
+        if problem.barrier(inner, 0.0) == math.inf:
+            break
+        inner = fastest_squares(problem, inner, rough=turn == 0 or moving)
+        squares = problem.squares(inner)
+        law = law_through(places, np.sqrt(squares), problem.growths(squares))
         if law is None:
             continue
         found = strain(law, grid, limits)
-        best = min(best, _slowed(law, found), key=lambda each: each.duration_s)
-        if _excess(found) <= _NEARLY:
+        laws.append(_slowed(law, found, moving=moving))
+        if _excess(found) <= (1.0 if moving else _NEARLY):
             break
         accelerations = accelerations / _near(np.maximum(found.acceleration, 1.0))
         jerks = jerks / _near(np.maximum(found.jerk, 1.0))
         ceilings = ceilings / beside(np.maximum(found.speed, 1.0)) ** 2
-    return best
+        inner = start if moving else inner
+    kept = [law for law in laws if law is not None]
+    if not kept:
+        raise ValueError(f"no law begins and ends at the rates {ends[0]:.3g} and {ends[1]:.3g}")
+    return min(kept, key=lambda law: law.duration_s)
 
 
-def _slowed(law: TimeLaw, found: Strain) -> TimeLaw:
-    """The law as slow as the limits want it."""
+def _slowed(law: TimeLaw, found: Strain, *, moving: bool) -> TimeLaw | None:
+    """The law as slow as the limits want it; one that moves at an end must not change: None where it is too fast."""
     slower = max(1.0, _excess(found))
+    if moving:
+        return law if slower == 1.0 else None
     ends_s = float(law.knots_s[0]), float(law.knots_s[-1])
     return law_from_growths(law.knots_t_s * slower, law.growths / slower**2, (0.0, 0.0), ends_s)
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -13,9 +14,11 @@ from mission.geometry.arrays import FloatArray, IntArray
 from mission.steering.joined import Curve, JoinedCurve, curve_from_json, joins
 from mission.steering.law import TimeLaw
 
+_JUMP = 1e-4  # m/s, or m/s^2: rounding
+
 
 class Leg(NamedTuple):
-    """A curve r(s) with its time law s = sigma(t), from rest to rest."""
+    """A curve r(s) with its time law s = sigma(t)."""
 
     curve: Curve
     law: TimeLaw
@@ -33,13 +36,19 @@ class Leg(NamedTuple):
         return position, slope * rates, bend * rates**2 + slope * growth[:, None]
 
 
+def _flows(before: Leg, after: Leg) -> bool:
+    """Whether velocity and acceleration at the end of one leg are those at the beginning of the next."""
+    ends = before.state(np.array([before.duration_s])), after.state(np.zeros(1))
+    return all(float(np.abs(end - begin).max()) <= _JUMP for end, begin in zip(*(end[1:] for end in ends), strict=True))
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Analytic position, velocity and acceleration over time, ENU in the domain's frame; at rest outside its span.
 
     The legs follow each other. One of them may be a lap, which ends where it begins and is flown several times. Where
-    two legs meet, and between two laps, the vehicle rests for a moment: position, velocity and acceleration are
-    continuous throughout.
+    two legs meet, and between two laps, the vehicle rests for a moment, or flies through where their curves join
+    smoothly: position, velocity and acceleration are continuous throughout.
 
     Attributes:
         legs: At least one, each beginning where the one before it ends.
@@ -48,7 +57,8 @@ class Trajectory:
         laps: How often it is flown, at least once; None until somebody says that it is enough (see ``ended_after``).
 
     Raises:
-        ValueError: The legs do not join, or the lap does not close, or there are no laps.
+        ValueError: The legs do not join, or the lap does not close, or there are no laps, or velocity or acceleration
+            would jump.
     """
 
     legs: tuple[Leg, ...]
@@ -62,6 +72,10 @@ class Trajectory:
             raise ValueError("a lap ends where it begins")
         if self.laps is not None and self.laps < 1:
             raise ValueError("a lap is flown once or more")
+        followed = [*pairwise(self.legs), *([(self.legs[self.lap],) * 2] if self.lap is not None else [])]
+        outer = self.legs[0].law.rates[0], self.legs[-1].law.rates[-1]
+        if any(outer) or not all(_flows(before, after) for before, after in followed):
+            raise ValueError("velocity and acceleration do not jump")
 
     @cached_property
     def curve(self) -> JoinedCurve:

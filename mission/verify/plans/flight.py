@@ -1,7 +1,7 @@
 """How the curve is flown: within the limits, with the stops, the lanes and the pictures that the mission asks for."""
 
 from collections.abc import Iterator
-from itertools import accumulate, groupby
+from itertools import accumulate, groupby, pairwise
 from math import atan2, isclose, pi, remainder, tan
 from typing import Final, NamedTuple
 
@@ -23,7 +23,7 @@ _STRAIGHT_RAD: Final = 0.01
 
 
 def limits_kept(plan: Written) -> Verdict:
-    """Each leg from rest to rest within the limits, at rest wherever the curve turns at once."""
+    """Each leg within the limits, at rest wherever the curve turns at once; from leg to leg nothing jumps."""
     limits, durations = plan.spec.limits, []
     level = min(limits.acceleration_m_s2, GRAVITY_M_S2 * tan(limits.tilt_rad))
     for number, (curve, law) in enumerate(zip(plan.legs, plan.laws, strict=True)):
@@ -38,10 +38,26 @@ def limits_kept(plan: Written) -> Verdict:
         if fault:
             return f"the law of leg {number}: {fault}", ""
         durations.append(law.duration_s)
-    return (
-        None,
-        f"{sum(durations):.1f} s, at most {limits.speed_m_s:g} m/s, {level:.3g} m/s^2 and {limits.jerk_m_s3:g} m/s^3",
-    )
+    if fault := _seams(plan):
+        return fault, ""
+    most = f"{limits.speed_m_s:g} m/s, {level:.3g} m/s^2 and {limits.jerk_m_s3:g} m/s^3"
+    return None, f"{sum(durations):.1f} s, at most {most}"
+
+
+def _seams(plan: Written) -> str | None:
+    """Where the vehicle would change its velocity or acceleration at once, from leg to leg or from lap to lap."""
+    if plan.laws[0].ends[0] != (0.0, 0.0) or plan.laws[-1].ends[1] != (0.0, 0.0):
+        return "the trajectory does not begin and end at rest"
+    count = len(plan.legs)
+    for before, after in [*pairwise(range(count)), *([(plan.lap, plan.lap)] if plan.lap is not None else [])]:
+        ends, begins = plan.laws[before].ends[1], plan.laws[after].ends[0]
+        if max(abs(end - begin) for end, begin in zip(ends, begins, strict=True)) > _SAME:
+            return f"from leg {before} to leg {after} the rate jumps"
+        for order in (1, 2) if any(ends) else ():
+            end, begin = plan.legs[before].derivative(order)[-1, -1], plan.legs[after].derivative(order)[0, 0]
+            if float(np.abs(end - begin).max()) > _SAME_S * (1.0 + float(np.abs(end).max())):
+                return f"from leg {before} to leg {after} the vehicle flies on, and the curve turns at once"
+    return None
 
 
 def stops_made(plan: Written) -> Verdict:

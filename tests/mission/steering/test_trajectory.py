@@ -8,9 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.spec.model import Extension
+from mission.steering.bezier import BezierCurve
 from mission.steering.grid import Limits
+from mission.steering.joined import joins_smoothly
 from mission.steering.smoothing import FourierCurve
-from mission.steering.timing import time_law
+from mission.steering.timing import even_rate, time_law
 from mission.steering.trajectory import Leg, Trajectory
 
 
@@ -146,3 +148,54 @@ def test_laps_survive_json() -> None:
         again = Trajectory.from_json(json.loads(json.dumps(trajectory.to_json())))
         assert (again.lap, again.laps, again.duration_s) == (1, laps, trajectory.duration_s)
         assert (again.position([33.0, 99.0]) == trajectory.position([33.0, 99.0])).all()
+
+
+def a_round(seed: int) -> tuple[BezierCurve, BezierCurve, BezierCurve]:
+    """A way to a lap, the lap, and a way back, which go on smoothly."""
+    rng = np.random.default_rng(seed)
+    seam = [rng.normal(size=2), 2.0 * rng.normal(size=2), 0.5 * rng.normal(size=2)]
+    away = [20.0 * rng.normal(size=2), 2.0 * rng.normal(size=2), np.zeros(2)]
+
+    def spline(begin: list[np.ndarray], end: list[np.ndarray], lasts_s: float) -> BezierCurve:
+        """The piece of degree 5 between two jets."""
+        (p, v, a), (q, w, b), h = begin, end, lasts_s
+        points = [p, p + v * h / 5, p + 2 * v * h / 5 + a * h**2 / 20, q - 2 * w * h / 5 + b * h**2 / 20, q - w * h / 5]
+        return BezierCurve(np.array([0.0, h]), np.array([[*points, q]]))
+
+    return spline(away, seam, 6.0), spline(seam, seam, 9.0), spline(seam, away, 7.0)
+
+
+@given(st.integers(0, 10**6), st.floats(2.0, 8.0), st.floats(0.5, 4.0), st.floats(0.8, 12.0))
+@settings(deadline=None, max_examples=6)
+def test_laps_that_join_smoothly_are_flown_through(seed: int, speed: float, acceleration: float, jerk: float) -> None:
+    out, lap, back = a_round(seed)
+    assert joins_smoothly(out, lap)
+    assert joins_smoothly(lap, lap)
+    assert joins_smoothly(lap, back)
+    limits = Limits(speed, acceleration, jerk)
+    rate = min(even_rate(curve, limits, np.inf) for curve in (out, lap, back))
+    laws = [
+        time_law(curve, limits, ends=ends) for curve, ends in ((out, (0, rate)), (lap, (rate, rate)), (back, (rate, 0)))
+    ]
+    resting = time_law(lap, limits)
+    assert laws[1].duration_s < resting.duration_s
+    trajectory = Trajectory(tuple(Leg(*each) for each in zip((out, lap, back), laws, strict=True)), 10.0, 1, 3)
+    t = np.linspace(0.0, trajectory.duration_s, 8001)
+    _, velocity, acceleration_of = trajectory.state(t)
+    assert np.linalg.norm(velocity, axis=1).max() <= speed * (1.0 + 1e-6)
+    assert np.linalg.norm(acceleration_of, axis=1).max() <= acceleration * (1.0 + 1e-6)
+    # Between any two instants, those of seams among them, the acceleration changes by no more than the jerk admits.
+    changes = np.linalg.norm(np.diff(acceleration_of, axis=0), axis=1) / np.diff(t)
+    assert changes.max() <= jerk * (1.0 + 1e-3) + 1e-3
+    first, last = laws[0].duration_s, laws[0].duration_s + 3.0 * laws[1].duration_s
+    assert np.linalg.norm(trajectory.velocity([first, last]), axis=1).min() > 0.0
+
+
+def test_a_velocity_that_jumps_is_refused() -> None:
+    out, lap, back = a_round(3)
+    limits = Limits(4.0, 2.0, 4.0)
+    legs = tuple(Leg(curve, time_law(curve, limits)) for curve in (out, lap, back))
+    rate = 0.5 * even_rate(lap, limits, np.inf)
+    moving = Leg(lap, time_law(lap, limits, ends=(rate, rate)))
+    with pytest.raises(ValueError, match="do not jump"):
+        Trajectory((legs[0], moving, legs[2]), 10.0, 1, 3)
