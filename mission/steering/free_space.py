@@ -5,6 +5,7 @@ They come in pieces: a ring as a whole, or some edges of a long one, with the co
 may bend.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -13,7 +14,6 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.geometry.rings import ring_area_m2
 
 HAIR: Final = 1e-9
 """By what part of the extent of free space its rims are moved, and a place may lie outside."""
@@ -44,28 +44,14 @@ class FreeSpace:
         self._parts = shapely.get_parts(area)
         bounds = np.array(shapely.bounds(area))
         self.hair_m = max(_LEAST_HAIR_M, HAIR * float(np.abs(bounds).max()))
-        edges: list[FloatArray] = []
-        pieces: list[IntArray] = []
-        corners: list[tuple[IntArray, IntArray, FloatArray, BoolArray]] = []
-        count = 0
-        for number, part in enumerate(self._parts):
-            for place, ring in enumerate(shapely.get_rings(part)):
-                found = _Ring.of(shapely.get_coordinates(ring)[:-1], hole=place > 0, hair_m=self.hair_m)
-                edges.append(found.barrier)
-                pieces.append(found.piece_of_edge + count)
-                owner = found.piece_of_corner + count
-                corners.append((np.full(len(owner), number), owner, found.corners, found.ends))
-                count += found.pieces
-        self._piece_of_edge = np.concatenate(pieces)
-        barriers = np.concatenate(edges)
-        self._tree = shapely.STRtree(shapely.linestrings(barriers))
-        self._part_m = _PART * float(np.sqrt(shapely.box(*bounds).area / len(barriers)))
-        self.part_of_corner, piece_of = (np.concatenate([each[k] for each in corners]) for k in (0, 1))
-        self._begins = np.searchsorted(piece_of, np.arange(count + 1))  # the corners of each piece follow each other
-        triples = np.concatenate([each[2] for each in corners])
-        self.corners_m = triples[:, 1]
-        self._before, self._after = triples[:, 0] - self.corners_m, triples[:, 2] - self.corners_m
-        self._ends = np.concatenate([each[3] for each in corners])
+        rims = _Rims.of(self._parts)
+        self._piece_of_edge, nodes, pieces, self._ends = rims.pieces()
+        self._begins = np.searchsorted(pieces, np.arange(int(self._piece_of_edge.max()) + 2))
+        self.corners_m, self.part_of_corner = rims.corners_m[nodes], rims.part[nodes]
+        self._before, self._after = -rims.arriving[nodes], rims.leaving[nodes]
+        moved = rims.corners_m + self.hair_m * _outwards(rims.arriving, rims.leaving)
+        self._tree = shapely.STRtree(shapely.linestrings(np.stack((moved, moved[rims.following]), axis=1)))
+        self._part_m = _PART * float(np.sqrt(shapely.box(*bounds).area / len(moved)))
 
     @cached_property
     def _part_tree(self) -> shapely.STRtree:
@@ -122,49 +108,68 @@ class FreeSpace:
 
 
 @dataclass(frozen=True, eq=False)
-class _Ring:
-    """A ring of a rim in pieces.
+class _Rims:
+    """The corners of all rings, one after the other; edge ``i`` begins at corner ``i``.
 
     Attributes:
-        barrier: Shape (E, 2, 2), its edges, moved.
-        piece_of_edge: Shape (E,).
-        corners: Shape (C, 3, 2): the corner before, the corner, and the one after.
-        piece_of_corner: Shape (C,).
-        ends: Shape (C,), whether the piece ends there, so that a path may bend whichever way.
+        corners_m: Shape (K, 2).
+        arriving: Shape (K, 2), from the corner before, with free space on the left.
+        leaving: Shape (K, 2), to the corner after.
+        following: Shape (K,), the corner at which each edge ends.
+        ring: Shape (K,), the ring of each corner.
+        part: Shape (K,), the part of free space that the ring belongs to.
     """
 
-    barrier: FloatArray
-    piece_of_edge: IntArray
-    corners: FloatArray
-    piece_of_corner: IntArray
-    ends: BoolArray
-
-    @property
-    def pieces(self) -> int:
-        """How many there are."""
-        return int(self.piece_of_edge[-1]) + 1
+    corners_m: FloatArray
+    arriving: FloatArray
+    leaving: FloatArray
+    following: IntArray
+    ring: IntArray
+    part: IntArray
 
     @staticmethod
-    def of(ring: FloatArray, *, hole: bool, hair_m: float) -> "_Ring":
-        """Cut a ring: that of a hole in free space, or of its outside."""
-        if (ring_area_m2(ring) > 0.0) == hole:
-            ring = ring[::-1]  # free space on the left
-        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-        arriving, leaving = ring - before, after - ring
-        reflex = np.flatnonzero(arriving[:, 0] * leaving[:, 1] - arriving[:, 1] * leaving[:, 0] < 0.0)
-        moved = ring + _outwards(arriving, leaving) * hair_m
-        barrier = np.stack((moved, np.roll(moved, -1, axis=0)), axis=1)
-        triples, size = np.stack((before, ring, after), axis=1), len(ring)
-        if len(reflex) <= _WHOLE:
-            none = np.zeros(len(reflex), dtype=np.int64)
-            return _Ring(barrier, np.zeros(size, dtype=np.int64), triples[reflex], none, none.astype(np.bool_))
-        # Round a piece that stands alone a path may bend at any of its corners, on either side.
-        begins = np.arange(0, size, _PIECE)
-        lengths = np.diff(np.append(begins, size)) + 1
-        owner = np.repeat(np.arange(len(begins)), lengths)
-        within = np.arange(len(owner)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
-        ends = (within == 0) | (within == lengths[owner] - 1)
-        return _Ring(barrier, np.arange(size) // _PIECE, triples[(begins[owner] + within) % size], owner, ends)
+    def of(parts: Sequence[shapely.Polygon]) -> "_Rims":
+        """Those of some polygons."""
+        rings, part = shapely.get_rings(parts, return_index=True)
+        corners, ring = shapely.get_coordinates(rings, return_index=True)
+        kept = np.append(ring[1:] == ring[:-1], False)  # the last corner of a ring is its first
+        corners, ring = corners[kept], ring[kept]
+        number = np.arange(len(ring))
+        first = np.searchsorted(ring, np.arange(len(rings)))
+        last = np.append(first[1:], len(ring)) - 1
+        following, before = number + 1, number - 1
+        following[last], before[first] = first, last
+        arriving, leaving = corners - corners[before], corners[following] - corners
+        hole = np.append(False, part[1:] == part[:-1])  # a part's first ring is its outside
+        turned = (shapely.is_ccw(rings) == hole)[ring][:, None]
+        arriving, leaving = np.where(turned, -leaving, arriving), np.where(turned, -arriving, leaving)
+        return _Rims(corners, arriving, leaving, following, ring, part[ring])
+
+    def pieces(self) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
+        """The rings in pieces.
+
+        Returns:
+            The piece of each edge; the corners at which a path round a piece may bend, ordered by piece, and the piece
+            of each; and whether the piece ends there, so that the path may bend whichever way.
+        """
+        reflex = self.arriving[:, 0] * self.leaving[:, 1] - self.arriving[:, 1] * self.leaving[:, 0] < 0.0
+        sizes = np.bincount(self.ring)
+        long = np.bincount(self.ring, weights=reflex) > _WHOLE
+        counts = np.where(long, -(-sizes // _PIECE), 1)
+        first, base = np.cumsum(sizes) - sizes, np.cumsum(counts) - counts
+        within = np.arange(len(self.ring)) - first[self.ring]
+        piece = base[self.ring] + np.where(long[self.ring], within // _PIECE, 0)
+        # Round a piece that stands alone a path may bend at any of its corners, on either side, and at its last edge's.
+        whole = np.flatnonzero(reflex & ~long[self.ring])
+        cut = np.flatnonzero(long[self.ring])
+        closing = cut[piece[self.following[cut]] != piece[cut]]
+        nodes = np.concatenate((whole, cut, self.following[closing]))
+        owner = np.concatenate((piece[whole], piece[cut], piece[closing]))
+        ends = np.concatenate(
+            (np.zeros(len(whole), dtype=np.bool_), within[cut] % _PIECE == 0, np.ones(len(closing), dtype=np.bool_))
+        )
+        order = np.argsort(owner, kind="stable")
+        return piece, nodes[order], owner[order], ends[order]
 
 
 def _outwards(arriving: FloatArray, leaving: FloatArray) -> FloatArray:

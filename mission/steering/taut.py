@@ -25,7 +25,7 @@ _MOST_CORNERS: Final = 60
 _WINDOW: Final = 2
 """Finer places on each side of the best one."""
 _FINER: Final = 3.0
-_FINEST: Final = 0.1
+_FINEST: Final = 0.2
 """Distance of the finest places, as a part of that of the first ones."""
 _SWEEPS: Final = 200
 _POLISHES: Final = 4
