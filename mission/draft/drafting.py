@@ -19,6 +19,7 @@ from mission.interchange.roles import role_of
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import propositions
 from mission.printable import printable
+from mission.spec.model import CORRIDOR, Cost
 from mission.spec.schema import default_of
 
 _WIDTH: Final = 118
@@ -106,6 +107,8 @@ def draft_mission(
     lines += [*_comments(layout.boundary, "  "), *_boundary(layout.boundary), "", "regions:"]
     lines += [line for piece in layout.regions for line in _region(piece, layout, altitude_m)]
     formula = _kept_formula(flight.formula, layout) if flight else ""
+    if flight is not None and not formula:
+        lines += ["", *_comment(f"The flight in the file had to satisfy {flight.formula}: not all of that is here.")]
     lines += [
         "",
         *_mission(layout, formula, flight.laps if flight else ""),
@@ -115,6 +118,10 @@ def draft_mission(
         "",
     ]
     lines += _flight(altitude_m, speed_m_s, layout)
+    if flight is not None and flight.cost in set(Cost):
+        lines += ["", f"search: {{cost: {flight.cost}}}"]
+    if flight is not None and flight.smoothing == CORRIDOR:
+        lines += ["", f"smoothing: {CORRIDOR}"]
     guessed = tuple(piece.name for piece in layout.regions if piece.name in layout.covered and not piece.lanes)
     return Draft("\n".join(lines) + "\n", guessed, flight is None or flight.tube_m is None, tuple(remarks))
 

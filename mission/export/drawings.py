@@ -15,7 +15,7 @@ from mission.interchange.map_features import DIGITS, Json, MapFeature, continuou
 from mission.report.palette import BLACK, KIND_COLOUR, MESH, PLANNED, QUIET, SMOOTHED
 from mission.spec.areas import Ground, boundary_ground, region_ground
 from mission.spec.covers import cover_data
-from mission.spec.model import BoundaryDomain, CircleShape, Cover, Point, RegionKind, StripShape
+from mission.spec.model import CORRIDOR, BoundaryDomain, CircleShape, Cover, Point, RegionKind, StripShape
 
 REGIONS: Final = "Regions"
 TRIANGLES: Final = "Triangles"
@@ -114,7 +114,10 @@ def flight(placed: PlacedPlan) -> Iterator[MapFeature]:
         "tube_m": plan.certificate.tube_m,
         "speed_m_s": plan.spec.flight.speed_m_s,
         "altitude_m": height_m,
+        "cost": plan.spec.search.cost.value,
     }
+    if plan.spec.smoothing == CORRIDOR:
+        told["smoothing"] = CORRIDOR
     if route.lap is not None:
         told["laps"] = "until stopped" if route.laps is None else route.laps
     legs = _on_earth(placed, shapely.LineString(line))

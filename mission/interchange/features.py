@@ -121,6 +121,8 @@ class Drawing:
         start: Where that took off.
         formula: What it was to satisfy, with the features' names.
         laps: How often its lap is flown, as mission files have it; empty where there is none.
+        cost: What its run had least of, as mission files have it; empty where that is not told.
+        smoothing: How its path was smoothed, likewise.
         tube_m: How far from its path the proof reached.
     """
 
@@ -134,6 +136,8 @@ class Drawing:
     start: Point | None = None
     formula: str = ""
     laps: str = ""
+    cost: str = ""
+    smoothing: str = ""
     tube_m: float | None = None
 
     def points(self) -> list[Point]:

@@ -69,6 +69,8 @@ def with_flight(drawing: Drawing, told: Mapping[str, str], start: Point | None) 
         start=start,
         formula=told.get("specification", ""),
         laps=laps if re.fullmatch("[1-9][0-9]{0,3}|until_stopped", laps) else "",
+        cost=told.get("cost", ""),
+        smoothing=told.get("smoothing", ""),
         tube_m=tube[0] if len(tube) == 1 and tube[0] >= 0.0 else None,
     )
 
