@@ -204,8 +204,9 @@ def _segments(plan: Written) -> Verdict:
 def _polyline(plan: Written) -> Verdict:
     path, closed = plan.data["path"], shapely.polygons(plan.partition.corners_m[plan.restricted])
     points, lap = np.array(path["points_m"], dtype=np.float64), path["lap"]
-    if np.abs(points[0] - plan.data["start_m"]).max() > _SAME * plan.partition.extent_m:
-        return "`path` does not begin where the flight does", ""
+    begins = np.stack((points[0], plan.curve.at(np.zeros(1))[0]))
+    if np.abs(begins - plan.data["start_m"]).max() > _SAME * plan.partition.extent_m:
+        return "`path`, or its curve, does not begin where the flight does", ""
     if (lap is None) != (plan.lap is None) or (lap and np.abs(points[lap[0]] - points[lap[1]]).max() > _ROUNDING_M):
         return "the lap of `path` is not that of the trajectory, or does not close", ""
     if len(points) > 1 and shapely.intersects(shapely.union_all(closed), shapely.linestrings(points)):
