@@ -13,6 +13,7 @@ import yaml
 
 from mission.spec.loader import load_mission
 from mission.spec.model import BoundaryDomain, PolygonShape
+from mission.verify.plans import claims
 from tests.support.commands import MISSIONS, ran
 
 SOUND = sorted(MISSIONS.glob("*.yaml"))
@@ -64,9 +65,13 @@ def test_there_are_missions_of_both_sorts() -> None:
 
 
 @pytest.mark.parametrize("file", SOUND, ids=name_of)
-def test_a_sound_mission_is_planned_with_a_proof(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    result = ran(capsys, "plan", str(file), "--json")
+def test_a_sound_mission_is_planned_with_a_proof(
+    file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written = tmp_path / "plan.json"
+    result = ran(capsys, "plan", str(file), "--json", "--out", str(written))
     assert (result.code, result.err) == (0, "")
+    assert [claim for claim in claims(written.read_text(encoding="utf-8")) if claim.fault] == []
     plan = json.loads(result.out)
     assert plan["certificate"]["holds"] is True
     assert len(plan["run"]) == len(plan["controls"])
