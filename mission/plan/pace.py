@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from mission.plan.covering import CoveredVisit
-from mission.plan.turning import RunIn, run_ins
+from mission.plan.turning import run_ins
 from mission.spec.model import UNTIL_STOPPED, MissionSpec
 from mission.steering.grid import Limits, Slow
 from mission.steering.joined import Curve, JoinedCurve, joins_smoothly
@@ -20,6 +20,8 @@ def trajectory_of(
     stops: tuple[tuple[float, float], ...],
     lap: int | None,
     covers: Sequence[CoveredVisit] = (),
+    *,
+    slow: tuple[Slow, ...] = (),
 ) -> Trajectory:
     """The fastest flight along a curve within a mission's limits that has time to turn before photographed lanes.
 
@@ -29,15 +31,20 @@ def trajectory_of(
         stops: Pairs (curve parameter, seconds) at which the vehicle stands still.
         lap: Which leg is the lap.
         covers: The lanes on it.
+        slow: Where the vehicle must be slow.
 
     Raises:
         ValueError: A stop is not on the curve.
     """
     if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
         raise ValueError("a stop is not on the curve")
-    fastest = _trajectory(spec, curve, stops, lap, ())
+    fastest = _trajectory(spec, curve, stops, lap, slow)
     turns = run_ins(fastest, covers)
-    return _trajectory(spec, curve, stops, lap, turns) if turns else fastest
+    if not turns:
+        return fastest
+    waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
+    slow = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
+    return _trajectory(spec, curve, (*stops, *waits), lap, slow)
 
 
 def _trajectory(
@@ -45,16 +52,15 @@ def _trajectory(
     curve: JoinedCurve,
     stops: tuple[tuple[float, float], ...],
     lap: int | None,
-    run_ins: tuple[RunIn, ...],
+    slow: tuple[Slow, ...],
 ) -> Trajectory:
-    stops = (*stops, *((each.end_s, each.wait_s) for each in run_ins if each.wait_s > 0.0))
-    rate = _rate_between_laps(spec, curve, [s for s, _ in stops], lap)
+    rate = _rate_between_laps(spec, curve, [s for s, _ in stops], lap, slow)
     try:
-        legs = _legs(spec, curve, stops, run_ins, (lap, rate))
+        legs = _legs(spec, curve, stops, slow, (lap, rate))
     except ValueError:
         if rate == 0.0:
             raise
-        legs = _legs(spec, curve, stops, run_ins, (lap, 0.0))
+        legs = _legs(spec, curve, stops, slow, (lap, 0.0))
     laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
     return Trajectory(legs, spec.flight.altitude_m, lap, laps)
 
@@ -63,7 +69,7 @@ def _legs(
     spec: MissionSpec,
     curve: JoinedCurve,
     stops: tuple[tuple[float, float], ...],
-    run_ins: tuple[RunIn, ...],
+    slow: tuple[Slow, ...],
     flown_through: tuple[int | None, float],
 ) -> tuple[Leg, ...]:
     """The legs with their laws; ``flown_through`` is which is the lap, and the rate with which it begins and ends."""
@@ -80,9 +86,9 @@ def _legs(
             fastest=_fastest(leg),
             holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
             slow=tuple(
-                Slow(each.begin_s - begin, each.end_s - begin, each.rate)
-                for each in run_ins
-                if begin <= each.begin_s < each.end_s <= end
+                each._replace(begin_s=max(each.begin_s, begin) - begin, end_s=min(each.end_s, end) - begin)
+                for each in slow
+                if max(each.begin_s, begin) < min(each.end_s, end)
             ),
             ends=ends,
         )
@@ -90,7 +96,9 @@ def _legs(
     return tuple(legs)
 
 
-def _rate_between_laps(spec: MissionSpec, curve: JoinedCurve, stops_s: list[float], lap: int | None) -> float:
+def _rate_between_laps(
+    spec: MissionSpec, curve: JoinedCurve, stops_s: list[float], lap: int | None, slow: tuple[Slow, ...]
+) -> float:
     """The rate with which laps are begun and ended; 0 where they do not go on smoothly, or the vehicle stops there."""
     if lap is None or not 0 < lap < len(curve.legs) - 1:
         return 0.0
@@ -99,7 +107,17 @@ def _rate_between_laps(spec: MissionSpec, curve: JoinedCurve, stops_s: list[floa
     onward = (*pairwise(near), (curve.legs[lap],) * 2)
     if any(s in ends_s for s in stops_s) or not all(joins_smoothly(*each) for each in onward):
         return 0.0
-    return min(even_rate(leg, _vehicle_limits(spec, leg), _fastest(leg)) for leg in near)
+    begin, end = curve.starts_s[[lap - 1, lap + 2]].tolist()
+    slow = tuple(each for each in slow if begin < each.end_s and each.begin_s < end)
+    speed_m_s, rate = (
+        min((each.speed_m_s for each in slow), default=math.inf),
+        min((each.rate for each in slow), default=math.inf),
+    )
+    limits = [_vehicle_limits(spec, leg) for leg in near]
+    return min(
+        even_rate(leg, each._replace(speed_m_s=min(each.speed_m_s, speed_m_s)), min(rate, _fastest(leg)))
+        for leg, each in zip(near, limits, strict=True)
+    )
 
 
 def _fastest(curve: Curve) -> float:

@@ -18,6 +18,7 @@ from mission.plan.pace import trajectory_of
 from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner
 from mission.plan.shortest_way import RunSearch
+from mission.plan.slow_parts import slow_parts
 from mission.plan.specification import of_mission
 from mission.plan.steered import Steering
 from mission.plan.tasks import dropped_tasks
@@ -79,7 +80,8 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         free=run is None and spec.run == 0,
         start_m=start,
     ).steered()
-    trajectory = trajectory_of(spec, flown.curve, flown.stops, flown.lap, flown.covers)
+    slow = slow_parts(spec, partition, labelling, flown.curve)
+    trajectory = trajectory_of(spec, flown.curve, flown.stops, flown.lap, flown.covers, slow=slow)
     return FlightPlan(
         spec=spec,
         start_m=start,

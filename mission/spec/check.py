@@ -78,7 +78,7 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
         path: Path = ("regions", name)
         if all(is_clean((*path, key), structural) for key in SHAPE_KEYS):
             kind = value["kind"] if is_clean((*path, "kind"), structural) else RegionKind.SURVEY
-            shape = {key: part for key, part in value.items() if key not in ("loiter_s", "cover")}
+            shape = {key: part for key, part in value.items() if key not in ("loiter_s", "speed_m_s", "cover")}
             known.append(region_of(name, {**shape, "kind": kind}))
     return known
 

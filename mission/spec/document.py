@@ -56,6 +56,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
         "limits": {
             "speed_m_s": spec.limits.speed_m_s,
             "acceleration_m_s2": spec.limits.acceleration_m_s2,
+            "jerk_m_s3": spec.limits.jerk_m_s3,
             "tilt_deg": math.degrees(spec.limits.tilt_rad),
         },
     }
@@ -91,8 +92,9 @@ def _region(region: Region) -> dict[str, Any]:
     else:
         shape = _area(region.shape)
     clearance = {} if region.clearance_m is None else {"clearance_m": region.clearance_m}
+    speed = {} if region.speed_m_s is None else {"speed_m_s": region.speed_m_s}
     cover = {} if region.cover is None else {"cover": cover_data(region.cover)}
-    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **clearance, **cover}
+    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **clearance, **speed, **cover}
 
 
 def _area(shape: AreaShape) -> dict[str, Any]:

@@ -187,6 +187,7 @@ class Region:
         loiter_s: How long the vehicle stands still inside each time that it enters. To start inside is not to enter.
         clearance_m: By how much it is larger than drawn, if it is restricted, or smaller, if not; None where the file
             says nothing of that.
+        speed_m_s: The largest speed while any of the tube may be inside; None where the file says nothing of that.
         cover: How it is covered: a visit of it is complete when its lanes are flown; None where it is only visited.
     """
 
@@ -196,6 +197,7 @@ class Region:
     loiter_s: float = 0.0
     cover: Cover | None = None
     clearance_m: float | None = None
+    speed_m_s: float | None = None
 
 
 @dataclass(frozen=True)

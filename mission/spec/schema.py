@@ -121,6 +121,7 @@ _REGION: Final = mapping(
             86_400.0,
             default=0.0,
         ),
+        "speed_m_s": number("Largest speed while any of the tube is inside, m/s.", 0.001, 100.0),
         "cover": COVER,
     },
     oneOf=one_of("triangle", "at", *AREAS),

@@ -109,7 +109,7 @@ def _refinement(data: Data) -> Refinement:
 
 def region_of(name: str, data: Data) -> Region:
     """One region; without a kind (of a file that has other faults, too) one to survey."""
-    clearance = data.get("clearance_m")
+    clearance, speed = data.get("clearance_m"), data.get("speed_m_s")
     return Region(
         name,
         RegionKind(data.get("kind", RegionKind.SURVEY)),
@@ -117,6 +117,7 @@ def region_of(name: str, data: Data) -> Region:
         loiter_s=float(data.get("loiter_s", 0.0)),
         cover=cover_of(data["cover"]) if "cover" in data else None,
         clearance_m=None if clearance is None else float(clearance),
+        speed_m_s=None if speed is None else float(speed),
     )
 
 

@@ -1,5 +1,6 @@
 """A curve, or a part of one, in cells, with what is known of its derivatives."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
@@ -66,11 +67,12 @@ class Grid:
 
 
 class Slow(NamedTuple):
-    """A part of a curve on which sigma' is not to exceed a value."""
+    """A part of a curve on which sigma', or the speed, is not to exceed a value."""
 
     begin_s: float
     end_s: float
-    rate: float
+    rate: float = math.inf
+    speed_m_s: float = math.inf
 
 
 def grid_of(curve: Curve, span_s: tuple[float, float], knots: FloatArray, limits: Limits, slow: Iterable[Slow]) -> Grid:
@@ -90,9 +92,9 @@ def grid_of(curve: Curve, span_s: tuple[float, float], knots: FloatArray, limits
     first, second, third = (curve.norm_bounds(whole, order)[own] for order in (1, 2, 3))
     first = np.maximum(first, _LEAST_M / knots[-1])
     rates = limits.speed_m_s / first
-    for begin, end, rate in slow:
+    for begin, end, rate, speed in slow:
         part = slice(max(0, int(np.searchsorted(own_s, begin, side="right")) - 1), int(np.searchsorted(own_s, end)))
-        rates[part] = np.minimum(rates[part], rate)
+        rates[part] = np.minimum(rates[part], np.minimum(rate, speed / first[part]))
     return Grid(knots, slopes, bends, first, second, third, rates)
 
 

@@ -68,7 +68,7 @@ def time_law(
             than brings up the acceleration in 0.15 s.
         fastest: Largest sigma': 1 where the curve's own speed is that to be flown.
         holds: Pairs of a steering time in [0, T] and the seconds to stand still there; at one place the longest counts.
-        slow: Where sigma' is to be less than elsewhere, but positive.
+        slow: Where sigma' or the speed are to be less than elsewhere, but positive.
         ends: The rate sigma' with which the curve is begun and ended, where sigma'' = 0; at most the ``even_rate``.
 
     Raises:
@@ -86,7 +86,7 @@ def time_law(
         near = min(stops, key=lambda stop: abs(stop - place))
         stop = near if abs(near - place) <= _SAME_PLACE * curve.duration_s else place
         stops[stop] = max(stops.get(stop, 0.0), seconds)
-    if not all(each.begin_s <= each.end_s and each.rate > 0.0 for each in slow):
+    if not all(each.begin_s <= each.end_s and min(each.rate, each.speed_m_s) > 0.0 for each in slow):
         raise ValueError("where the vehicle is slow it goes on nevertheless")
     slow = (*slow, Slow(0.0, curve.duration_s, fastest))
     limits = limits._replace(jerk_m_s3=min(limits.jerk_m_s3, limits.acceleration_m_s2 / _QUICKEST_S))
