@@ -26,6 +26,8 @@ _NO_LENGTH: Final = 1e-9
 _NEARLY: Final = 2e-3
 """Ways on paths that are longer than the best one by at most this part are looked at together with its own."""
 _AT_ONCE: Final = 1500
+_ROUNDING: Final = 1e-9
+"""By what part of its length sums along a path differ that begin at its one end or at the other."""
 
 Graph: TypeAlias = "csr_array[np.float64, tuple[int, int]]"
 
@@ -136,7 +138,7 @@ class LayeredPaths:
         self._begin(layers)
         there, back = self._distances(self._graph())
         kept = np.append(np.ones(self._count, dtype=np.bool_), ~self._linked)
-        kept |= there + back <= length_m
+        kept |= there + back <= length_m * (1.0 + _ROUNDING)
         number = np.cumsum(kept) - 1
         self._keep(kept[self._begins] & kept[self._ends])
         self._begins, self._ends = number[self._begins], number[self._ends]

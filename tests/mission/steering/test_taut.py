@@ -144,3 +144,19 @@ def test_a_rim_with_very_many_corners_is_gone_round() -> None:
     path = taut_path(np.array([10.0, 30.0]), [Stretch(free, shapely.Point(90.0, 30.0))])
     tangent = np.sqrt(40.0**2 - 20.0**2)
     assert path.length_m == pytest.approx(2.0 * tangent + 20.0 * (np.pi - 2.0 * np.arccos(0.5)), rel=1e-4)
+
+
+def test_from_place_to_place_a_path_is_as_long_as_back() -> None:
+    """Both ends are prescribed: no length is to spare for rounding."""
+    wall = shapely.Polygon([(0, 28), (70, 25), (73, 26), (75, 30), (74.3, 33), (72, 35), (0, 36)])
+    free = shapely.difference(FIELD, wall)
+    rng = np.random.default_rng(5)
+    for above, below in zip(
+        rng.uniform((2, 40), (60, 58), (20, 2)), rng.uniform((2, 2), (60, 22), (20, 2)), strict=True
+    ):
+        there, back = (
+            taut_path(one, [Stretch(free, shapely.Point(other))]).length_m
+            for one, other in ((above, below), (below, above))
+        )
+        assert there == pytest.approx(back, rel=1e-9)
+        assert there > np.hypot(*(above - below))
