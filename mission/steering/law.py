@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from mission.geometry.arrays import FloatArray, IntArray, frozen_floats
 
+_SAME_TIME_S: Final = 1e-12
 _BISECTIONS: Final = 60
 _CONSISTENT: Final = 1e-8
 """By how much, as a part of the largest, a knot may be off the piece that leads to it: rounding."""
@@ -104,6 +105,8 @@ class TimeLaw:
             middle = 0.5 * (low + high)
             reached = place + middle * (rate + middle * (growth / 2.0 + middle * jerk / 6.0)) >= asked
             low, high = np.where(reached, low, middle), np.where(reached, middle, high)
+            if (high - low).max(initial=0.0) <= _SAME_TIME_S:
+                break
         return np.asarray(self.knots_t_s[piece] + np.where(asked > self.knots_s[0], high, 0.0))
 
     def left_at(self, s: ArrayLike) -> FloatArray:

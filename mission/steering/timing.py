@@ -10,10 +10,12 @@ Between two stops it is found in three steps:
    by flying from stop to stop more slowly: with t -> q t, speed, acceleration and jerk shrink by q, q^2 and q^3. What
    is flown into or out of while moving cannot be slowed down: there the limits are a little lower from the beginning.
 
-So the bounds are proved; nothing rests on samples.
+So the bounds are proved; nothing rests on samples. A way of so many knots that the second step would take too long, a
+field of a hundred lanes, goes without it: the first guess is made again with lower rates where it asks for too much.
 """
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from typing import Final
 
@@ -44,6 +46,14 @@ _SLOWER: Final = 0.8
 _NEXT: Final = 0.98
 _GENTLE: Final = 0.35  # of the limits: where a first guess must not be slowed down
 _SPARE: Final = 0.96  # of the limits, where what exceeds them cannot be slowed down
+_STRAIGHT: Final = 1e-12
+_EVEN_S: Final = 2.0
+"""How far from the ends of a straight part knots are as close as elsewhere, steering time."""
+_GROWTH: Final = 0.3
+"""How much longer each cell is than the one before, farther on."""
+_MOST_KNOTS: Final = 3_000
+"""For which the interior-point method is fast enough."""
+_EASINGS: Final = 4
 
 
 def level_acceleration(acceleration_m_s2: float, tilt_rad: float) -> float:
@@ -113,6 +123,25 @@ def even_rate(curve: Curve, limits: Limits, fastest: float) -> float:
     return _EVEN * float(most)
 
 
+def _thinned(curve: Curve, knots: FloatArray) -> FloatArray:
+    """Knots without those in the middle of straight parts: there cells grow with the distance from the nearer end.
+
+    Where nothing bends, the fastest law changes near the ends of a part only, and is steady far from them.
+    """
+    straight = curve.norm_bounds(knots, 2) <= _STRAIGHT
+    ends = np.flatnonzero(np.diff(straight, prepend=False, append=False))
+    kept = np.ones(len(knots), dtype=np.bool_)
+    for first, last in ends.reshape(-1, 2).tolist():
+        inner = np.arange(first + 1, last)
+        away_s = np.minimum(knots[inner] - knots[first], knots[last] - knots[inner])
+        # One knot of each step of the logarithm, on either side of the middle.
+        step = np.floor(np.log(np.maximum(away_s, _EVEN_S) / _EVEN_S) / math.log1p(_GROWTH)).astype(np.int64)
+        early = knots[inner] - knots[first] <= knots[last] - knots[inner]
+        fresh = (np.diff(step, prepend=-1) != 0) | (np.diff(early, prepend=True) != 0)
+        kept[inner] = fresh | (away_s < _EVEN_S)
+    return knots[kept]
+
+
 def _with_holds(laws: list[TimeLaw], places: list[float], holds_s: list[float]) -> TimeLaw:
     """Laws one after the other, from place to place, standing still at each place for so long."""
     parts = [(np.zeros(1), np.array(places[:1]), laws[0].rates[:1], np.zeros(1))]
@@ -139,6 +168,8 @@ def _between_stops(
     Raises:
         ValueError: None was found with these rates.
     """
+    if len(knots) > _MOST_KNOTS and not any(ends):
+        return _eased(curve, knots, limits, slow)
     span_s, moving = (float(knots[0]), float(knots[-1])), any(ends)
     gently = limits._replace(acceleration_m_s2=_GENTLE * limits.acceleration_m_s2, jerk_m_s3=_GENTLE * limits.jerk_m_s3)
     rough = grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits)
@@ -186,11 +217,41 @@ def _between_stops(
     return min(kept, key=lambda law: law.duration_s)
 
 
+def _eased(curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ...]) -> TimeLaw:
+    """The first guess of a long way, with lower rates where it asks for too much, and so on: linear in its length."""
+    span_s, knots = (float(knots[0]), float(knots[-1])), _thinned(curve, knots)
+    firm = grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits)
+    middles = 0.5 * (firm.knots_s[1:] + firm.knots_s[:-1])
+    laws: list[TimeLaw] = []
+    for _ in range(_EASINGS):
+        guess, places = guessed(firm, limits, (0.0, 0.0))
+        found = strain(guess, grid_of(curve, span_s, places, limits, slow), limits)
+        laws.append(_at_most(guess, _excess(found)))
+        if _excess(found) <= _NEARLY:
+            break
+        asked = np.append(np.maximum(found.speed, np.maximum(np.sqrt(found.acceleration), np.cbrt(found.jerk))), 0.0)
+        # What is asked for within each cell of the coarser grid, and next to it.
+        first = np.clip(np.searchsorted(places, firm.knots_s[:-1], side="right") - 1, 0, len(asked) - 2)
+        last = np.maximum(np.searchsorted(places, firm.knots_s[1:]), first + 1)
+        within = np.maximum.reduceat(asked, np.stack((first, np.minimum(last, len(asked) - 1)), axis=1).ravel())[::2]
+        too_much = _near(within)[:-1]
+        flown = guess.jet(guess.time_at(middles))[1]
+        lower = np.where(too_much > 1.0, np.minimum(firm.rates, flown / np.maximum(too_much, 1.0)), firm.rates)
+        firm = replace(firm, rates=lower)
+    return min(laws, key=lambda law: law.duration_s)
+
+
 def _slowed(law: TimeLaw, found: Strain, *, moving: bool) -> TimeLaw | None:
     """The law as slow as the limits want it; one that moves at an end must not change: None where it is too fast."""
     slower = max(1.0, _excess(found))
     if moving:
         return law if slower == 1.0 else None
+    return _at_most(law, slower)
+
+
+def _at_most(law: TimeLaw, excess: float) -> TimeLaw:
+    """A law from rest to rest, slower by as much as it exceeds the limits."""
+    slower = max(1.0, excess)
     ends_s = float(law.knots_s[0]), float(law.knots_s[-1])
     return law_from_growths(law.knots_t_s * slower, law.growths / slower**2, (0.0, 0.0), ends_s)
 

@@ -162,6 +162,25 @@ def test_the_exact_solution_for_a_dash_is_the_textbooks() -> None:
     assert fastest_dash_s(1e-3, Limits(6.0, 2.0, 4.0)) == pytest.approx((32.0 * 1e-3 / 4.0) ** (1.0 / 3.0))
 
 
+def lanes(count: int, apart_m: float) -> RoundedPolyline:
+    """There and back again, apart from each other, rounded as lanes are."""
+    places = [
+        [apart_m * lane, end] for lane in range(count) for end in ((0.0, 300.0) if lane % 2 == 0 else (300.0, 0.0))
+    ]
+    return RoundedPolyline(np.array(places), np.full(2 * count - 2, apart_m / 3.0), 4.0)
+
+
+@pytest.mark.parametrize("apart_m", [2.0, 6.0])
+def test_a_long_way_is_flown_within_the_limits_and_about_as_fast_as_a_short_one(apart_m: float) -> None:
+    few, many = 4, 60
+    short, long = (time_law(lanes(count, apart_m), LIMITS) for count in (few, many))
+    speed, acceleration, jerk = flown(lanes(many, apart_m), long)
+    assert speed.max() <= LIMITS.speed_m_s * (1 + 1e-9)
+    assert acceleration.max() <= LIMITS.acceleration_m_s2 * (1 + 1e-6)
+    assert jerk.max() <= LIMITS.jerk_m_s3 * (1 + 1e-6)
+    assert long.duration_s / many <= 1.1 * short.duration_s / few
+
+
 @pytest.mark.parametrize("reach_m", [4.0, 8.0, 16.0])
 def test_a_corner_is_flown_as_fast_as_its_bend_admits(reach_m: float) -> None:
     curve, limits = a_corner(reach_m, 90.0), Limits(8.0, 2.5, 4.0)
