@@ -61,6 +61,32 @@ limits:
 """
 """Two places again and again, from and to a third."""
 
+PHOTOGRAPHED = (
+    """\
+domain:
+  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
+regions:
+  home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]], loiter_s: 1}
+  field:
+    kind: survey
+    polygon: [[26, 6], [54, 6], [54, 34], [26, 34]]
+    cover: {camera: {field_of_view_deg: [80, 60], overlap: 0.5, sidelap: 0.1}, heading_deg: 90, share: 0.9}
+tasks:
+  - visit: [field]
+  - avoid: [field]
+    weight: 1
+mission:
+  formula: F (field & F G home)
+start:
+  position_m: [9, 8]
+"""
+    + FLOWN_BRISKLY
+)
+"""A field that is photographed in lanes, and a wish that cannot be met beside it."""
+
+CORRIDOR, FIELDS = "smoothing: corridor\n", "smoothing: {frequencies: auto}\n"
+"""Either way to smooth a path, to be added to one of these missions."""
+
 
 def at_a_place(latitude_deg: float, longitude_deg: float) -> str:
     """The same with the domain's (0, 0) at a place on Earth."""

@@ -15,31 +15,7 @@ from mission.plan import FlightPlan, plan_mission, plan_to_json
 from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec, Point
 from tests.support.commands import MISSIONS
-from tests.support.small_missions import FLOWN_BRISKLY, ROUNDS, SMALL, plan_of
-
-PHOTOGRAPHED = (
-    """\
-domain:
-  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
-regions:
-  home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]], loiter_s: 1}
-  field:
-    kind: survey
-    polygon: [[26, 6], [54, 6], [54, 34], [26, 34]]
-    cover: {camera: {field_of_view_deg: [80, 60], overlap: 0.5, sidelap: 0.1}, heading_deg: 90, share: 0.9}
-tasks:
-  - visit: [field]
-  - avoid: [field]
-    weight: 1
-mission:
-  formula: F (field & F G home)
-start:
-  position_m: [9, 8]
-"""
-    + FLOWN_BRISKLY
-)
-
-CORRIDOR, FIELDS = "smoothing: corridor\n", "smoothing: {frequencies: auto}\n"
+from tests.support.small_missions import CORRIDOR, FIELDS, PHOTOGRAPHED, ROUNDS, SMALL, plan_of
 
 LEFT_AS_IT_IS: Final = {
     ".certificate.clearance_m: a little": "a lower bound that is a little lower, or still below the truth, is one",
