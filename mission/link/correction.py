@@ -4,12 +4,17 @@ With the error e = p - p* on an axis (reported less planned, at the time of the 
 
 - To the position, an offset c' = -e / T - c / T_0, kept within the reach. It takes out what stays, and fades where
   nothing does. A vehicle that needed none of it would be led off by the reach at most: it is part of the tube.
-- To the velocity, -0.7 e per second, kept within ``_MOST_PULL_M_S``. It points at the path from wherever the vehicle
+- To the velocity, -0.8 e per second, kept within ``_MOST_PULL_M_S``. It points at the path from wherever the vehicle
   is, so it leads no vehicle off.
 - To the acceleration, share * k * v*, with the drag k for which the vehicle leans (``drag``) and the planned velocity.
   Both autopilots learn a steady push by an integral of some seconds' time, so they are late after each change of the
   drag that comes with speed: PX4 in its own simulator by 2 m. The share is 1 until the vehicle is seen ahead of the
   trajectory, as one with an observer of its own is, and falls then.
+
+Velocity and acceleration are asked for ahead of their time by a lead, at most ``MOST_LEAD_S``, for a multicopter tilts
+before it accelerates, and setpoints take their time on the link. The lead grows while the velocity is late where the
+trajectory accelerates or brakes, -e' a* / |a*|^2 per second, and falls where it is early. It is a lead in time, on the
+path itself, so it takes nothing of the tube.
 
 All of it is frozen where nothing is flown, across gaps, and while the vehicle is farther off than ``_FARTHEST_M``.
 """
@@ -28,7 +33,10 @@ OFFSET_S: Final = 10.0
 FADING_S: Final = 30.0
 """T_0: how long an offset lasts that nothing asks for any more."""
 
-_PULL_PER_S: Final = 0.7
+MOST_LEAD_S: Final = 0.4
+_GENTLE_M2_S4: Final = 0.5
+
+_PULL_PER_S: Final = 0.8
 _MOST_PULL_M_S: Final = 1.0
 _FARTHEST_M: Final = 3.0
 _SHARE_PER_S2: Final = 1.0
@@ -46,6 +54,7 @@ class Correction:
 
     Attributes:
         offset_m: What is added to the position.
+        lead_s: How much earlier than the position, velocity and acceleration are asked for.
         drag_per_s: What is multiplied by the planned velocity and added to the acceleration.
         error_m: The error of the last report that counted.
         behind_m: The same without what the vehicle is ahead of the trajectory, the larger of both axes.
@@ -55,6 +64,7 @@ class Correction:
         """Correct nothing yet; ``reach_m`` bounds the offset on each axis."""
         self.offset_m = (0.0, 0.0)
         self.drag_per_s = 0.0
+        self.lead_s = 0.0
         self.error_m = (0.0, 0.0)
         self.behind_m = 0.0
         self._reach_m = reach_m
@@ -66,7 +76,7 @@ class Correction:
         self,
         t_s: float,
         error_m: tuple[float, float],
-        planned_m_s: Vector,
+        planned: Reference,
         flown_m_s: Vector,
         attitude_rad: Vector | None,
     ) -> None:
@@ -75,11 +85,11 @@ class Correction:
         Args:
             t_s: Vehicle time of the report.
             error_m: Reported less planned position.
-            planned_m_s: Planned velocity at that time.
+            planned: The point that was planned for that time.
             flown_m_s: Reported velocity.
             attitude_rad: Roll, pitch, yaw against NED; None where nothing is known of it.
         """
-        passed_s = t_s - self._seen_s
+        passed_s, planned_m_s = t_s - self._seen_s, planned.velocity_m_s
         self._seen_s = t_s
         along = error_m[0] * planned_m_s[0] + error_m[1] * planned_m_s[1]
         square = planned_m_s[0] ** 2 + planned_m_s[1] ** 2
@@ -97,6 +107,10 @@ class Correction:
         )
         self.offset_m = (east, north)
         self._share = min(max(self._share - passed_s * _SHARE_PER_S2 * along / (square + _SLOW_M2_S2), 0.0), 1.0)
+        gained = planned.acceleration_m_s2
+        late = sum((v - f) * a for v, f, a in zip(planned_m_s[:2], flown_m_s[:2], gained[:2], strict=True))
+        sharp = _SHARE_PER_S2 * late / (gained[0] ** 2 + gained[1] ** 2 + _GENTLE_M2_S4)
+        self.lead_s = min(max(self.lead_s + passed_s * sharp, 0.0), MOST_LEAD_S)
         if attitude_rad is not None:
             self._drag.observe(t_s, flown_m_s, attitude_rad)
         growth = _DRAG_GROWTH_PER_S2 * passed_s

@@ -113,7 +113,7 @@ class Guidance:
         if self.trajectory_s(at_s) is None or at_s - self._sent_s > GAP_S:
             self.correction.rest()
         else:
-            self.correction.observe(at_s, error, planned.velocity_m_s, velocity_m_s, attitude_rad)
+            self.correction.observe(at_s, error, planned, velocity_m_s, attitude_rad)
         self._off_m = math.hypot(*error)
         still = self._off_m <= _STEADY_M and math.hypot(*velocity_m_s) <= _STEADY_M_S
         if not still or abs(position_m[2] - wanted[2]) > 2.0 * _STEADY_M:
@@ -142,7 +142,8 @@ class Guidance:
             most_rate = min(self.correction.rate_within(lean_m_s2, point) for point in ahead)
             self._pace.adapt(vehicle_s, self.correction.behind_m, most_rate, ahead[0])
         reference = self.reference(vehicle_s)
-        asked = self.correction.corrected(reference)
+        led = self.reference(vehicle_s + self.correction.lead_s)
+        asked = self.correction.corrected(led._replace(position_m=reference.position_m))
         setpoint = LocalSetpoint(
             time_boot_ms=round(vehicle_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),

@@ -18,7 +18,7 @@ from mission.monitor.gaps import GAP_S
 
 LEAST_RATE: Final = 0.3
 
-_EASY: Final = 0.5
+_EASY: Final = 0.4
 """Share of the tube within which the trajectory keeps its pace."""
 
 _HARD: Final = 0.95

@@ -6,13 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission.link.correction import FADING_S, OFFSET_S, Correction
+from mission.link.correction import FADING_S, MOST_LEAD_S, OFFSET_S, Correction
 from mission.link.course import Reference
 from tests.support.swinging import flown
 
 REACH_M = 0.2
 PERIOD_S = 0.1
 STILL = (0.0, 0.0, 0.0)
+AT_REST = Reference(STILL, STILL, STILL)
+EASTWARDS = Reference(STILL, (4.0, 0.0, 0.0), STILL)
 PLANNED = Reference((10.0, 20.0, 5.0), (3.0, -1.0, 0.0), (0.5, 0.2, 0.0))
 
 vectors = st.tuples(*[st.floats(-40.0, 40.0)] * 3)
@@ -20,6 +22,7 @@ reports = st.lists(
     st.tuples(
         st.floats(-1.0, 2.0),
         st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0)),
+        vectors,
         vectors,
         vectors,
         st.none() | st.tuples(*[st.floats(-1.2, 1.2)] * 3),
@@ -32,20 +35,21 @@ def observed(error_m: tuple[float, float], seconds: float, correction: Correctio
     """A correction that was told of the same error at 10 Hz, of a vehicle that was to stand still."""
     correction = correction or Correction(REACH_M)
     for tick in range(round(seconds / PERIOD_S) + 1):
-        correction.observe(tick * PERIOD_S, error_m, STILL, STILL, None)
+        correction.observe(tick * PERIOD_S, error_m, AT_REST, STILL, None)
     return correction
 
 
 @given(reports)
 def test_it_never_reaches_beyond_its_bounds(told: list[tuple]) -> None:  # type: ignore[type-arg]
     correction, t_s = Correction(REACH_M), 0.0
-    for step_s, error_m, planned, moved, attitude in told:
+    for step_s, error_m, planned, gained, moved, attitude in told:
         t_s += step_s
-        correction.observe(t_s, error_m, planned, moved, attitude)
+        correction.observe(t_s, error_m, Reference(STILL, planned, gained), moved, attitude)
         asked = correction.corrected(PLANNED)
         for axis in (0, 1):
             assert abs(asked.position_m[axis] - PLANNED.position_m[axis]) <= REACH_M + 1e-12
             assert abs(asked.velocity_m_s[axis] - PLANNED.velocity_m_s[axis]) <= 1.0 + 1e-12
+            assert 0.0 <= correction.lead_s <= MOST_LEAD_S
             # Drag is made up for along the planned velocity only.
             push = asked.acceleration_m_s2[axis] - PLANNED.acceleration_m_s2[axis]
             assert 0.0 <= push / PLANNED.velocity_m_s[axis] <= 2.0 + 1e-12
@@ -55,7 +59,7 @@ def test_it_never_reaches_beyond_its_bounds(told: list[tuple]) -> None:  # type:
 def test_without_an_error_nothing_is_changed() -> None:
     correction = Correction(REACH_M)
     for tick in range(100):
-        correction.observe(tick * PERIOD_S, (0.0, 0.0), (3.0, 0.0, 0.0), (3.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        correction.observe(tick * PERIOD_S, (0.0, 0.0), PLANNED, PLANNED.velocity_m_s, (0.0, 0.0, 0.0))
     assert correction.corrected(PLANNED) == PLANNED
 
 
@@ -73,7 +77,7 @@ def test_a_long_error_winds_nothing_up() -> None:
     correction = observed((1.0, 0.0), 3600.0)
     assert correction.offset_m[0] == pytest.approx(-REACH_M)
     for tick in range(21):
-        correction.observe(4000.0 + tick * PERIOD_S, (-1.0, 0.0), STILL, STILL, None)
+        correction.observe(4000.0 + tick * PERIOD_S, (-1.0, 0.0), AT_REST, STILL, None)
     assert correction.offset_m[0] == pytest.approx(-REACH_M + 2.0 / OFFSET_S, abs=0.02)
 
 
@@ -87,7 +91,7 @@ def test_it_fades_when_nothing_asks_for_it() -> None:
 def test_across_a_gap_it_is_frozen(gap_s: float) -> None:
     correction = observed((1.0, 0.0), 1.0)
     before = correction.offset_m
-    correction.observe(1.0 + gap_s, (1.0, 0.0), STILL, STILL, None)
+    correction.observe(1.0 + gap_s, (1.0, 0.0), AT_REST, STILL, None)
     assert correction.offset_m == before
 
 
@@ -108,15 +112,15 @@ def test_at_rest_only_what_was_learned_of_the_place_is_kept() -> None:
     assert asked.position_m[0] == PLANNED.position_m[0] + correction.offset_m[0]
     # And what comes after the rest is not taken for a report a moment later.
     before = correction.offset_m
-    correction.observe(1.1, (0.5, 0.0), STILL, STILL, None)
+    correction.observe(1.1, (0.5, 0.0), AT_REST, STILL, None)
     assert correction.offset_m == before
 
 
 def test_what_the_vehicle_is_ahead_is_no_reason_to_wait() -> None:
     correction = Correction(REACH_M)
-    correction.observe(0.0, (0.6, 0.1), (4.0, 0.0, 0.0), STILL, None)
+    correction.observe(0.0, (0.6, 0.1), EASTWARDS, STILL, None)
     assert correction.behind_m == pytest.approx(0.1)
-    correction.observe(0.1, (-0.6, 0.1), (4.0, 0.0, 0.0), STILL, None)
+    correction.observe(0.1, (-0.6, 0.1), EASTWARDS, STILL, None)
     assert correction.behind_m == pytest.approx(0.6)
 
 
@@ -140,3 +144,16 @@ def test_the_rate_is_the_largest_that_the_lean_allows(
     assert rate == 0.0 or lean(rate) <= 4.5 * 1.08 + 0.2
     if 0.0 < rate < 0.999:
         assert lean(rate) >= 4.5 * 0.92 - 0.2
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.15, 0.3])
+def test_the_lead_becomes_the_delay_by_which_the_velocity_comes(delay_s: float) -> None:
+    """A vehicle whose velocity is what was asked for a while ago, on a way that swings; without delay there is none."""
+    correction, asked = Correction(REACH_M), [0.0] * 1000
+    for tick in range(1, 12_000):
+        t_s = 0.02 * tick
+        planned = Reference(STILL, (2.0 * math.sin(t_s), 0.0, 0.0), (2.0 * math.cos(t_s), 0.0, 0.0))
+        asked.append(2.0 * math.sin(t_s + correction.lead_s))
+        flown = asked[-1 - round(delay_s / 0.02)]
+        correction.observe(t_s, (0.0, 0.0), planned, (flown, 0.0, 0.0), None)
+    assert correction.lead_s == pytest.approx(delay_s, abs=0.02)
