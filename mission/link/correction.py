@@ -11,10 +11,11 @@ With the error e = p - p* on an axis (reported less planned, at the time of the 
   drag that comes with speed: PX4 in its own simulator by 2 m. The share is 1 until the vehicle is seen ahead of the
   trajectory, as one with an observer of its own is, and falls then.
 
-Velocity and acceleration are asked for ahead of their time by a lead, at most ``MOST_LEAD_S``, for a multicopter tilts
-before it accelerates, and setpoints take their time on the link. The lead grows while the velocity is late where the
-trajectory accelerates or brakes, -e' a* / |a*|^2 per second, and falls where it is early. It is a lead in time, on the
-path itself, so it takes nothing of the tube.
+Velocity and acceleration are asked for ahead of their time, by ``MOST_LEAD_S`` at most, for a multicopter tilts before
+it accelerates, and setpoints take their time on the link. The lead grows while the velocity is late where the
+trajectory accelerates or brakes, -e' a* / |a*|^2 per second, and falls where it is early. The position is asked for
+ahead by the delay of the link, which shows in how far the vehicle is behind on the whole, since autopilots let no
+lasting error stand. Both are leads in time, on the path itself, so they take nothing of the tube.
 
 All of it is frozen where nothing is flown, across gaps, and while the vehicle is farther off than ``_FARTHEST_M``.
 """
@@ -34,6 +35,7 @@ FADING_S: Final = 30.0
 """T_0: how long an offset lasts that nothing asks for any more."""
 
 MOST_LEAD_S: Final = 0.4
+_DELAY_PER_S: Final = 0.1
 _GENTLE_M2_S4: Final = 0.5
 
 _PULL_PER_S: Final = 0.8
@@ -54,7 +56,8 @@ class Correction:
 
     Attributes:
         offset_m: What is added to the position.
-        lead_s: How much earlier than the position, velocity and acceleration are asked for.
+        lead_s: How much ahead of their time velocity and acceleration are asked for.
+        delay_s: How much ahead of its time the position is.
         drag_per_s: What is multiplied by the planned velocity and added to the acceleration.
         error_m: The error of the last report that counted.
         behind_m: The same without what the vehicle is ahead of the trajectory, the larger of both axes.
@@ -65,6 +68,7 @@ class Correction:
         self.offset_m = (0.0, 0.0)
         self.drag_per_s = 0.0
         self.lead_s = 0.0
+        self.delay_s = 0.0
         self.error_m = (0.0, 0.0)
         self.behind_m = 0.0
         self._reach_m = reach_m
@@ -107,6 +111,8 @@ class Correction:
         )
         self.offset_m = (east, north)
         self._share = min(max(self._share - passed_s * _SHARE_PER_S2 * along / (square + _SLOW_M2_S2), 0.0), 1.0)
+        behind = -_DELAY_PER_S * along / (square + _SLOW_M2_S2)
+        self.delay_s = min(max(self.delay_s + passed_s * behind, 0.0), MOST_LEAD_S)
         gained = planned.acceleration_m_s2
         late = sum((v - f) * a for v, f, a in zip(planned_m_s[:2], flown_m_s[:2], gained[:2], strict=True))
         sharp = _SHARE_PER_S2 * late / (gained[0] ** 2 + gained[1] ** 2 + _GENTLE_M2_S4)

@@ -143,7 +143,8 @@ class Guidance:
             self._pace.adapt(vehicle_s, self.correction.behind_m, most_rate, ahead[0])
         reference = self.reference(vehicle_s)
         led = self.reference(vehicle_s + self.correction.lead_s)
-        asked = self.correction.corrected(led._replace(position_m=reference.position_m))
+        place = self.reference(vehicle_s + self.correction.delay_s)
+        asked = self.correction.corrected(led._replace(position_m=place.position_m))
         setpoint = LocalSetpoint(
             time_boot_ms=round(vehicle_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),

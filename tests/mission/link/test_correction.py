@@ -50,6 +50,7 @@ def test_it_never_reaches_beyond_its_bounds(told: list[tuple]) -> None:  # type:
             assert abs(asked.position_m[axis] - PLANNED.position_m[axis]) <= REACH_M + 1e-12
             assert abs(asked.velocity_m_s[axis] - PLANNED.velocity_m_s[axis]) <= 1.0 + 1e-12
             assert 0.0 <= correction.lead_s <= MOST_LEAD_S
+            assert 0.0 <= correction.delay_s <= MOST_LEAD_S
             # Drag is made up for along the planned velocity only.
             push = asked.acceleration_m_s2[axis] - PLANNED.acceleration_m_s2[axis]
             assert 0.0 <= push / PLANNED.velocity_m_s[axis] <= 2.0 + 1e-12
@@ -157,3 +158,14 @@ def test_the_lead_becomes_the_delay_by_which_the_velocity_comes(delay_s: float) 
         flown = asked[-1 - round(delay_s / 0.02)]
         correction.observe(t_s, (0.0, 0.0), planned, (flown, 0.0, 0.0), None)
     assert correction.lead_s == pytest.approx(delay_s, abs=0.02)
+
+
+@pytest.mark.parametrize("link_s", [0.0, 0.1, 0.25])
+def test_the_position_is_asked_for_ahead_by_the_links_delay(link_s: float) -> None:
+    """A vehicle that is, at a steady speed, where it was asked to be a while ago."""
+    correction = Correction(REACH_M)
+    for tick in range(3000):
+        correction.observe(
+            0.05 * tick, (4.0 * (correction.delay_s - link_s), 0.0), EASTWARDS, EASTWARDS.velocity_m_s, None
+        )
+    assert correction.delay_s == pytest.approx(link_s, abs=0.01)
