@@ -1,8 +1,6 @@
 """Free space as the search for shortest paths sees it: barriers that are hit, and corners to bend at.
 
 Barriers are the rims, moved out of free space by a hair, so that a path may run along a rim and bend at its corners.
-They come in pieces: a ring as a whole, or some edges of a long one, with the corners at which a path round that piece
-may bend.
 """
 
 from collections.abc import Sequence
@@ -20,12 +18,8 @@ HAIR: Final = 1e-9
 
 _LEAST_HAIR_M: Final = 1e-8
 _LONGEST_MITRE: Final = 10.0
-_WHOLE: Final = 24
-"""Corners of a ring that is one piece."""
-_PIECE: Final = 12
 _PART: Final = 4.0
 """How long parts are of ways that are looked at, if edges of rims lie a length apart."""
-"""Edges in a piece of any other ring."""
 
 
 class FreeSpace:
@@ -36,7 +30,7 @@ class FreeSpace:
 
     Attributes:
         hair_m: How far its rims are moved.
-        corners_m: Shape (C, 2), where paths may bend; a corner of two pieces of rim is there twice.
+        corners_m: Shape (C, 2), where paths may bend.
         part_of_corner: Shape (C,), the connected part of the area on whose rim it is.
     """
 
@@ -45,8 +39,10 @@ class FreeSpace:
         bounds = np.array(shapely.bounds(area))
         self.hair_m = max(_LEAST_HAIR_M, HAIR * float(np.abs(bounds).max()))
         rims = _Rims.of(self._parts)
-        self._piece_of_edge, nodes, pieces, self._ends = rims.pieces()
-        self._begins = np.searchsorted(pieces, np.arange(int(self._piece_of_edge.max()) + 2))
+        reflex = rims.arriving[:, 0] * rims.leaving[:, 1] - rims.arriving[:, 1] * rims.leaving[:, 0] < 0.0
+        nodes = np.flatnonzero(reflex)
+        self._ring_of_edge = rims.ring
+        self._begins = np.searchsorted(rims.ring[nodes], np.arange(int(rims.ring[-1]) + 2))
         self.corners_m, self.part_of_corner = rims.corners_m[nodes], rims.part[nodes]
         self._before, self._after = -rims.arriving[nodes], rims.leaving[nodes]
         moved = rims.corners_m + self.hair_m * _outwards(rims.arriving, rims.leaving)
@@ -65,7 +61,7 @@ class FreeSpace:
         return found
 
     def hits(self, begins_m: FloatArray, ends_m: FloatArray) -> tuple[IntArray, IntArray]:
-        """Which straight ways, shapes (N, 2), meet barriers: pairs of the way's index and a piece that it meets."""
+        """Which straight ways, shapes (N, 2), meet barriers: pairs of the way's index and a ring that it meets."""
         # In short parts: the box round a long slanting way holds far more of the rims than are near it. Those at its
         # ends first: most ways that are not free are not even free there.
         count = np.maximum(np.ceil(np.hypot(*(ends_m - begins_m).T) / self._part_m), 1.0).astype(np.int64)
@@ -78,15 +74,15 @@ class FreeSpace:
             begins, step = begins_m[way], (ends_m - begins_m)[way] / count[way, None]
             lines = np.stack((begins + part[:, None] * step, begins + (part + 1)[:, None] * step), axis=1)
             index, edge = self._tree.query(shapely.linestrings(lines), predicate="intersects")
-            found.append((way[index], self._piece_of_edge[edge]))
+            found.append((way[index], self._ring_of_edge[edge]))
             done += max(2, done)
             open_ = np.setdiff1d(open_[count[open_] > done], way[index])
-        return np.concatenate([way for way, _ in found]), np.concatenate([piece for _, piece in found])
+        return np.concatenate([way for way, _ in found]), np.concatenate([ring for _, ring in found])
 
-    def corners_of(self, pieces: set[int]) -> IntArray:
-        """The corners of some pieces, ascending."""
+    def corners_of(self, rings: set[int]) -> IntArray:
+        """The corners of some rings, ascending."""
         wanted = np.zeros(len(self._begins) - 1, dtype=np.bool_)
-        wanted[list(pieces)] = True
+        wanted[list(rings)] = True
         return np.concatenate([np.arange(self._begins[k], self._begins[k + 1]) for k in np.flatnonzero(wanted)])
 
     def touched(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
@@ -103,7 +99,7 @@ class FreeSpace:
         first = x * self._before[corners, 1] - y * self._before[corners, 0]
         second = x * self._after[corners, 1] - y * self._after[corners, 0]
         low, high = np.minimum(first, second), np.maximum(first, second)
-        found: BoolArray = (low >= -slack) | (high <= slack) | self._ends[corners]
+        found: BoolArray = (low >= -slack) | (high <= slack)
         return found
 
 
@@ -144,32 +140,6 @@ class _Rims:
         turned = (shapely.is_ccw(rings) == hole)[ring][:, None]
         arriving, leaving = np.where(turned, -leaving, arriving), np.where(turned, -arriving, leaving)
         return _Rims(corners, arriving, leaving, following, ring, part[ring])
-
-    def pieces(self) -> tuple[IntArray, IntArray, IntArray, BoolArray]:
-        """The rings in pieces.
-
-        Returns:
-            The piece of each edge; the corners at which a path round a piece may bend, ordered by piece, and the piece
-            of each; and whether the piece ends there, so that the path may bend whichever way.
-        """
-        reflex = self.arriving[:, 0] * self.leaving[:, 1] - self.arriving[:, 1] * self.leaving[:, 0] < 0.0
-        sizes = np.bincount(self.ring)
-        long = np.bincount(self.ring, weights=reflex) > _WHOLE
-        counts = np.where(long, -(-sizes // _PIECE), 1)
-        first, base = np.cumsum(sizes) - sizes, np.cumsum(counts) - counts
-        within = np.arange(len(self.ring)) - first[self.ring]
-        piece = base[self.ring] + np.where(long[self.ring], within // _PIECE, 0)
-        # Round a piece that stands alone a path may bend at any of its corners, on either side, and at its last edge's.
-        whole = np.flatnonzero(reflex & ~long[self.ring])
-        cut = np.flatnonzero(long[self.ring])
-        closing = cut[piece[self.following[cut]] != piece[cut]]
-        nodes = np.concatenate((whole, cut, self.following[closing]))
-        owner = np.concatenate((piece[whole], piece[cut], piece[closing]))
-        ends = np.concatenate(
-            (np.zeros(len(whole), dtype=np.bool_), within[cut] % _PIECE == 0, np.ones(len(closing), dtype=np.bool_))
-        )
-        order = np.argsort(owner, kind="stable")
-        return piece, nodes[order], owner[order], ends[order]
 
 
 def _outwards(arriving: FloatArray, leaving: FloatArray) -> FloatArray:

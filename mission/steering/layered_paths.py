@@ -2,9 +2,9 @@
 
 A shortest path among polygons bends at their corners only and touches them there (Lozano-Perez and Wesley, "An
 algorithm for planning collision-free paths among polyhedral obstacles", 1979). Which of very many obstacles matter is
-found by trying: all straight ways are taken to be free until the best path asks for them; where one hits a piece of a
-rim, that piece's corners join the graph, once a path over them could be as short as the best one. The length found
-never exceeds the true one meanwhile, so the first path whose ways are all free is a shortest one (the argument of lazy
+found by trying: all straight ways are taken to be free until the best path asks for them; where one hits a ring of the
+rim, that ring's corners join the graph, once a path over them could be as short as the best one. The length found never
+exceeds the true one meanwhile, so the first path whose ways are all free is a shortest one (the argument of lazy
 search: Dellin and Srinivasa, "A unifying formalism for shortest path problems with expensive edge evaluations", 2016).
 """
 
@@ -120,18 +120,20 @@ class LayeredPaths:
             if best > limit:
                 self._near, limit = np.isfinite(self._lengths), np.inf
                 continue
-            if self._link(best, limit, graph) or there[end] > best:
-                continue
             if not np.isfinite(best):
                 raise NoWayError(self._stuck(there), "no way leads to the target")
+            # What is left out below is on no path up to the limit, if all corners of such paths are linked.
+            reach = limit if np.isfinite(limit) else best * (1.0 + _NEARLY)
+            if self._link(reach) or there[end] > best:
+                continue
             nodes = _followed(before.astype(np.int64), end)
             wanted = self._unknown(nodes)
             if not len(wanted):
                 return self._chain(nodes)
-            if not self._cyclic and limit == np.inf:
-                limit = best * (1.0 + _NEARLY)
+            if not self._cyclic:
+                limit = reach
             back = dijkstra(graph.T.tocsr(), indices=ends[choice][1], min_only=True)
-            self._look(np.union1d(wanted, self._nearest(there, back, best * (1.0 + _NEARLY), limit)))
+            self._look(np.union1d(wanted, self._nearest(there, back, reach, limit)))
 
     def forget_beyond(self, length_m: float, layers: Sequence[FloatArray]) -> None:
         """Leave out the corners over which no path through the layers is as short as a length."""
@@ -170,9 +172,9 @@ class LayeredPaths:
         self._seen[ways] = True
         for stage in np.unique(self._stage[ways]).tolist():
             these = ways[self._stage[ways] == stage]
-            index, piece = self._spaces[stage].hits(self._points[self._begins[these]], self._points[self._ends[these]])
+            index, ring = self._spaces[stage].hits(self._points[self._begins[these]], self._points[self._ends[these]])
             self._near[these[index]], self._lengths[these[index]] = False, np.inf
-            self._meet(stage, set(piece.tolist()) - self._met[stage])
+            self._meet(stage, set(ring.tolist()) - self._met[stage])
 
     def _keep(self, ways: BoolArray) -> None:
         """Forget all other ways, and those that are not free."""
@@ -263,27 +265,22 @@ class LayeredPaths:
                 least[here] = to + onward
         return least
 
-    def _meet(self, stage: int, pieces: set[int]) -> None:
-        """Take the corners of some pieces of rims for nodes that may be linked."""
-        if not pieces:
+    def _meet(self, stage: int, rings: set[int]) -> None:
+        """Take the corners of some rings for nodes that may be linked."""
+        if not rings:
             return
-        self._met[stage].update(pieces)
+        self._met[stage].update(rings)
         space = self._spaces[stage]
-        new = space.corners_of(pieces)
+        new = space.corners_of(rings)
         stages = np.full(len(new), stage)
         self._points = np.concatenate((self._points, space.corners_m[new]))
         self._corner_stage, self._corner = np.append(self._corner_stage, stages), np.append(self._corner, new)
         self._linked = np.append(self._linked, np.zeros(len(new), dtype=np.bool_))
         self._least = np.append(self._least, self._least_over(space.corners_m[new], stages))
 
-    def _link(self, length_m: float, limit_m: float, graph: Graph) -> bool:
+    def _link(self, length_m: float) -> bool:
         """Link the corners over which a path may be as short as a length; whether there are any."""
-        wanted = ~self._linked & (self._least <= length_m * (1.0 + _NEARLY))
-        if (self._least[wanted] <= length_m).any():
-            self._raise(np.flatnonzero(wanted), limit_m, graph)
-            wanted &= self._least <= length_m * (1.0 + _NEARLY)
-        if not (self._least[wanted] <= length_m).any():
-            return False
+        wanted = ~self._linked & (self._least <= length_m)
         for stage in np.unique(self._corner_stage[wanted]).tolist():
             space, here = self._spaces[stage], self._corner_stage == stage
             new, known = np.flatnonzero(wanted & here), np.flatnonzero(self._linked & here)
@@ -297,24 +294,7 @@ class LayeredPaths:
             back = space.touching(space.corners_m[self._corner[other]], self._corner[one])
             self._join(stage, self._count + one[back], self._count + other[back], both=True)
             self._linked[new] = True
-        return True
-
-    def _raise(self, corners: IntArray, limit_m: float, graph: Graph) -> None:
-        """Raise what is known of how long paths over corners are, by what is known of the nodes they come from.
-
-        Of paths that are longer than a limit, that is all that is known.
-        """
-        there, back = self._distances(graph)
-        for stage in np.unique(self._corner_stage[corners]).tolist():
-            here = corners[self._corner_stage[corners] == stage]
-            linked = self._count + np.flatnonzero((self._corner_stage == stage) & self._linked)
-            entry, exit_ = (np.arange(*self._offsets[layer : layer + 2]) for layer in (stage, stage + 1))
-            points = self._points[self._count + here]
-            to, onward = (
-                _over(points, self._points[nodes], known[nodes])
-                for nodes, known in ((np.append(entry, linked), there), (np.append(exit_, linked), back))
-            )
-            self._least[here] = np.maximum(self._least[here], np.minimum(to + onward, limit_m))
+        return bool(wanted.any())
 
     def _distances(self, graph: Graph) -> tuple[FloatArray, FloatArray]:
         """How far each node is from the nearest place of the first layer, and from the nearest of the last."""
@@ -360,15 +340,6 @@ def _distances(points: FloatArray, others: FloatArray) -> FloatArray:
     """(P, O) how far points are from others."""
     distances: FloatArray = np.hypot(points[:, None, 0] - others[None, :, 0], points[:, None, 1] - others[None, :, 1])
     return distances
-
-
-def _over(points: FloatArray, others: FloatArray, known: FloatArray) -> FloatArray:
-    """(P,) how far points are at least, over others of which that is known."""
-    found = np.full(len(points), np.inf)
-    for begin in range(0, len(others), _AT_ONCE):
-        here = slice(begin, begin + _AT_ONCE)
-        found = np.minimum(found, (_distances(points, others[here]) + known[here]).min(axis=1, initial=np.inf))
-    return found
 
 
 def _straight_lengths(layers: list[FloatArray]) -> tuple[list[FloatArray], list[FloatArray]]:

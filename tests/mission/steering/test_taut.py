@@ -82,6 +82,30 @@ def test_a_path_is_as_short_as_one_over_all_corners_and_dense_rims(seed: int, ob
     assert path.length_m >= least * (1.0 - 1e-3)
 
 
+def jagged(seed: int) -> shapely.Polygon:
+    """The largest part of a field among stars that overlap, so that most rims are long and full of pockets."""
+    rng = np.random.default_rng(seed)
+    stars = []
+    for _ in range(14):
+        angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, 9))
+        ring = rng.uniform(2.0, 12.0, (9, 1)) * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+        stars.append(shapely.make_valid(shapely.Polygon(rng.uniform((0.0, 0.0), (100.0, 60.0)) + ring)))
+    return max(shapely.get_parts(shapely.difference(FIELD, shapely.union_all(stars))), key=shapely.area)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_prescribed_places_among_pockets_are_joined_by_shortest_ways(seed: int) -> None:
+    free = jagged(seed)
+    rng = np.random.default_rng(seed)
+    places = rng.uniform((0.0, 0.0), (100.0, 60.0), (400, 2))
+    places = places[shapely.contains_xy(free, places)][:4]
+    stretches = [Stretch(free, shapely.Point(place)) for place in places[1:]]
+    path = taut_path(places[0], stretches)
+    checked(path, stretches, places[0])
+    least = brute_force(places[0], [free] * 3, [place[None] for place in places[1:]])[0]
+    assert path.length_m == pytest.approx(least, rel=1e-9)
+
+
 @pytest.mark.parametrize("seed", [1])
 def test_a_round_is_as_short_as_the_best_over_dense_rims(seed: int) -> None:
     free, targets, start = field(seed, 15)
