@@ -120,7 +120,7 @@ def draft_mission(
     lines += _flight(altitude_m, speed_m_s, layout)
     if flight is not None and flight.cost in set(Cost):
         lines += ["", f"search: {{cost: {flight.cost}}}"]
-    if flight is not None and flight.smoothing == CORRIDOR:
+    if flight is None or flight.smoothing == CORRIDOR:
         lines += ["", f"smoothing: {CORRIDOR}"]
     guessed = tuple(piece.name for piece in layout.regions if piece.name in layout.covered and not piece.lanes)
     return Draft("\n".join(lines) + "\n", guessed, flight is None or flight.tube_m is None, tuple(remarks))

@@ -128,6 +128,8 @@ class CorridorPlanner:
         stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run)
         to_lap, lap = self._lines(run, stages, np.asarray(start_m, dtype=np.float64))
         flown = _Flown(self.pace, to_lap, lap)
+        if not flown.moves:
+            raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
         curve = flown.curve
         certificate = certify(curve)
         if not certificate.holds:
@@ -275,6 +277,11 @@ class _Flown:
         if line.lanes is not None:
             self._lanes.append((line.lanes, len(self._pieces)))
             self._pieces.append(line.lanes)
+
+    @property
+    def moves(self) -> bool:
+        """Whether there is any curve: who begins where the flight may end need not move."""
+        return bool(self._pieces)
 
     @property
     def curve(self) -> JoinedCurve:

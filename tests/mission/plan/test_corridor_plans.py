@@ -94,3 +94,9 @@ def test_words_that_count_triangles_are_flown_by_fields_and_said_to_be() -> None
     plan = square("X !a & F b & G !k")
     assert not isinstance(plan.path, Polyline)
     assert any("the path of the fields is flown" in warning for warning in plan.warnings)
+
+
+def test_who_begins_where_the_flight_may_end_is_planned_all_the_same() -> None:
+    plan = square("F G !k")
+    assert plan.certificate.holds
+    assert plan.instead == "the flight may end where it begins"
