@@ -69,6 +69,10 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     index = spec.run if run is None else run
     if index >= runs.count:
         hint = f"the runs are numbered from 0 to {runs.count - 1}"
+        if found.way is not None:
+            hint = (
+                f"by {spec.search.cost} there is one run, number 0; by `search: {{cost: transitions}}` there are more"
+            )
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
     flown = Steering(
         restricted=restricted,

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
+from mission.errors import SpecError
 from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import BoundaryDomain, Cost, Refinement, Search
@@ -174,3 +175,11 @@ search: {cost: distance}
             lengths[tube, kind] = way.length_m
     assert lengths["0.5", "area"] == lengths["0.5", "restricted"] < 46.0
     assert lengths["1", "area"] == lengths["1", "restricted"] > 50.0
+
+
+def test_by_distance_there_is_one_run_to_ask_for() -> None:
+    spec = replace(load_mission(MISSIONS / "paper.yaml"), search=Search(Cost.DISTANCE))
+    with pytest.raises(SpecError, match="there is no run 1 among the shortest") as refused:
+        plan_mission(spec, run=1)
+    (fault,) = refused.value.faults
+    assert fault.hint == "by distance there is one run, number 0; by `search: {cost: transitions}` there are more"
