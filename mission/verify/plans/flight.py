@@ -9,9 +9,12 @@ import numpy as np
 import shapely
 
 from mission.geometry.regions import union_of
+from mission.spec.model import Region
 from mission.verify.plans.lanes import cover_faults
-from mission.verify.plans.patches import patches_of
+from mission.verify.plans.law import Law
+from mission.verify.plans.patches import Patches, patches_of
 from mission.verify.plans.proof import Verdict, certified, pieces_of
+from mission.verify.plans.tube import touching
 from mission.verify.plans.written import Written
 
 GRAVITY_M_S2: Final = 9.80665
@@ -35,6 +38,8 @@ def limits_kept(plan: Written) -> Verdict:
             or (f"it does not rest at {turns[0]:.3f} s, where its curve turns at once" if turns else None)
             or law.excess(curve, limits.speed_m_s, level, limits.jerk_m_s3)
         )
+        for region in plan.spec.regions if not fault else ():
+            fault = fault or _too_fast(plan, curve, law, region)
         if fault:
             return f"the law of leg {number}: {fault}", ""
         durations.append(law.duration_s)
@@ -57,6 +62,19 @@ def _seams(plan: Written) -> str | None:
             end, begin = plan.legs[before].derivative(order)[-1, -1], plan.legs[after].derivative(order)[0, 0]
             if float(np.abs(end - begin).max()) > _SAME_S * (1.0 + float(np.abs(end).max())):
                 return f"from leg {before} to leg {after} the vehicle flies on, and the curve turns at once"
+    return None
+
+
+def _too_fast(plan: Written, curve: Patches, law: Law, region: Region) -> str | None:
+    """Where the vehicle may be faster than it may be while any of its tube is in a region."""
+    if region.speed_m_s is None:
+        return None
+    own = np.zeros(plan.partition.size, dtype=np.bool_)
+    own[plan.labelling.triangles_of(region.name)] = True
+    for stretch in touching(plan.ground, curve, plan.spec.flight.tube_m, own):
+        fault = law.excess(curve, region.speed_m_s, on_s=stretch)
+        if fault:
+            return f"in {region.name}, {fault}"
     return None
 
 

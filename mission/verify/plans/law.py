@@ -76,6 +76,15 @@ class Law:
         place = self._s[piece] + x * (rate + x * (growth / 2.0 + x * change / 6.0))
         return place, rate + x * (growth + x * change / 2.0), growth + x * change
 
+    def _times(self, s: FloatArray) -> FloatArray:
+        """When places on the curve (P,) are reached, shape (P,)."""
+        low, high = np.zeros(len(s)), np.full(len(s), self.duration_s)
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            short = self.jet(middle)[0] < s
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        return high
+
     def rests(self) -> list[Rest]:
         """Where it stands still, if only for a moment."""
         still = (self._rates[:-1] == 0.0) & (self._rates[1:] == 0.0) & (np.diff(self._s) == 0.0)
@@ -83,9 +92,22 @@ class Law:
         moments = self._s[(self._rates == 0.0) & (self._growths == 0.0)]
         return [*held, *(Rest(s, 0.0) for s in moments.tolist())]
 
-    def excess(self, patches: Patches, speed_m_s: float, acceleration_m_s2: float, jerk_m_s3: float) -> str | None:
-        """Where a limit may be exceeded on the curve; None where none is."""
+    def excess(
+        self,
+        patches: Patches,
+        speed_m_s: float,
+        acceleration_m_s2: float = np.inf,
+        jerk_m_s3: float = np.inf,
+        *,
+        on_s: tuple[float, float] | None = None,
+    ) -> str | None:
+        """Where a limit may be exceeded on the curve, or on a stretch of it; None where none is."""
         breaks = np.unique(self._t)
+        if on_s is not None:
+            begin, end = self._times(np.array(on_s)).tolist()
+            breaks = np.unique([begin, *breaks[(breaks > begin) & (breaks < end)], end])
+        if len(breaks) < 2:  # noqa: PLR2004 - no time passes
+            return None
         limits = np.array([speed_m_s, acceleration_m_s2, jerk_m_s3])
         for _ in range(_HALVINGS):
             bounds, surely = self._bounds(patches, breaks)

@@ -15,6 +15,7 @@ from mission.geometry.simplices import Partition
 from mission.verify.plans.patches import ROUNDING, Patches
 
 _ROUNDS: Final = 40
+_CLOSER: Final = 6  # halvings
 _MOST_OPEN: Final = 4096  # patches that are looked into at a time, at least
 _TIGHT: Final = 0.98
 _HONEST: Final = 0.97  # a bound that is told is no farther from the truth
@@ -102,6 +103,18 @@ def _surely(ground: Ground, patches: Patches, half_m: float, piece: IntArray, na
     points = patches.control_m[:, 0]
     which, triangles, outside = ground.met(shapely.box(*(points - half).T, *(points + half).T))
     return bool(outside.any() or not np.isin(piece[which] * ground.size + triangles, named).all())
+
+
+def touching(ground: Ground, patches: Patches, half_m: float, triangles: BoolArray) -> list[tuple[float, float]]:
+    """The stretches of a curve outside of which its tube meets none of some triangles, marked in an array (M,)."""
+    for _ in range(_CLOSER):
+        which, met, _ = ground.met(hulls(patches, half_m))
+        patches = patches.taken(np.unique(which[triangles[met]])).halves()
+        if not len(patches.begins_s):
+            return []
+    apart = np.flatnonzero(patches.begins_s[1:] > patches.ends_s[:-1])
+    begins, ends = np.append(0, apart + 1), np.append(apart, len(patches.ends_s) - 1)
+    return list(zip(patches.begins_s[begins].tolist(), patches.ends_s[ends].tolist(), strict=True))
 
 
 def far_enough(ground: Ground, patches: Patches, claimed_m: float) -> str | None:

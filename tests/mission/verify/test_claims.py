@@ -12,6 +12,7 @@ from mission.plan import plan_to_json
 from mission.verify.plans import claims
 from tests.support.small_missions import FIELDS, PHOTOGRAPHED, ROUNDS, SMALL, plan_of
 
+SLOW = ROUNDS.replace("kind: survey,", "kind: survey, speed_m_s: 1.5,", 1)
 Change = Callable[[dict[str, Any]], None]
 
 
@@ -56,6 +57,7 @@ def limit(**values: float) -> Change:
         (ROUNDS, region("east", loiter_s=3.0), "stops", "there is no stop in east"),
         (SMALL, region("goal", loiter_s=3.0), "stops", "is not in a region in which to loiter for 2 s"),
         (ROUNDS, limit(speed_m_s=1.0), "time law", "m/s at"),
+        (ROUNDS, region("east", speed_m_s=1.0), "time law", "in east, there may be"),
         (ROUNDS, limit(acceleration_m_s2=0.5), "time law", "m/s^2 at"),
         (PHOTOGRAPHED, lambda plan: plan["covers"][0].update(planned_share=1.0), "lanes", "is covered to"),
         (PHOTOGRAPHED, lambda plan: plan["covers"].clear(), "photographs", "there are 0 lanes"),
@@ -68,7 +70,7 @@ def test_what_is_not_so_is_told_in_its_row(text: str, change: Change, row: str, 
     assert words in told(text, change)[row]
 
 
-@pytest.mark.parametrize("text", [ROUNDS, SMALL, PHOTOGRAPHED])
+@pytest.mark.parametrize("text", [ROUNDS, SMALL, PHOTOGRAPHED, SLOW])
 def test_a_plan_as_it_was_written_is_true(text: str) -> None:
     assert told(text, lambda _: None) == {}
 

@@ -142,6 +142,7 @@ def test_an_altered_entry_is_found(name: str, turn: int, tmp_path: Path) -> None
 
 
 @pytest.mark.long
+@pytest.mark.timeout(1800)
 @pytest.mark.usefixtures("planned_once")
 @pytest.mark.parametrize("name", plans())
 def test_whatever_is_altered_is_found(name: str, tmp_path: Path) -> None:
