@@ -12,6 +12,7 @@ from mission.spec.model import Point, Region, RegionKind
 from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS, default_of
 from mission.spec.start_check import NO_TUBE, Tube
 from mission.spec.task_check import task_findings, weight_findings
+from mission.spec.tube import margins_of
 from mission.spec.values import domain_of, point_of, region_of
 
 _FORMULA: Path = ("mission", "formula")
@@ -47,9 +48,11 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
 def _tube_of(data: Any, structural: list[Finding]) -> Tube:  # noqa: ANN401 - any JSON value
     """The tube that the flight asks for; none where that is not sound."""
     flight, keys = data.get("flight", {}), ("disturbance_m_s2", "time_constant_s")
-    if not all(is_clean(("flight", key), structural) for key in keys):
+    if not all(is_clean(("flight", key), structural) for key in (*keys, "tube")):
         return NO_TUBE
-    return Tube(*(float(flight.get(key, default_of("flight", key))) for key in keys))
+    others_m = margins_of(flight).sum_m if "tube" in flight else 0.0
+    disturbance_m_s2, time_constant_s = (float(flight.get(key, default_of("flight", key))) for key in keys)
+    return Tube(disturbance_m_s2, time_constant_s, others_m)
 
 
 def is_clean(path: Path, findings: list[Finding]) -> bool:

@@ -17,6 +17,7 @@ from mission.spec.clearances import BOUNDARY_CLEARANCE, key_of, largest_m
 from mission.spec.finding import Finding, Path, dotted, listed
 from mission.spec.model import Point, Region
 from mission.spec.outlines import Outlines, extent_of, place
+from mission.spec.tube import disturbed_m
 
 _SURELY: Final = 0.98
 """Of the tube: a smoothed path may begin a little beside the start."""
@@ -29,15 +30,17 @@ class Tube:
     Attributes:
         disturbance_m_s2: Bound w of the acceleration that tracking does not know of.
         time_constant_s: tau of the tracking law.
+        others_m: What comes from other causes.
     """
 
     disturbance_m_s2: float
     time_constant_s: float
+    others_m: float = 0.0
 
     @property
     def width_m(self) -> float:
-        """Half of its width, w tau^2."""
-        return self.disturbance_m_s2 * self.time_constant_s**2
+        """Half of its width."""
+        return disturbed_m(self.disturbance_m_s2, self.time_constant_s) + self.others_m
 
 
 NO_TUBE: Final = Tube(0.0, 1.0)
@@ -126,7 +129,7 @@ def _start_too_near_for_proof(
         f"{decimal(tube.width_m)} m each way"
     )
     narrow_m = largest_m(lambda m: not shapely.intersects(area, _square(start_m, m)), tube.width_m) or 0.0
-    disturbance = math.floor(100.0 * narrow_m / tube.time_constant_s**2 + ROUNDING) / 100.0
+    disturbance = math.floor(100.0 * (narrow_m - tube.others_m) / tube.time_constant_s**2 + ROUNDING) / 100.0
     ways = ["move it away"]
     if ground and ground.clearance_m:
         drawn, around = ground.drawn, _square(start_m, tube.width_m)
@@ -139,7 +142,9 @@ def _start_too_near_for_proof(
 
         most = largest_m(free, ground.clearance_m)
         ways += [f"write at most {decimal(most)} for {dotted(key)}"] if most is not None else []
-    ways.append(f"write at most {decimal(disturbance)} for flight.disturbance_m_s2")
+    ways += [f"write at most {decimal(disturbance)} for flight.disturbance_m_s2"] if disturbance >= 0.0 else []
+    if tube.others_m > 0.0:
+        ways.append(f"write less for the causes in flight.tube, for {decimal(narrow_m)} m in all")
     return Finding(("start", "position_m"), message, ", or ".join(ways))
 
 

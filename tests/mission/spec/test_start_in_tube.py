@@ -63,3 +63,14 @@ def test_the_boundary_is_told_with_its_clearance_and_without() -> None:
     assert "is 0.2 m from the boundary, within the tube of the proof, 0.5 m each way" in message
     assert "clearance" not in hint
     read(east=0.2, fence=0.0, disturbance=0.0)
+
+
+def test_other_causes_of_the_tube_count_where_the_file_gives_them() -> None:
+    text = TEXT.format(fence=2.0, barn=4.0, east=28.7, disturbance=0.4, tau=0.5)
+    parse_mission(text.encode())
+    given = text.replace(
+        "time_constant_s", "tube: {estimator_m: 0.2, following_m: 0.2, correction_m: 0}, time_constant_s"
+    )
+    with pytest.raises(SpecError, match=r"within the tube of the proof, 0\.5 m each way") as refused:
+        parse_mission(given.encode())
+    assert refused.value.faults[0].hint.endswith("or write less for the causes in flight.tube, for 0.29 m in all")
