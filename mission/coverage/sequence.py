@@ -49,6 +49,7 @@ class Sequence:
         travel: The ways: the entry comes after the ends of the lanes, then the exit.
         links_s: Shape (2 n + 2, 2 n + 2), from the end of a flight to the begin of another; last the entry and exit.
         lanes_s: What the lanes take.
+        cells: How many cells they are in; the order of one's lanes leaves little to be found.
     """
 
     flights: IntArray
@@ -56,6 +57,7 @@ class Sequence:
     travel: Travel
     links_s: FloatArray
     lanes_s: float
+    cells: int
 
     @property
     def duration_s(self) -> float:
@@ -69,7 +71,7 @@ class Sequence:
 
     def shaken(self) -> "Sequence":
         """The same, with what is found from some worse sequences beside it."""
-        return replace(self, flights=shaken(self.links_s, self.flights))
+        return replace(self, flights=shaken(self.links_s, self.flights)) if self.cells > 1 else self.settled()
 
 
 def sequence(
@@ -112,7 +114,7 @@ def sequence(
     links = np.full((entry + 2, entry + 2), np.inf)
     links[: entry + 1, :entry] = times[: entry + 1, :entry]
     links[:entry, entry + 1] = 0.0 if leave is None else times[:entry, leave]
-    return Sequence(chain, exact, travel, links, float(lengths.sum()) / pace.speed_m_s)
+    return Sequence(chain, exact, travel, links, float(lengths.sum()) / pace.speed_m_s, len(cells))
 
 
 def _tours(lanes: Lanes) -> list[list[IntArray]]:

@@ -107,7 +107,8 @@ class PathPlanner:
         """
         legs = path.legs
         smoothing = FEWEST if self.spec.smoothing == CORRIDOR else self.spec.smoothing
-        joined = joins or any(len(leg.parts) > 1 for leg in legs)
+        covers = any(len(leg.parts) > 1 for leg in legs)
+        joined = joins or covers
         extension = Extension.ODD if joined else smoothing.extension
 
         def refuses(curve: JoinedCurve) -> str:
@@ -115,7 +116,8 @@ class PathPlanner:
 
         if smoothing.frequencies == "auto":
             try:
-                first = MOST_FREQUENCIES if doubtful else FEWEST_FREQUENCIES
+                # Beside lanes what fields steer is short, and each proof takes long.
+                first = MOST_FREQUENCIES if doubtful else 1 if covers else FEWEST_FREQUENCIES
                 return smooth_with_proof(legs, certify, extension=extension, first_frequencies=first, refuses=refuses)
             except UnprovedError as error:
                 advised = f"{error}; {_advice(self.spec)}"

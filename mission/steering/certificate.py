@@ -243,7 +243,7 @@ class Prover:
         """
         grid = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
         enclosure = insert_knots(curve, grid, certificate.knots_s)
-        sets = self._contacts(enclosure).sets()
+        sets = self._contacts(enclosure).sets
         layers, _ = self._layers(enclosure.knots_s, sets, float(curve.starts_s[-2]))
         return self._violations(layers, None).at_end()
 
@@ -259,8 +259,12 @@ class Prover:
 
     def _letters(self, contacts: Contacts) -> IntArray:
         """How many different letters the triangles of each piece have, shape (K,)."""
-        pairs = np.unique(np.stack((contacts.pieces, self._labelling.letter_of[contacts.triangles])), axis=1)
-        return np.bincount(pairs[0], minlength=len(contacts.outside))[1:-1]
+        return np.bincount(self._letters_of(contacts)[0], minlength=len(contacts.outside))[1:-1]
+
+    def _letters_of(self, contacts: Contacts) -> tuple[IntArray, IntArray]:
+        """Of each piece the letters of its triangles: pieces, ascending, and one letter of each, shape (L,) both."""
+        count = len(self._labelling.letters)
+        return np.divmod(np.unique(contacts.pieces * count + self._labelling.letter_of[contacts.triangles]), count)
 
     def _doubt(self, enclosure: Enclosure, contacts: Contacts, ways: _Ways) -> _Doubt | None:
         """What cannot be proved with these pieces; None where all can."""
@@ -270,7 +274,7 @@ class Prover:
             at_knots = self._search.contacts(points, points, np.full(len(points), self._tube_m))
             certain = np.flatnonzero(at_knots.outside | at_knots.marked(self._restricted))
             return _Doubt(unsafe, certain)
-        layers, first = self._layers(enclosure.knots_s, contacts.sets(), ways.lap_from_s)
+        layers, first = self._layers(enclosure.knots_s, contacts.sets, ways.lap_from_s)
         violations = self._violations(layers, ways.begins)
         return self._wordy_doubt(enclosure, contacts, violations, first) if violations.exists() else None
 
@@ -297,7 +301,7 @@ class Prover:
         self, enclosure: Enclosure, contacts: Contacts, violations: Violations, first: tuple[int, ...]
     ) -> _Doubt:
         """Which pieces may be to blame for a violating word."""
-        sets = contacts.sets()
+        sets = contacts.sets
         # Pieces with one letter only matter where the formula counts triangles: they are cut last.
         blame = self._letters(contacts) > 1
         if not (blame & (enclosure.reach_m > self._finest_m)).any():
@@ -312,7 +316,7 @@ class Prover:
             where_s=None,
             where_m=None,
             knots_s=enclosure.knots_s,
-            possible=tuple(contacts.sets()[1:-1]),
+            possible=tuple(contacts.sets[1:-1]),
             word=self._sure_word(contacts),
             clearance_m=None if self._distance is None else clearance(curve, enclosure, self._distance),
             tube_m=self._tube_m,
@@ -369,8 +373,8 @@ class Prover:
 
     def _sure_word(self, contacts: Contacts) -> tuple[frozenset[str], ...]:
         """The labels of the pieces in which only one is possible, equal neighbours once."""
-        letters = [{int(self._labelling.letter_of[t]) for t in triangles} for triangles in contacts.sets()]
-        sure = (next(iter(of_piece)) for of_piece in letters if len(of_piece) == 1)
+        pieces, letters = self._letters_of(contacts)
+        sure = letters[np.bincount(pieces, minlength=1)[pieces] == 1].tolist()
         return tuple(self._labelling.letters[letter] for letter, _ in groupby(sure))
 
 

@@ -7,6 +7,7 @@ them, so the tests below are exact for the hexagon, and never miss a triangle th
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -95,6 +96,7 @@ class Contacts:
     depth_m: FloatArray
     outside: BoolArray
 
+    @cached_property
     def sets(self) -> list[tuple[int, ...]]:
         """The triangles of each piece."""
         bounds = np.searchsorted(self.pieces, np.arange(len(self.outside) + 1)).tolist()

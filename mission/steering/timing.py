@@ -53,7 +53,7 @@ _GROWTH: Final = 0.3
 """How much longer each cell is than the one before, farther on."""
 _MOST_KNOTS: Final = 3_000
 """For which the interior-point method is fast enough."""
-_EASINGS: Final = 4
+_EASINGS: Final = 3
 
 
 def level_acceleration(acceleration_m_s2: float, tilt_rad: float) -> float:

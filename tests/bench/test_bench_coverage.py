@@ -19,7 +19,7 @@ from mission.spec.loader import parse_mission
 from tests.support.measuring import TURNS, compared, seconds, turn_s
 
 PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
-MOST_TURNS = 12_000_000
+MOST_TURNS = 15_000_000
 MOST_BETWEEN = 0.25
 ASIDE_M = 0.7
 MOST_LOOPS = 2.0 / 0.85

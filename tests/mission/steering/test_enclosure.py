@@ -80,7 +80,7 @@ def test_contacts_are_those_of_the_swept_squares(seed: int, nodes: int) -> None:
     contacts = ContactSearch(partition).contacts(starts, ends, widths)
     triangles = shapely.polygons(partition.corners_m)
     domain = shapely.union_all(triangles)
-    for k, found in enumerate(contacts.sets()):
+    for k, found in enumerate(contacts.sets):
         shape = swept(starts[k], ends[k], max(widths[k], 1e-12))
         gaps = shapely.distance(shape, triangles)
         assert set(np.flatnonzero(gaps == 0.0).tolist()) <= set(found)
@@ -103,7 +103,7 @@ def test_the_deepest_triangle_is_the_one_with_the_centre() -> None:
 def test_squares_beyond_the_domain_touch_nothing() -> None:
     far = np.array([[100.0, 100.0]])
     contacts = ContactSearch(paper_partition()).contacts(far, far, np.array([1.0]))
-    assert contacts.sets() == [()]
+    assert contacts.sets == [()]
     assert contacts.outside.tolist() == [True]
     assert contacts.centres().tolist() == [-1]
 
