@@ -210,11 +210,22 @@ class StagesOfRuns:
             return Stages(self._with_stay(stages, state, letters[-1], len(run.states) - 1))
         steps, pair = self._lap(state, letters, head)
         laps = self._cut_all(steps, [*steps[-1:], *steps[:-1]], letters, pair)
+        stages.extend(self._ending(stages, state, letters[0], laps[0][0].free, pair))
         begins = np.cumsum([len(stages), *map(len, laps)]).tolist()
         entries = tuple(
             begin for begin, step in zip(begins, steps, strict=False) if self._no_worse(state, step.state, None)
         )
         return Stages((*stages, *chain.from_iterable(laps)), len(stages), entries)
+
+    def _ending(self, stages: Sequence[Stage], state: int, start: int, lap: Area, pair: Pair) -> Iterator[Stage]:
+        """The stage in which the vehicle leaves what laps must not touch again, where it is there before them."""
+        harmless = self._reading(state, [state], None)
+        there = (
+            not shapely.covers(lap, stages[-1].target) if stages else start not in self._reading(state, [state], pair)
+        )
+        if pair[0] and there:
+            free = self._grounds.touching_only(harmless)
+            yield Stage(free, polygonal(shapely.intersection(free, lap)))
 
     def _cut_all(
         self, steps: list[_Step], before: list[_Step], letters: list[int], lap: Pair | None

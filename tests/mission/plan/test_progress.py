@@ -139,3 +139,10 @@ def test_the_path_does_not_depend_on_the_mesh(name: str) -> None:
     for one, other in zip(coarse.lines, fine.lines, strict=True):
         assert one.points_m.shape == other.points_m.shape
         assert np.abs(one.points_m - other.points_m).max() < 1e-6
+
+
+def test_what_laps_must_not_touch_again_is_left_before_them() -> None:
+    path = path_of(survey("G F S1 & G F S2 & F G !S3 & F S3"), 0.5)
+    assert path.lap is not None
+    lap = shapely.LineString(np.concatenate([line.points_m for line in path.lines[path.lap :]]))
+    assert shapely.distance(lap, shapely.Polygon([(100, 10), (128, 12), (126, 34), (102, 32)])) >= 0.5
