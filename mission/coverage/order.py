@@ -21,7 +21,7 @@ MOST_EXACT: Final = 12
 _LONGEST_MOVED: Final = 3
 _NOWHERE: Final = 1e6
 _SEED: Final = 1
-_KICKS: Final = 80
+_KICKS: Final = 40
 _FEWEST: Final = 4
 _FARTHEST: Final = 30
 """Lanes between which two stretches lie that follow each other and are exchanged."""
