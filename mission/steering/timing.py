@@ -40,6 +40,7 @@ _SAME_PLACE: Final = 1e-6
 _SAME_KNOT: Final = 1e-9  # of the way between two stops
 _QUICKEST_S: Final = 0.15  # in which the acceleration comes up: a larger jerk is not made use of
 _TURNS: Final = 3
+_MORE_TURNS: Final = 6  # where what exceeds the limits cannot be slowed down
 _NEARLY: Final = 1.001  # of a limit; a law that asks for no more is good
 _BEGIN: Final = 0.9
 _SLOWER: Final = 0.8
@@ -189,8 +190,10 @@ def _between_stops(
     start = guess.jet(guess.time_at(places))[1][1:-1] ** 2
     start[[0, -1]] = [end**2 if end > 0.0 else b for end, b in zip(ends, start[[0, -1]].tolist(), strict=True)]
     inner = start if moving else _BEGIN * np.minimum(start, ceilings[1:-1])
-    laws = [_slowed(guess, strain(guess, grid, limits), moving=moving)]
-    for turn in range(_TURNS):
+    # A guess that moves at an end is slow all over: to stop there is better.
+    laws = [] if moving else [_slowed(guess, strain(guess, grid, limits), moving=False)]
+    sharply, beyond = (2.0, 1.005) if moving else (1.0, 1.0)
+    for turn in range(_MORE_TURNS if moving else _TURNS):
         problem = PacingProblem(
             places, firm.slopes, firm.bends, beside(grid.third), squares_at_ends, ceilings, accelerations, jerks
         )
@@ -207,9 +210,11 @@ def _between_stops(
         laws.append(_slowed(law, found, moving=moving))
         if _excess(found) <= (1.0 if moving else _NEARLY):
             break
-        accelerations = accelerations / _near(np.maximum(found.acceleration, 1.0))
-        jerks = jerks / _near(np.maximum(found.jerk, 1.0))
-        ceilings = ceilings / beside(np.maximum(found.speed, 1.0)) ** 2
+        accelerations = (
+            accelerations / _near(np.where(found.acceleration > 1.0, beyond * found.acceleration, 1.0)) ** sharply
+        )
+        jerks = jerks / _near(np.where(found.jerk > 1.0, beyond * found.jerk, 1.0)) ** sharply
+        ceilings = ceilings / beside(np.maximum(found.speed, 1.0)) ** (2.0 * sharply)
         inner = start if moving else inner
     kept = [law for law in laws if law is not None]
     if not kept:
