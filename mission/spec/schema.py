@@ -263,7 +263,7 @@ _SEARCH: Final = mapping(
             "description": "What is counted: the transitions between triangles, the metres of the way, or the seconds "
             "that it takes with its stops. Metres and seconds do not depend on the mesh.",
             "enum": [cost.value for cost in Cost],
-            "default": Cost.TRANSITIONS.value,
+            "default": Cost.DISTANCE.value,
         },
         "prefix_weight": _weight("prefix, which is flown once,", 1),
         "suffix_weight": _weight("suffix, which is repeated,", SUFFIX_DECIDES),
@@ -294,6 +294,7 @@ _SMOOTHING: Final[Schema] = {
     "description": "How a run becomes a curve: in the corridor of the shortest path, or by the Fourier series of the "
     "path of the fields, as the paper has it.",
     "anyOf": [_SERIES, {"type": "string", "enum": [CORRIDOR]}],
+    "default": CORRIDOR,
     "examples": [CORRIDOR, {"extension": "odd", "frequencies": "auto"}],
 }
 

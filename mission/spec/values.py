@@ -82,7 +82,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
 
 
 def _smoothing(data: Data) -> Smoothing | Literal["corridor"]:
-    if data.get("smoothing") == CORRIDOR:
+    if data.get("smoothing", CORRIDOR) == CORRIDOR:
         return CORRIDOR
     frequencies = _given(data, "smoothing", "frequencies")
     return Smoothing(
