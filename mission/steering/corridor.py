@@ -29,10 +29,11 @@ from mission.steering.bezier import DEGREE, BezierCurve, derivative_points
 from mission.steering.cells import Cell, borders_of, cell_round
 
 _TURNS: Final = 4  # times that shape and times are improved
-_EASES: Final = (0.5, 0.25, 0.12, 0.06)  # parts of the speed for which bends are rounded
+_EASES: Final = (0.5, 0.25, 0.12, 0.06)  # parts of the speed for which bends are rounded, until it is short enough
 _LONGER: Final = 1.06  # than the taut path: as long as the curve may become
 _SAMPLES: Final = 12  # of a piece, where its duration is estimated
 _SLOWEST: Final = 0.2  # of the fastest speed: a rest has no effect on the shape beyond that
+_SHORTEST: Final = 0.1  # piece, of the time in which the vehicle reaches full speed
 _BEND_SHARE: Final = 0.25  # of a stretch, at most, that belongs to the cell of a bend at first
 _MOST_PIECES: Final = 4  # of a stretch
 _STRAIGHT: Final = 1e-9  # how little a direction changes where there is no bend
@@ -136,9 +137,10 @@ def smooth_ways(
     best: _Shape | None = None
     for ease in _EASES:
         found = _shaped(programme, np.array([piece.lasts_s for piece in row.pieces]), pace, ease, _LONGER * taut_m)
-        if best is not None and (found is None or best.rank <= found.rank):
+        if best is None or (found is not None and found.rank < best.rank):
+            best = found
+        if best is not None and best.excess_m == 0.0:
             break
-        best = found
     if best is None:
         raise UnprovedError("the taut path leaves no room for a smooth curve", counterexample=(), where_s=None)
     controls, lasts = best.controls_m, best.lasts_s
@@ -152,6 +154,8 @@ def smooth_ways(
 def _shaped(programme: "_Programme", lasts_s: FloatArray, pace: Pace, ease: float, longest_m: float) -> _Shape | None:
     """The best curve of a few turns, bends being rounded for a part of the speed; None where there is no curve."""
     best: _Shape | None = None
+    shortest_s = _SHORTEST * pace.speed_m_s / pace.acceleration_m_s2
+    lasts_s = np.maximum(lasts_s, shortest_s)
     for _ in range(_TURNS):
         controls = programme.solved(lasts_s, ease)
         if controls is None:
@@ -160,7 +164,7 @@ def _shaped(programme: "_Programme", lasts_s: FloatArray, pace: Pace, ease: floa
         shape = _Shape(max(0.0, length - longest_m), total, controls, lasts_s)
         if best is None or shape.rank < best.rank:
             best = shape
-        lasts_s = durations
+        lasts_s = np.maximum(durations, shortest_s)
     return best
 
 
@@ -246,7 +250,9 @@ class _Programme:
             weight**2 * lasts_s[:, None, None] ** (1 - 2 * order) * _gram(order)
             for order, weight in enumerate(weights, start=1)
         )
-        cost = sp.block_diag([sp.kron(block, sp.eye(2)) for block in np.asarray(blocks)], format="csc")
+        # The solver's tolerances are absolute: numbers about 1.
+        blocks = np.asarray(blocks) / np.median(np.abs(blocks).max(axis=(1, 2)))
+        cost = sp.block_diag([sp.kron(block, sp.eye(2)) for block in blocks], format="csc")
         joints, values = self._joints(lasts_s, unit)
         matrix = sp.vstack((joints, self._inside), format="csc")
         offsets = np.concatenate((values, self._limits / unit))
@@ -267,18 +273,18 @@ class _Programme:
         if self._closing is not None:
             pairs.append((count - 1, self._closing))
         before, after = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
-        ratio = lasts_s[before] / lasts_s[after]  # r' and r'' of both in units of the piece before
+        # r' and r'' of both in units of the shorter piece, for numbers of one size.
+        shorter = np.minimum(lasts_s[before], lasts_s[after])
+        left, right = shorter / lasts_s[before], shorter / lasts_s[after]
         ends: list[tuple[Any, Any, Any]] = []  # row, piece * 6 + point, value
         number = np.arange(len(before))
         last, first = before * _POINTS + DEGREE, after * _POINTS
         one = np.ones(len(before))
         ends += [(3 * number, last, one), (3 * number, first, -one)]
-        ends += [(3 * number + 1, last, one), (3 * number + 1, last - 1, -one)]
-        ends += [(3 * number + 1, first + 1, -ratio), (3 * number + 1, first, ratio)]
-        ends += [(3 * number + 2, last, one), (3 * number + 2, last - 1, -2 * one), (3 * number + 2, last - 2, one)]
-        squares = ratio**2
-        ends += [(3 * number + 2, first, -squares), (3 * number + 2, first + 1, 2 * squares)]
-        ends += [(3 * number + 2, first + 2, -squares)]
+        ends += [(3 * number + 1, last, left), (3 * number + 1, last - 1, -left)]
+        ends += [(3 * number + 1, first + 1, -right), (3 * number + 1, first, right)]
+        for point, sign in ((0, 1.0), (1, -2.0), (2, 1.0)):
+            ends += [(3 * number + 2, last - point, sign * left**2), (3 * number + 2, first + point, -sign * right**2)]
         given = [(0, [1.0], self._ends.start_m - self._ends.start_m)]
         if self._ends.end_m is not None:
             given.append((count * _POINTS - 1, [1.0], self._ends.end_m - self._ends.start_m))

@@ -26,6 +26,7 @@ FEWEST_CELLS: Final = 32
 """Of a way from one stop to the next."""
 
 _TINY: Final = 1e-100  # against 0 / 0
+_LEAST: Final = 1e-3  # of b, where none goes with the one beside it: it is a guess, and must get on
 _SAME_TIME_S: Final = 1e-9  # knots of a law that are closer together are one
 _STEP_S: Final = 0.05  # that a cell takes at most where the acceleration changes
 _STEPS: Final = 6.0  # cells in which the jerk brings up the acceleration, at least
@@ -109,7 +110,7 @@ def largest_squares(grid: Grid, ceilings: FloatArray, acceleration_m_s2: float) 
         b = values[0]
         for i, (share, cross, most, rise) in enumerate(cells, start=1):
             b = min(values[i], b + rise, share * b + math.sqrt(max(0.0, most - cross * b * b)))
-            b = values[i] = max(b, 0.0)
+            b = values[i] = max(b, _LEAST * values[i])
         squares = np.array(values, dtype=np.float64)[::order]
     return squares
 
