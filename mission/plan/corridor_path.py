@@ -187,11 +187,15 @@ class CorridorPlanner:
             # It leads to where the lap begins; what is done there is done at the end of each lap.
             to_lap[-1] = _Line(to_lap[-1].way)
         first = next((number for number, line in enumerate(lap) if line.rests), None)
-        return (
-            ([*to_lap, *lap[: first + 1]], [*lap[first + 1 :], *lap[: first + 1]])
-            if first is not None
-            else (to_lap, lap)
-        )
+        if first is None:
+            return to_lap, lap
+        head, tail = lap[: first + 1], lap[first + 1 :]
+        lanes = head[-1].lanes
+        if lanes is not None:
+            # The lap begins with its lanes, so that the way to it does not cover as well.
+            head[-1] = _Line(head[-1].way)
+            tail.insert(0, _Line(Way(head[-1].way.points_m[-1:], head[-1].way.free, None), lanes=lanes))
+        return [*to_lap, *head], [*tail, *head]
 
     def _held_s(self, stage: Stage) -> float:
         """How long the vehicle loiters where a stage ends."""

@@ -108,7 +108,7 @@ def time_law(
     laws = []
     for begin, end in pairwise(places):
         own = np.union1d(knots[(knots > begin) & (knots < end)], np.linspace(begin, end, FEWEST_CELLS + 1))
-        apart = np.diff(own[:-1]) > _SAME_KNOT * (end - begin)
+        apart = np.minimum(np.diff(own[:-1]), end - own[1:-1]) > _SAME_KNOT * (end - begin)
         own = np.concatenate((own[:1], own[1:-1][apart], own[-1:]))
         at_ends = ends[0] if begin == 0.0 else 0.0, ends[1] if end == curve.duration_s else 0.0
         laws.append(_between_stops(curve, own, limits, slow, at_ends))

@@ -9,7 +9,7 @@ import shapely
 from mission.plan import FlightPlan, plan_mission
 from mission.plan.loiter import loiter_stops
 from mission.spec.loader import parse_mission
-from tests.support.steered_plans import fields_of
+from tests.support.steered_plans import BY_FIELDS, fields_of
 
 MISSION = """\
 domain:
@@ -27,7 +27,7 @@ flight: {{disturbance_m_s2: {tube}}}
 
 
 def planned(shape: str, tube: float, formula: str = "F spot & F G home") -> FlightPlan:
-    return plan_mission(parse_mission(MISSION.format(shape=shape, tube=tube, formula=formula).encode()))
+    return plan_mission(parse_mission((MISSION.format(shape=shape, tube=tube, formula=formula) + BY_FIELDS).encode()))
 
 
 def depths(plan: FlightPlan) -> list[float]:

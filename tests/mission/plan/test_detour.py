@@ -30,6 +30,7 @@ start:
   position_m: [5, 5]
 flight: {disturbance_m_s2: 0.5}
 smoothing: {frequencies: 128}
+search: {cost: transitions}
 """
 
 

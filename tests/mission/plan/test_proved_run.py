@@ -16,9 +16,11 @@ from mission.plan.proved_run import spread_from
 from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec
 from tests.support.proofs import untrue
+from tests.support.steered_plans import BY_FIELDS
 
 # Some of the shortest runs squeeze past a region between it and the border.
-NARROW = """\
+NARROW = (
+    """\
 domain:
   nodes: [[0, 0], [32, 0], [32, 48], [0, 48],
     [2, 2], [12, 2], [12, 12], [2, 12],
@@ -38,6 +40,8 @@ start:
   position_m: [5, 5]
 flight: {disturbance_m_s2: 0.3}
 """
+    + BY_FIELDS
+)
 
 
 @pytest.fixture(scope="module")
