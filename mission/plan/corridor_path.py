@@ -18,6 +18,7 @@ from mission.plan.progress import Grounds, Stage, Stages, StagesOfRuns
 from mission.plan.visits import covered_visits, passage_at, visits
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, Point, Region
+from mission.steering.bezier import DEGREE, BezierCurve
 from mission.steering.certificate import Certificate
 from mission.steering.corridor import Pace, Way, smooth_ways
 from mission.steering.joined import Curve, JoinedCurve, Piece
@@ -257,6 +258,8 @@ class _Flown:
             if lap:
                 lap_from = len(self._pieces)
                 self._fly(_groups(lap))
+        if not self._pieces:
+            self._pieces.append(_standing(to_lap[-1].way.points_m[-1]))
         self._lap_from, self._through = lap_from, through
 
     def _fly(self, groups: Sequence[Sequence[_Line]]) -> None:
@@ -316,6 +319,11 @@ class _Flown:
         """Lanes, and the parameter at which they begin."""
         ends_s = self._ends_s
         return ((lanes, ends_s[count]) for lanes, count in self._lanes)
+
+
+def _standing(place_m: FloatArray) -> BezierCurve:
+    """The curve of who stays where the flight begins."""
+    return BezierCurve(np.array([0.0, 1.0]), np.broadcast_to(place_m, (1, DEGREE + 1, 2)))
 
 
 def _groups(lines: Sequence[_Line]) -> list[list[_Line]]:

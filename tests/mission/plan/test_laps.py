@@ -21,7 +21,7 @@ from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.proofs import untrue
 from tests.support.required import required
 from tests.support.small_missions import ROUNDS, plan_of
-from tests.support.steered_plans import fields_of
+from tests.support.steered_plans import by_fields, fields_of
 
 PATROL = Path(__file__).parents[3] / "missions" / "patrol.yaml"
 
@@ -44,7 +44,7 @@ def with_a_shortcut(curve: FourierCurve, at_s: float, toward_m: tuple[float, flo
 
 
 def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there() -> None:
-    spec = load_mission(PATROL)
+    spec = by_fields(load_mission(PATROL))
     patrol = plan_mission(replace(spec, formula=f"F (north & F home) & {spec.formula}"))
     prover = prover_of(patrol.spec, patrol.partition, patrol.labelling, patrol.compiled_refutation, patrol.restricted)
     out, lap, _ = fields_of(patrol).legs
@@ -59,20 +59,22 @@ def test_a_lap_that_skips_a_gate_is_refused_although_the_way_to_it_passes_there(
     assert prover.certify(JoinedCurve((whole[0], whole[1], skipping)), repeats=False).counterexample  # no lap, no proof
 
 
-def test_the_lap_begins_and_ends_in_one_place_at_rest(patrol: FlightPlan) -> None:
+def test_the_lap_is_flown_through_where_it_ends_and_begins(patrol: FlightPlan) -> None:
     trajectory = patrol.trajectory
     assert (trajectory.lap, trajectory.laps, len(trajectory.legs)) == (1, 2, 3)
     lap = trajectory.legs[1]
     ends, speeds, accelerations = lap.state(np.array([0.0, lap.duration_s]))
     assert ends[1] == pytest.approx(ends[0], abs=1e-9)
-    assert speeds == pytest.approx(np.zeros((2, 2)), abs=1e-9)
-    assert accelerations == pytest.approx(np.zeros((2, 2)), abs=1e-6)
+    assert speeds[1] == pytest.approx(speeds[0], abs=1e-6)
+    assert np.hypot(*speeds[0]) > 0.5
+    assert accelerations[1] == pytest.approx(accelerations[0], abs=1e-6)
 
 
 def test_the_vehicle_returns_to_the_region_of_kind_home(patrol: FlightPlan) -> None:
     assert patrol.homeward is not None
     assert patrol.homeward.certificate.holds
-    assert patrol.homeward.run.prefix[0] == patrol.run.suffix[0]
+    lap_ends = patrol.curve.position([patrol.curve.starts_s[2]])
+    assert patrol.homeward.run.prefix[0] == patrol.locator.triangle_at(lap_ends)[0]
     end = patrol.trajectory.position([patrol.trajectory.duration_s])
     assert patrol.labelling.label(int(patrol.locator.triangle_at(end)[0])) == {"home"}
     assert not patrol.warnings

@@ -141,7 +141,7 @@ def test_a_plan_keeps_its_way() -> None:
 
 def test_the_way_back_from_laps_goes_straight_home() -> None:
     mesh = "  mesh: {largest_m: 3}\nregions:\n"
-    plan = plan_of(ROUNDS.replace("regions:\n", mesh) + "search: {cost: distance}\n")
+    plan = plan_of(ROUNDS.replace("regions:\n", mesh) + "smoothing: {frequencies: auto}\n")
     assert plan.way is not None
     assert plan.homeward is not None
     back = shapely.shortest_line(shapely.Point(plan.way.loop_m[-1]), plan.area_of("home"))
