@@ -37,6 +37,8 @@ mission: {formula: "F (S1 & F R) & G !K1"}
 start: {position_m: [11.0, 9.5]}
 flight: {speed_m_s: 0.05, altitude_m: 10, final_stay_s: 100, time_constant_s: 5, disturbance_m_s2: 0.002}
 limits: {speed_m_s: 1, acceleration_m_s2: 1, tilt_deg: 20}
+smoothing: {extension: odd}
+search: {cost: transitions}
 """
 
 SURVEY = b"""
@@ -54,6 +56,8 @@ mission: {formula: "F north_field & F orchard & F pond & F G base & G !school & 
 start: {position_m: [12, 13]}
 flight: {speed_m_s: 4, altitude_m: 20, time_constant_s: 1, disturbance_m_s2: 0.5}
 limits: {speed_m_s: 8, acceleration_m_s2: 2.5, tilt_deg: 25}
+smoothing: {extension: odd}
+search: {cost: transitions}
 """
 
 

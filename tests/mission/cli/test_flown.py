@@ -116,7 +116,7 @@ def test_a_plan_adds_the_distance_from_its_path(small: str, tmp_path: Path, caps
         result = ran(capsys, "verify", *words, "--flight", log)
         assert result.code == 0, result.out + result.err
         (line,) = [line for line in result.out.splitlines() if line.startswith("path")]
-        assert 0.5 < float(line.split()[3]) < 4.0
+        assert 0.5 < float(line.split()[3]) < 5.0
     other = tmp_path / "other.yaml"
     other.write_text(SMALL.replace("altitude_m: 6", "altitude_m: 7"), encoding="utf-8")
     result = ran(capsys, "verify", "--mission", str(other), "--plan", plan, "--flight", log)
