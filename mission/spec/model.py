@@ -261,7 +261,7 @@ class Search:
         suffix_weight: How much the part that is repeated weighs; None where it decides.
     """
 
-    cost: Cost = Cost.TRANSITIONS
+    cost: Cost = Cost.DISTANCE
     prefix_weight: int = 1
     suffix_weight: int | None = None
 

@@ -21,14 +21,14 @@ BROKEN = sorted((MISSIONS / "broken").glob("*.yaml"))
 WHOLE_FILE = {"empty.yaml", "only_comments.yaml"}
 """Where there is no line to point at."""
 WORDS = {
-    "delivery": "base depot clinic farm depot base",
+    "delivery": "base depot clinic farm base",
     "farm": "pad field field pad",
     "inspection": "pad roof tank pad",
-    "orchard": "shed rows rows rows rows rows rows rows rows rows shed",
+    "orchard": "shed rows rows rows rows rows rows rows rows shed",
     "pairs": "home field depot field depot home",
     "paper": "S2 S1 R",
     "park": "car_park meadow stage meadow car_park",
-    "patrol": "home north east west",
+    "patrol": "home east west north east",
     "power_line": "yard north south yard",
     "response": "lab well lab pond lab",
     "survey": "home S1 S2 S3 home",

@@ -14,6 +14,7 @@ from mission.geometry.geodesy import LatLon
 from mission.interchange.autopilot_plan import Command
 from mission.plan import FlightPlan
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
+from tests.support.steered_plans import BY_FIELDS
 
 PLACE = LatLon(47.0, 8.0)
 
@@ -30,10 +31,12 @@ def test_path_and_legs_are_never_farther_apart_than_told(plan: FlightPlan, toler
     legs = shapely.LineString([waypoint.place_m for waypoint in route.once])
     path = plan.curve.position(np.linspace(0.0, plan.curve.duration_s, 5_001))
     assert shapely.distance(legs, shapely.points(path)).max() <= route.deviation_m
-    assert shapely.hausdorff_distance(shapely.segmentize(legs, 0.1), shapely.LineString(path)) <= route.deviation_m
+    between = shapely.get_coordinates(shapely.segmentize(legs, 0.05))
+    assert shapely.distance(shapely.LineString(path), shapely.points(between)).max() <= route.deviation_m + 1e-4
 
 
-def test_fewer_legs_are_needed_where_more_is_allowed(plan: FlightPlan) -> None:
+def test_fewer_legs_are_needed_where_more_is_allowed() -> None:
+    plan = plan_of(SMALL + BY_FIELDS)  # which wander
     counts = [len(route_of(plan, tolerance_m).once) for tolerance_m in (0.01, 0.1, 1.0)]
     assert counts == sorted(counts, reverse=True)
     assert counts[0] > 2 * counts[2]

@@ -35,6 +35,7 @@ regions:
 mission: {formula: F rows & F lawn}
 start: {position_m: [10, 10]}
 flight: {disturbance_m_s2: 0.3}
+smoothing: {frequencies: auto}
 """
 
 

@@ -13,6 +13,7 @@ from mission.geometry.geodesy import LatLon
 from mission.spec.document import document_of
 from mission.spec.loader import MOST_FAULTS, load_mission, parse_mission
 from mission.spec.model import (
+    CORRIDOR,
     BoundaryDomain,
     Extension,
     Flight,
@@ -87,7 +88,7 @@ def test_what_a_file_leaves_out_has_defaults() -> None:
         disturbance_m_s2=0.0,
         margins=Margins(estimator_m=0.1, following_m=0.4, correction_m=0.1, following_m_s=0.8),
     )
-    assert spec.smoothing == Smoothing(Extension.ODD, "auto")
+    assert spec.smoothing == CORRIDOR
     assert spec.limits == Limits(speed_m_s=5.0, acceleration_m_s2=2.5, tilt_rad=math.radians(25.0))
 
 
