@@ -191,11 +191,11 @@ class CorridorPlanner:
         if first is None:
             return to_lap, lap
         head, tail = lap[: first + 1], lap[first + 1 :]
-        lanes = head[-1].lanes
-        if lanes is not None:
+        covering = head[-1].lanes
+        if covering is not None:
             # The lap begins with its lanes, so that the way to it does not cover as well.
             head[-1] = _Line(head[-1].way)
-            tail.insert(0, _Line(Way(head[-1].way.points_m[-1:], head[-1].way.free, None), lanes=lanes))
+            tail.insert(0, _Line(Way(head[-1].way.points_m[-1:], head[-1].way.free, None), lanes=covering))
         return [*to_lap, *head], [*tail, *head]
 
     def _held_s(self, stage: Stage) -> float:

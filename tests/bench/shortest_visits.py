@@ -89,7 +89,7 @@ class Ground:
             for ring in (part.exterior,)
         ]
         found = np.concatenate(points)
-        return found[shapely.covers(self._free, shapely.points(found))]
+        return np.asarray(found[shapely.covers(self._free, shapely.points(found))])
 
     def seen(self, some: Floats, others: Floats) -> Floats:
         """Distances between points that see each other, infinite elsewhere."""
@@ -103,7 +103,7 @@ class Ground:
         over = np.stack([(row[:, None] + self._among).min(axis=0) for row in self.seen(some, self.corners)])
         to = self.seen(self.corners, others)
         around = np.stack([(row[:, None] + to).min(axis=0) for row in over])
-        return np.minimum(self.seen(some, others), around)
+        return np.asarray(np.minimum(self.seen(some, others), around))
 
     def shortest(self, start: Floats, order: Sequence[str], rims: dict[str, Floats]) -> Bound:
         """The shortest path through regions in an order."""

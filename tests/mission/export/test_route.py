@@ -29,10 +29,10 @@ def test_path_and_legs_are_never_farther_apart_than_told(plan: FlightPlan, toler
     route = route_of(plan, tolerance_m)
     assert route.deviation_m <= tolerance_m
     legs = shapely.LineString([waypoint.place_m for waypoint in route.once])
-    path = plan.curve.position(np.linspace(0.0, plan.curve.duration_s, 5_001))
+    path = plan.curve.position(np.linspace(0.0, plan.curve.duration_s, 50_001))
     assert shapely.distance(legs, shapely.points(path)).max() <= route.deviation_m
     between = shapely.get_coordinates(shapely.segmentize(legs, 0.05))
-    assert shapely.distance(shapely.LineString(path), shapely.points(between)).max() <= route.deviation_m + 1e-4
+    assert shapely.distance(shapely.LineString(path), shapely.points(between)).max() <= route.deviation_m + 1e-3
 
 
 def test_fewer_legs_are_needed_where_more_is_allowed() -> None:

@@ -75,4 +75,4 @@ def test_eastings_and_northings_are_metres_like_any_other_and_lose_nothing() -> 
     for name in ("a", "home", "k"):
         areas = [plan.partition.areas_m2[plan.labelling.triangles_of(name)].sum() for plan in (far, near)]
         assert areas[0] == pytest.approx(areas[1], rel=1e-7)
-    assert far.certificate.clearance_m == pytest.approx(near.certificate.clearance_m, rel=1e-3)
+    assert far.certificate.clearance_m == pytest.approx(near.certificate.clearance_m, abs=0.01)
