@@ -21,6 +21,9 @@ TOLERANCE: Final = 0.05
 SPARED: Final = 0.005
 """Of what is to be covered: the share that may be left out beside the ground, between the round ends of lanes."""
 _MOST_TRIED: Final = 4
+_FEWEST_TRIED: Final = 2
+_LANES_TRIED: Final = 500
+"""Lanes of all headings that are tried in full: of a field of many lanes fewer headings."""
 _NEAR: Final = 1.15
 """Headings are tried in full whose guessed time is at most so many times the least."""
 _CLOSE: Final = 1.03
@@ -73,7 +76,9 @@ def cover(
         promising = [
             heading for heading in sorted(guesses, key=guesses.__getitem__) if guesses[heading] <= _NEAR * least
         ]
-        swept = {heading: swept[heading] for heading in promising[:_MOST_TRIED]}
+        count = sum(len(part.lanes_m) for part in swept[promising[0]])
+        tried = min(_MOST_TRIED, max(_FEWEST_TRIED, _LANES_TRIED // max(count, 1)))
+        swept = {heading: swept[heading] for heading in promising[:tried]}
     else:
         heading = candidates(area.parts)[0] if heading_deg is None else heading_deg % 180.0
         swept = {heading: [sweep(field, reachable, heading, spacing_m) for _, field, reachable in area.fields]}
