@@ -102,7 +102,7 @@ class CorridorPlanner:
         """What the vehicle can do, and may."""
         flight, limits = self.spec.flight, self.spec.limits
         acceleration = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
-        return Pace(min(flight.speed_m_s, limits.speed_m_s), acceleration, 2.0 * acceleration)
+        return Pace(min(flight.speed_m_s, limits.speed_m_s), acceleration, limits.jerk_m_s3)
 
     def path(self, run: Run, start_m: Point, certify: Callable[[JoinedCurve], Certificate]) -> CorridorPath:
         """A smooth path that does what a run does, proved.

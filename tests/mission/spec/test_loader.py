@@ -129,11 +129,11 @@ def test_what_a_file_gives_is_taken() -> None:
 
 def test_a_file_that_a_program_wrote_as_json_is_read() -> None:
     spec = parse_mission(SMALL.encode())
-    document = document_of(replace(spec, start=Start((12.0, 1e-5)), flight=replace(spec.flight, disturbance_m_s2=1e-7)))
+    document = document_of(replace(spec, start=Start((12.0, 12.0)), flight=replace(spec.flight, disturbance_m_s2=1e-5)))
     written = json.dumps(document)
     assert "1e-05" in written
     assert parse_mission(written.encode()) == replace(
-        spec, start=Start((12.0, 1e-5)), flight=replace(spec.flight, disturbance_m_s2=1e-7)
+        spec, start=Start((12.0, 12.0)), flight=replace(spec.flight, disturbance_m_s2=1e-5)
     )
 
 
