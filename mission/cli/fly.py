@@ -22,6 +22,7 @@ from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
+from mission.spec.model import FIELD
 from mission.whole_file import write_whole
 
 AUTOMATON_SUFFIX = ".hoa"
@@ -34,6 +35,8 @@ def run(arguments: Namespace) -> int:
     plan = planned(arguments.file, arguments.run, arguments.laps)
     with suppress(OSError):
         proved = f"proved {reach(plan.certificate.tube_m)}"
+        if plan.spec.flight.guidance == FIELD:
+            proved = "by the field, without a proof of a tube"
         out.print(f"{printable(plan.spec.name)}: {extent(plan)}, {proved}{without(plan)}", markup=False)
     print_warnings(plan.warnings, arguments.file)
     with StopSignals() as stop:
@@ -179,6 +182,8 @@ def tracked(result: FlightResult) -> str:
     """How closely the trajectory was followed, and whether the proof speaks of that."""
     if result.began_s is None:
         return "none: the trajectory was not begun"
+    if result.plan.spec.flight.guidance == FIELD:
+        return "by the field: no trajectory was followed, and the tube of the proof says nothing of the flight"
     tube_m = result.plan.certificate.tube_m
     followed = f"at most {result.largest_error_m:.2f} m per axis from the trajectory"
     if tube_m > 0.0:

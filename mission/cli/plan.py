@@ -8,16 +8,19 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
+import numpy as np
+
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach, tube_costs
 from mission.decimals import decimal
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT
+from mission.plan.policy import policy_of
 from mission.planning.run import Run
 from mission.printable import printable
 from mission.spec.clearances import clearances_by_name
-from mission.spec.model import CORRIDOR, Cost
+from mission.spec.model import CORRIDOR, FIELD, Cost
 from mission.spec.tasks import task_text
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
@@ -112,6 +115,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "frequencies": plan.curve.frequencies,
+        "guidance": plan.spec.flight.guidance,
         "covers": [visit.figures() for visit in plan.covers],
         "certificate": {
             "holds": certificate.holds,
@@ -192,6 +196,8 @@ def _print_plan(plan: FlightPlan) -> None:
     _print(f"Trajectory     {_duration(plan.trajectory)}{loiter}")
     _print(f"Smoothing      {_smoothing(plan)}")
     _print_certificate(plan)
+    if plan.spec.flight.guidance == FIELD:
+        _print_guidance(plan)
 
 
 def _path(plan: FlightPlan) -> str:
@@ -241,6 +247,18 @@ def _duration(trajectory: Trajectory) -> str:
     if trajectory.laps is None:
         return f"laps of {lap_s:.1f} s each, until it is told to return"
     return f"{trajectory.duration_s:.1f} s with {count(trajectory.laps, 'lap')} of {lap_s:.1f} s"
+
+
+def _print_guidance(plan: FlightPlan) -> None:
+    """What is flown instead of the trajectory, and what is known of it."""
+    possible = policy_of(plan).possible[:, ~plan.restricted]
+    _print("Guidance       field: the path and its certificate above are not what is flown; no tube is proved")
+    _print("               at each moment control to the facet that leads on, by the estimated position: undisturbed,")
+    _print("               each triangle is left through that facet and no other")
+    _print(
+        f"               from {np.count_nonzero(possible):,} of {possible.size:,} states of P outside what is "
+        "restricted the mission can be completed"
+    )
 
 
 def _print_certificate(plan: FlightPlan) -> None:

@@ -8,6 +8,7 @@ from traceback import format_exception
 
 from mission.clock import Clock
 from mission.errors import FlightError, LinkError, MissionError, VehicleError
+from mission.fly.by_field import field_orders, is_sealed
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.placing import anchored_at_start, bounds_of, check_stand, placed
@@ -252,7 +253,8 @@ class _Flight:
             tube_m=self.plan.certificate.tube_m,
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
-        course = Course(self.plan.trajectory, heading, bounds_of(self.plan), self.plan.photographs)
+        orders = field_orders(self.plan, self.watch.monitor)
+        course = Course(self.plan.trajectory, heading, bounds_of(self.plan), self.plan.photographs, orders)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 
@@ -277,6 +279,7 @@ class _Flight:
                 verdict=self.watch.monitor.verdict,
                 astray=seen_s - self._near_s > _STRAY_FOR_S,
                 error_m=tracking.error_m,
+                sealed=is_sealed(session),
             )
         )
         if reason:

@@ -13,6 +13,7 @@ from mission.link.events import (
     Answered,
     Asked,
     Event,
+    Held,
     Identified,
     Moved,
     Photographed,
@@ -207,6 +208,9 @@ class FlightWatch:
             self._record.write("event", event.t_s, name="command", command=event.command, attempt=event.attempt)
         elif isinstance(event, Answered):
             self._record.write("event", event.t_s, name="answer", command=event.command, result=event.result)
+        elif isinstance(event, Held):
+            name = "held by a pilot" if event.words else "handed back"
+            self._record.write("event", event.t_s, name=name, reason=event.words)
         elif isinstance(event, Anchored):
             self._record.write("event", event.t_s, name="anchored", origin_ned_m=event.origin_ned_m)
         elif isinstance(event, VersionTold):

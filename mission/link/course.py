@@ -13,6 +13,7 @@ from typing import Final, NamedTuple, Protocol, Self
 import numpy as np
 
 from mission.geometry.arrays import FloatArray
+from mission.link.field_orders import FieldOrders
 from mission.link.frames import Vector, heading_of, wrapped
 from mission.monitor.gaps import GAP_S
 from mission.plan.photographs import Photographs
@@ -90,6 +91,7 @@ class Course:
     Attributes:
         heading_rad: The heading asked for last, clockwise from north.
         bounds: What its flight is to stay within.
+        orders: What is gone by where the trajectory is not flown, but the field where the vehicle is; None else.
     """
 
     def __init__(
@@ -98,6 +100,7 @@ class Course:
         heading_rad: float,
         bounds: Bounds | None = None,
         photographs: tuple[Photographs, ...] = (),
+        orders: FieldOrders | None = None,
     ) -> None:
         """Begin with the heading that the vehicle has."""
         self._trajectory = trajectory
@@ -105,6 +108,7 @@ class Course:
         self._ends_s = [stretch.end_s for stretch in photographs]
         self.heading_rad = heading_rad
         self.bounds = bounds or Bounds()
+        self.orders = orders
         self._turned_s: float | None = None
         self._blocks: dict[int, list[list[float]]] = {}
 
@@ -112,6 +116,11 @@ class Course:
     def duration_s(self) -> float:
         """Time from the start of the trajectory to its end."""
         return self._trajectory.duration_s
+
+    @property
+    def lasts_s(self) -> float:
+        """How long a flight may take that does not slow down: by the field, nobody knows."""
+        return self.duration_s if self.orders is None else math.inf
 
     @property
     def altitude_m(self) -> float:

@@ -96,6 +96,14 @@ class SetpointSent:
 
 
 @dataclass(frozen=True, slots=True)
+class Held:
+    """Somebody else took the vehicle and is waited for; without words, it was handed back."""
+
+    t_s: float | None
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
 class Photographed:
     """The vehicle told of a picture; what is not known is None.
 
@@ -114,5 +122,15 @@ class Photographed:
 
 
 Event = (
-    Identified | VersionTold | StageEntered | Said | Asked | Answered | Anchored | Moved | SetpointSent | Photographed
+    Identified
+    | VersionTold
+    | StageEntered
+    | Said
+    | Asked
+    | Answered
+    | Anchored
+    | Moved
+    | SetpointSent
+    | Held
+    | Photographed
 )

@@ -7,11 +7,10 @@ from mission.link.correction import Correction
 from mission.link.course import Course, Reference
 from mission.link.frames import Anchor, Vector, ned_from_enu
 from mission.link.pace import Pace
+from mission.link.stillness import Stillness
 from mission.link.values import LocalSetpoint
 from mission.monitor.gaps import GAP_S, Gap, Missing
 
-_STEADY_M: Final = 0.3
-_STEADY_M_S: Final = 0.3
 _AHEAD_S: Final = (0.0, 0.75, 1.5)
 """On the trajectory: where it is looked whether the vehicle can fly so fast."""
 
@@ -42,8 +41,7 @@ class Guidance:
         self._pace = Pace(course.bounds.tube_m)
         self._until_s = math.inf
         self._sent_s = math.inf
-        self._off_m = math.inf
-        self._steady_from_s = math.inf
+        self._stillness = Stillness()
 
     @property
     def next_s(self) -> float:
@@ -53,7 +51,7 @@ class Guidance:
     @property
     def off_m(self) -> float:
         """Horizontal distance of the last report from the setpoint; infinite before the first."""
-        return self._off_m
+        return self._stillness.off_m
 
     def begin(self, vehicle_s: float) -> None:
         """Let the trajectory begin now."""
@@ -114,17 +112,12 @@ class Guidance:
             self.correction.rest()
         else:
             self.correction.observe(at_s, error, planned, velocity_m_s, attitude_rad)
-        self._off_m = math.hypot(*error)
-        still = self._off_m <= _STEADY_M and math.hypot(*velocity_m_s) <= _STEADY_M_S
-        if not still or abs(position_m[2] - wanted[2]) > 2.0 * _STEADY_M:
-            self._steady_from_s = math.inf
-        elif math.isinf(self._steady_from_s):
-            self._steady_from_s = at_s
+        self._stillness.observe(at_s, position_m, velocity_m_s, wanted)
         return planned
 
     def steady_s(self, at_s: float) -> float:
         """How long the vehicle has been still at the setpoint."""
-        return max(at_s - self._steady_from_s, 0.0)
+        return self._stillness.steady_s(at_s)
 
     def due(self, vehicle_s: float) -> tuple[Reference, LocalSetpoint, Gap | None] | None:
         """The setpoint to send now; None where the last one is not old enough, or nothing is led any more.

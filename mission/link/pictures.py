@@ -12,7 +12,7 @@ from mission.errors import GeometryError
 from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.link.events import Event, Photographed
 from mission.link.frames import Vector, ned_from_enu
-from mission.link.guidance import Guidance
+from mission.link.leading import Leader
 from mission.link.values import Image
 from mission.link.vehicle_state import VehicleState
 
@@ -31,7 +31,7 @@ class PictureBook:
 
     def __init__(self, vehicle: VehicleState, events: deque[Event]) -> None:
         """Know of none; each goes to ``events``, where what is not told is as the vehicle last reported it."""
-        self.guidance: Guidance | None = None
+        self.guidance: Leader | None = None
         self._vehicle, self._events = vehicle, events
         self._told: set[_Key] = set()
         self._released: dict[_Key, tuple[Image, float]] = {}
@@ -76,7 +76,7 @@ class PictureBook:
         )
 
 
-def _in_domain(place: Vector | None, vehicle: VehicleState, guidance: Guidance) -> Vector | None:
+def _in_domain(place: Vector | None, vehicle: VehicleState, guidance: Leader) -> Vector | None:
     """The place in the domain; where it cannot be told from the globe, where the vehicle reported itself last."""
     origin = vehicle.origin
     if place is not None and origin is not None and all(map(math.isfinite, place)):

@@ -15,13 +15,13 @@ from mission.errors import MissionError, VehicleError
 from mission.link.contact import Contact, LinkOptions
 from mission.link.course import Course
 from mission.link.ending import Ending
-from mission.link.events import Anchored, Event, Moved, SetpointSent, StageEntered
+from mission.link.events import Anchored, Event, Held, Moved, SetpointSent, StageEntered
 from mission.link.frames import Anchoring, enu_from_ned
-from mission.link.guidance import Guidance
+from mission.link.leading import Leader, leader
 from mission.link.origin_watch import OriginWatch
 from mission.link.procedure import Procedure
 from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps, unarm_step
-from mission.link.takeover import taken_over
+from mission.link.takeover import Takeover, how_left
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import VehicleState
 from mission.monitor.stage import Stage
@@ -44,6 +44,7 @@ class Session:
         ending: How it ended; None while it lasts.
         ending_reason: Why, in plain words.
         guidance: What leads the vehicle; None before it is armed.
+        pilot: Whether somebody else flies it and is waited for.
     """
 
     def __init__(
@@ -60,7 +61,8 @@ class Session:
         self.stage = Stage.CONNECT
         self.ending: Ending | None = None
         self.ending_reason = ""
-        self.guidance: Guidance | None = None
+        self.guidance: Leader | None = None
+        self.pilot = Takeover()
         self._departure: tuple[Course, Anchoring] | None = None
         self._origin = OriginWatch(None)
         self._ground_down_m: float | None = None
@@ -156,7 +158,7 @@ class Session:
         offboard = frozenset({kind.offboard_mode})
         self._procedure = self._procedure_of(
             *kind.departure(course.altitude_m),
-            *flight_steps(offboard, course.duration_s),
+            *flight_steps(offboard, course.lasts_s),
             *landing_steps(kind.land, kind.land_mode, offboard, course.altitude_m),
         )
         self._enter(Stage.MODE, self.vehicle.clock.newest_s)
@@ -169,7 +171,7 @@ class Session:
         step, kind = self._procedure.step, self.contact.autopilot
         if step is not None and step.stage is Stage.HOLD and not self._land_when_stopped and kind is not None:
             reason = f"{reason}; the vehicle is left holding in {kind.mode_name(kind.hold_mode)}"
-        self._outcome = (Ending.STOPPED, reason)
+        self._outcome = (Ending.HANDED_OVER if self.pilot.words else Ending.STOPPED, reason)
         if not goes_on:
             self._end(*self._outcome)
 
@@ -209,12 +211,7 @@ class Session:
         kind = self.contact.autopilot
         if kind is None or not self.departed or not self.vehicle.armed or self.stage is Stage.DONE:
             return ""
-        mode = kind.mode_name(self.vehicle.mode)
-        if self.vehicle.mode == kind.hold_mode:
-            return f"the vehicle is left holding in {mode}"
-        if self.vehicle.mode == kind.land_mode:
-            return "the vehicle is landing"
-        return f"that it holds was not confirmed: it was last heard in {mode}"
+        return how_left(kind, self.vehicle)
 
     def end_laps(self, now_s: float) -> bool:
         """Let the present lap be the last one; then the vehicle returns and lands. False where no lap is flown now."""
@@ -273,7 +270,10 @@ class Session:
         elif vehicle_s is not None:
             self._disarmed_from_s = min(self._disarmed_from_s, vehicle_s)
         since_s = self._lately_s(now_s)
-        end = taken_over(heartbeat, self._procedure.step, self.contact.autopilot, self.vehicle, since_s)
+        waits = self._departure is not None and self._departure[0].orders is not None
+        end = self.pilot.look(heartbeat, self._procedure.step, self.contact.autopilot, self.vehicle, since_s, waits)
+        if self.pilot.changed and end is None:
+            self._note(Held(vehicle_s, self.pilot.words))
         if end is not None:
             self._end(end[0], self.contact.explained(end[1], since_s))
 
@@ -332,7 +332,7 @@ class Session:
         course, anchoring = self._departure
         self._ground_down_m = position.position_ned_m[2]
         period_s = self.contact.options.setpoint_s
-        self.guidance = Guidance(course, anchoring(position.position_ned_m), period_s)
+        self.guidance = leader(course, anchoring(position.position_ned_m), period_s)
         if self.contact.pictures is not None:
             self.contact.pictures.guidance = self.guidance
         self._note(Anchored(self.vehicle.position_at_s, self.guidance.anchor.origin_ned_m))
@@ -351,7 +351,7 @@ class Session:
             disarmed_s=max(vehicle_s - self._disarmed_from_s, 0.0),
         )
 
-    def _send_setpoint(self, guidance: Guidance, vehicle_s: float) -> None:
+    def _send_setpoint(self, guidance: Leader, vehicle_s: float) -> None:
         due = guidance.due(vehicle_s)
         if due is not None:
             reference, setpoint, gap = due
@@ -367,7 +367,7 @@ class Session:
     def _retreat(self, now_s: float) -> bool:
         """Take the way out: hold (and land) in the air, disarm on the ground; False where there is nothing to do."""
         kind, vehicle_s = self.contact.autopilot, self.vehicle.clock.now_s(now_s)
-        if kind is None or vehicle_s is None or not self.departed:
+        if kind is None or vehicle_s is None or not self.departed or self.pilot.words:
             return False
         if not self.vehicle.armed and self.stage is not Stage.ARM:
             return False

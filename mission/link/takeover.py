@@ -1,32 +1,75 @@
-"""Tells whether someone else flies the vehicle: a pilot, or a failsafe of its own."""
+"""Tells whether someone else flies the vehicle, a pilot or a failsafe of its own, and how it is left."""
+
+from typing import Final
 
 from mission.link.autopilot import Autopilot
 from mission.link.ending import Ending
 from mission.link.steps import Step
 from mission.link.values import Heartbeat
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
+from mission.monitor.stage import Stage
+
+_WAITS: Final = (Stage.FLY, Stage.ARRIVE)
 
 
-def taken_over(
-    heartbeat: Heartbeat, step: Step | None, kind: Autopilot | None, vehicle: VehicleState, since_s: float
-) -> tuple[Ending, str] | None:
-    """Look in a heartbeat for someone else who flies; one alone may have been late.
+class Takeover:
+    """Who flies, by heartbeats.
 
-    Args:
-        heartbeat: The newest.
-        step: What the flight is at.
-        kind: The autopilot.
-        vehicle: What it has said, the heartbeat included.
-        since_s: Vehicle time since when its words are about this.
-
-    Returns:
-        How the flight ends, and why in plain words; None where it goes on.
+    Attributes:
+        words: That somebody else does and is waited for, in plain words; empty while nobody does.
+        changed: Whether the last heartbeat changed that.
     """
-    if step is None or step.modes is None or kind is None or not heartbeat.armed:
-        return None
-    if heartbeat.custom_mode in step.modes or vehicle.heartbeats_in_mode < HEARTBEATS:
-        return None
-    mode = kind.mode_name(heartbeat.custom_mode)
-    if heartbeat.in_failsafe or vehicle.told_failsafe_since(since_s):
-        return Ending.FAILSAFE, f"a failsafe put the vehicle into {mode}"
-    return Ending.HANDED_OVER, f"someone else put the vehicle into {mode}"
+
+    def __init__(self) -> None:
+        """Nobody else flies."""
+        self.words = ""
+        self.changed = False
+
+    def look(  # noqa: PLR0917 - all that a heartbeat is looked at with
+        self,
+        heartbeat: Heartbeat,
+        step: Step | None,
+        kind: Autopilot | None,
+        vehicle: VehicleState,
+        since_s: float,
+        waits: bool,  # noqa: FBT001 - as the others
+    ) -> tuple[Ending, str] | None:
+        """Look in a heartbeat for someone else who flies; one alone may have been late.
+
+        Args:
+            heartbeat: The newest.
+            step: What the flight is at.
+            kind: The autopilot.
+            vehicle: What it has said, the heartbeat included.
+            since_s: Vehicle time since when its words are about this.
+            waits: Whether a pilot who takes the vehicle in flight may hand it back.
+
+        Returns:
+            How the flight ends, and why in plain words; None where it goes on.
+        """
+        self.changed = False
+        if step is None or step.modes is None or kind is None:
+            return None
+        if not heartbeat.armed:
+            return (Ending.HANDED_OVER, f"{self.words} and disarmed it") if self.words else None
+        if heartbeat.custom_mode in step.modes:
+            self.changed, self.words = bool(self.words), ""
+            return None
+        if vehicle.heartbeats_in_mode < HEARTBEATS:
+            return None
+        mode = kind.mode_name(heartbeat.custom_mode)
+        if heartbeat.in_failsafe or vehicle.told_failsafe_since(since_s):
+            return Ending.FAILSAFE, f"a failsafe put the vehicle into {mode}"
+        words = f"someone else put the vehicle into {mode}"
+        self.changed, self.words = words != self.words, words
+        return None if waits and step.stage in _WAITS else (Ending.HANDED_OVER, self.words)
+
+
+def how_left(kind: Autopilot, vehicle: VehicleState) -> str:
+    """How a vehicle with running motors is left, in plain words."""
+    mode = kind.mode_name(vehicle.mode)
+    if vehicle.mode == kind.hold_mode:
+        return f"the vehicle is left holding in {mode}"
+    if vehicle.mode == kind.land_mode:
+        return "the vehicle is landing"
+    return f"that it holds was not confirmed: it was last heard in {mode}"

@@ -3,7 +3,7 @@
 from mission.monitor.monitor import Monitor
 from mission.monitor.stage import GUARDED, WATCHED, Stage
 from mission.plan import FlightPlan
-from mission.spec.model import Point
+from mission.spec.model import FIELD, Point
 
 
 class FlightMonitor:
@@ -30,6 +30,7 @@ class FlightMonitor:
             restricted=plan.restricted,
             suffix=plan.run.suffix if plan.run.recurrent else (),
             laps=plan.trajectory.laps,
+            any_way=plan.spec.flight.guidance == FIELD,
         )
         self._flying = False
 

@@ -1,8 +1,9 @@
-"""Counts how often the loop of a recurrent run has been flown."""
+"""Counts how often the loop of a recurrent run, or any round that an automaton accepts, has been flown."""
 
 from itertools import groupby
 
 from mission.geometry.regions import Labelling
+from mission.logic.automata.rabin import DEAD, Rabin
 
 
 class LapCounter:
@@ -43,3 +44,46 @@ class LapCounter:
             # What closes one lap begins the next one.
             self._next = int(self._closes)
             self.laps += 1
+
+
+class RoundCounter:
+    """Counts rounds by the marks of a deterministic automaton, whatever way they were flown.
+
+    A round of a pair of its condition is over when each mark that must come again and again has come; a mark that must
+    not makes it begin anew.
+
+    Args:
+        automaton: Over the numbers of the letters of the domain.
+
+    Attributes:
+        due: For each pair the marks that its present round has not met, as bits; all of them at its beginning.
+    """
+
+    def __init__(self, automaton: Rabin) -> None:
+        self._automaton, self._state = automaton, int(automaton.initial)
+        self.due = tuple(inf for _, inf in automaton.pairs)
+        self._rounds = [0] * len(automaton.pairs)
+
+    @property
+    def state(self) -> int:
+        """Where the automaton is; -1 where it has no run on what was read."""
+        return self._state
+
+    @property
+    def laps(self) -> int:
+        """How many rounds of a pair are over, of that which has most."""
+        return max(self._rounds, default=0)
+
+    def read(self, letter: int) -> None:
+        """Go on by one letter, an index into the alphabet."""
+        if self._state == DEAD:
+            return
+        marks = int(self._automaton.marks[self._state, letter])
+        self._state = int(self._automaton.targets[self._state, letter])
+        due = list(self.due)
+        for pair, (fin, inf) in enumerate(self._automaton.pairs):
+            due[pair] = inf if marks & fin else due[pair] & ~marks
+            if not due[pair] and not marks & fin:
+                self._rounds[pair] += 1
+                due[pair] = inf
+        self.due = tuple(due)

@@ -18,7 +18,7 @@ from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.word import LassoWord
-from mission.monitor.laps import LapCounter
+from mission.monitor.laps import LapCounter, RoundCounter
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics
 
@@ -29,6 +29,23 @@ class Visit:
 
     triangle: int
     entered_s: float
+
+
+@dataclass(frozen=True)
+class Whereabouts:
+    """Where a flight is, in the domain and in the automaton of its specification.
+
+    Attributes:
+        triangle: The last one that was entered.
+        state: Of the automaton; -1 where it has no run on the word.
+        due: For each pair of its condition the marks that the present round has not met.
+        laps: How many rounds are over.
+    """
+
+    triangle: int
+    state: int
+    due: tuple[int, ...]
+    laps: int
 
 
 class ViolationKind(StrEnum):
@@ -77,6 +94,7 @@ class Monitor:
         restricted: Shape (M,), triangles that must not be entered.
         suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
         laps: How often the loop is to be flown; None where nobody has said.
+        any_way: Whether any round that ``whole`` accepts is a lap, and not that of ``suffix`` alone.
     """
 
     def __init__(
@@ -92,12 +110,15 @@ class Monitor:
         restricted: BoolArray,
         suffix: tuple[int, ...] = (),
         laps: int | None = 0,
+        any_way: bool = False,
     ) -> None:
         self._locator, self._labelling = locator, labelling
         self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
         self._watch = FormulaWatch(automata, whole, refutation, labelling.letters)
+        self._rounds = RoundCounter(whole)
         self._laps = LapCounter(suffix, labelling) if suffix else None
+        self._any_way = any_way
         self._laps_asked = laps
         self._last: tuple[float, Point] | None = None
         self._inside = True
@@ -169,7 +190,16 @@ class Monitor:
     @property
     def laps(self) -> int:
         """How often the loop of a recurrent run has been flown; 0 without one."""
-        return 0 if self._laps is None else self._laps.laps
+        if self._laps is None:
+            return 0
+        return self._rounds.laps if self._any_way else self._laps.laps
+
+    @property
+    def whereabouts(self) -> Whereabouts | None:
+        """Where the flight is; None before its word begins, and outside the domain."""
+        if not self._visits or not self._inside:
+            return None
+        return Whereabouts(self._visits[-1].triangle, self._rounds.state, self._rounds.due, self._rounds.laps)
 
     def verdict_at_end(self, *, stays: bool) -> Outcome:
         """The verdict on the flight as if it ended now.
@@ -216,7 +246,9 @@ class Monitor:
             names = tuple(sorted(self._labelling.label(triangle)))
             self._violations.append(Violation(ViolationKind.ENTERED_RESTRICTED, time_s, position_m, names))
         if self._visits or self._semantics is Semantics.STANDARD:
-            self._watch.read(int(self._labelling.letter_of[triangle]))
+            letter = int(self._labelling.letter_of[triangle])
+            self._watch.read(letter)
+            self._rounds.read(letter)
         self._visits.append(Visit(triangle, time_s))
         if self._laps is not None:
             self._laps.enter(triangle)

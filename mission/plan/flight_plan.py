@@ -13,6 +13,7 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
 from mission.logic.automata.combination import union
+from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
@@ -246,7 +247,12 @@ class FlightPlan:
     @cached_property
     def deterministic(self) -> Rabin:
         """A deterministic automaton of what the flight satisfies, over the letters of the domain."""
-        return deterministic_of(self.required.formula, self.required.given, self.labelling.letters).whole
+        return self.conjunction.whole
+
+    @cached_property
+    def conjunction(self) -> Conjunction:
+        """The deterministic automata whose product that is."""
+        return deterministic_of(self.required.formula, self.required.given, self.labelling.letters)
 
     @cached_property
     def compiled_parts(self) -> tuple[CompiledAutomaton, ...]:

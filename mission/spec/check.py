@@ -8,7 +8,7 @@ from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import propositions
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
-from mission.spec.model import Point, Region, RegionKind
+from mission.spec.model import FIELD, TRAJECTORY, Point, Region, RegionKind
 from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS, default_of
 from mission.spec.start_check import NO_TUBE, Tube
 from mission.spec.task_check import task_findings, weight_findings
@@ -38,6 +38,8 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
             if is_clean(("tasks", i), structural):
                 findings.extend(task_findings(i, task, kinds or {}))
     findings.extend(_cover_findings(regions))
+    if is_clean(("flight", "guidance"), structural):
+        findings.extend(_guidance_findings(data.get("flight", {}), regions))
     if all(is_clean(("domain", key), structural) for key in DOMAIN_KEYS):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
@@ -72,6 +74,16 @@ def _cover_findings(regions: Any) -> list[Finding]:  # noqa: ANN401 - any JSON v
         for name, value in (regions.items() if isinstance(regions, dict) else ())
         if isinstance(value, dict) and "cover" in value and _kind(value) in set(RegionKind) - {RegionKind.SURVEY}
     ]
+
+
+def _guidance_findings(flight: Any, regions: Any) -> list[Finding]:  # noqa: ANN401 - any JSON value
+    """Regions that are to be covered by a flight that keeps to no lanes."""
+    if not isinstance(flight, dict) or flight.get("guidance") != FIELD or not isinstance(regions, dict):
+        return []
+    covered = [name for name, value in regions.items() if isinstance(value, dict) and "cover" in value]
+    hint = f"take `cover` away from {listed(covered)}, or write `guidance: {TRAJECTORY}`"
+    message = "lanes are flown along a trajectory, not by the field"
+    return [Finding(("flight", "guidance"), message, hint)] if covered else []
 
 
 def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # noqa: ANN401 - any JSON value

@@ -213,6 +213,11 @@ class Start:
     velocity_m_s: Point = (0.0, 0.0)
 
 
+FIELD: Final = "field"
+TRAJECTORY: Final = "trajectory"
+"""Of ``Flight.guidance``: by the affine field where the vehicle is, or along a trajectory by its time law."""
+
+
 @dataclass(frozen=True)
 class Flight:
     """How it is flown.
@@ -225,6 +230,7 @@ class Flight:
         time_constant_s: tau of the tracking law, Eq. 12: K = [1/tau^2 I, 2/tau I].
         disturbance_m_s2: Bound w on each axis of the acceleration that the tracking law does not know of.
         margins: What else the tube has to hold, by which the certificate inflates the path.
+        guidance: What leads the vehicle.
     """
 
     speed_m_s: float
@@ -234,6 +240,7 @@ class Flight:
     time_constant_s: float
     disturbance_m_s2: float
     margins: Margins = NO_MARGINS
+    guidance: Literal["trajectory", "field"] = TRAJECTORY
 
     @property
     def tube_m(self) -> float:

@@ -9,7 +9,17 @@ from typing import Any, Final
 
 from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.cover_schema import COVER
-from mission.spec.model import CORRIDOR, MOST_LAPS, MOST_WEIGHT, SUFFIX_DECIDES, UNTIL_STOPPED, Cost, RegionKind
+from mission.spec.model import (
+    CORRIDOR,
+    FIELD,
+    MOST_LAPS,
+    MOST_WEIGHT,
+    SUFFIX_DECIDES,
+    TRAJECTORY,
+    UNTIL_STOPPED,
+    Cost,
+    RegionKind,
+)
 from mission.spec.shape_schema import (
     AREA_SHAPES,
     AREAS,
@@ -237,6 +247,12 @@ _FLIGHT: Final = mapping(
             default=0.0,
         ),
         "tube": TUBE_SCHEMA,
+        "guidance": {
+            "description": "What leads the vehicle: the trajectory that is proved, by its time law, or at each moment "
+            "the control to a facet of the triangle in which it is, from wherever it was pushed or flown by a pilot.",
+            "enum": [TRAJECTORY, FIELD],
+            "default": TRAJECTORY,
+        },
     },
     examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
 )

@@ -7,7 +7,9 @@ from mission.geometry.refinement import SMALLEST_ANGLE_DEG
 from mission.spec.covers import cover_of
 from mission.spec.model import (
     CORRIDOR,
+    FIELD,
     SUFFIX_DECIDES,
+    TRAJECTORY,
     UNTIL_STOPPED,
     AreaShape,
     BoundaryDomain,
@@ -63,6 +65,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             time_constant_s=_measure(data, "flight", "time_constant_s"),
             disturbance_m_s2=_measure(data, "flight", "disturbance_m_s2"),
             margins=margins_of(data.get("flight", {})),
+            guidance=FIELD if _given(data, "flight", "guidance") == FIELD else TRAJECTORY,
         ),
         smoothing=_smoothing(data),
         search=Search(

@@ -24,6 +24,7 @@ CAUSES: tuple[tuple[dict[str, Any], str], ...] = (
     ({"battery_critical": True}, "the battery is critical"),
     ({"violation": "it left the domain"}, "it left the domain"),
     ({"verdict": Verdict.FALSE}, "can no longer be satisfied"),
+    ({"sealed": True}, "from here nothing can be completed without a violation"),
     ({"astray": True, "error_m": 12.34}, "does not follow: it is 12.3 m off"),
 )
 

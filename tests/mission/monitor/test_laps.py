@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mission.geometry.regions import Labelling
-from mission.monitor.laps import LapCounter
+from mission.logic.automata.rabin import Rabin
+from mission.monitor.laps import LapCounter, RoundCounter
 
 # Triangles: 0 and 1 west, 2 north, 3 east, the rest without a label.
 LABELS = Labelling(
@@ -37,3 +38,23 @@ def test_laps(suffix: tuple[int, ...], flown: tuple[int, ...], laps: int) -> Non
     for triangle in flown:
         counter.enter(triangle)
     assert counter.laps == laps
+
+
+@pytest.mark.parametrize(
+    ("letters", "rounds", "due"),
+    [
+        ((), 0, 3),
+        ((1, 1), 0, 2),
+        ((1, 0, 2), 1, 3),
+        ((2, 1, 2, 2, 1), 2, 3),  # in any order
+        ((1, 3, 2), 0, 1),  # what must not come makes it begin anew
+        ((1, 3, 1, 2), 1, 3),
+    ],
+)
+def test_rounds_are_over_when_every_mark_has_come(letters: tuple[int, ...], rounds: int, due: int) -> None:
+    # One state: letter 1 bears the first mark, letter 2 the second, letter 3 the one that must come no more.
+    automaton = Rabin(np.zeros((1, 4), dtype=np.int64), np.array([[0, 1, 2, 4]]), ((4, 3),))
+    counter = RoundCounter(automaton)
+    for letter in letters:
+        counter.read(letter)
+    assert (counter.laps, counter.due) == (rounds, (due,))

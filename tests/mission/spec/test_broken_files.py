@@ -110,6 +110,7 @@ EXPECTED = [
     ("mapping_for_number", 13, 15, "flight.altitude_m", "expected a number, found a mapping"),
     ("missing_key", 8, 1, "mission.formula", "`formula` is missing in `mission`"),
     ("missing_value", 13, 3, "flight.speed_m_s", "expected a number, found nothing"),
+    ("lanes_by_the_field", 11, 13, "flight.guidance", "lanes are flown along a trajectory, not by the field"),
     ("negative_speed", 13, 14, "flight.speed_m_s", "-3 is less than 0.001"),
     ("no_frequencies", 13, 16, "smoothing.frequencies", "expected auto or a whole number from 1 to 10000, found `0`"),
     ("no_mission", 2, 1, "mission", "`mission` is missing"),
