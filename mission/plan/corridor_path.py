@@ -10,7 +10,7 @@ import shapely
 
 from mission.errors import UnprovedError
 from mission.geometry.arrays import BoolArray, FloatArray
-from mission.geometry.regions import Labelling
+from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.plan.covering import CoveredVisit, Covering
@@ -127,7 +127,7 @@ class CorridorPlanner:
     ) -> CorridorPath:
         grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m)
         stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run)
-        to_lap, lap = self._lines(run, stages, np.asarray(start_m, dtype=np.float64))
+        to_lap, lap = self._lines(run, stages, np.asarray(start_m, dtype=np.float64), margin_m)
         flown = _Flown(self.pace, to_lap, lap)
         if not flown.moves:
             raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
@@ -152,13 +152,7 @@ class CorridorPlanner:
             onward=flown.onward,
         )
 
-    def _visits(self, flown: "_Flown") -> tuple[CoveredVisit, ...]:
-        """The lanes that are flown."""
-        if self.covering is None:
-            return ()
-        return tuple(self.covering.visit(lanes, start_s) for lanes, start_s in flown.lanes)
-
-    def _lines(self, run: Run, stages: Stages, start_m: FloatArray) -> tuple[list[_Line], list[_Line]]:
+    def _lines(self, run: Run, stages: Stages, start_m: FloatArray, margin_m: float) -> tuple[list[_Line], list[_Line]]:
         """The taut lines to the lap, and those of the lap, which begins at a rest if it has one."""
         covers = self._covers(run, stages)
         stretches: list[Stage] = []
@@ -180,7 +174,13 @@ class CorridorPlanner:
             lap=None if stages.lap is None else renumbered[stages.lap],
             entries=[renumbered[entry] for entry in stages.entries],
         )
-        lines = [_line(line, stretches[line.stage], *done[line.stage]) for line in found.lines]
+        lines = [
+            _line(
+                line, stretches[line.stage], held_s or self._held_there_s(stretches[line.stage], line, margin_m), lanes
+            )
+            for line in found.lines
+            for held_s, lanes in (done[line.stage],)
+        ]
         if found.lap is None:
             return lines, []
         to_lap, lap = lines[: found.lap], lines[found.lap :]
@@ -203,6 +203,22 @@ class CorridorPlanner:
         if stage.index < 1:
             return 0.0
         return max((region.loiter_s for region in self.spec.regions if region.name in stage.names), default=0.0)
+
+    def _held_there_s(self, stage: Stage, line: TautLine, margin_m: float) -> float:
+        """The same where several regions would do, of none of which the stage knows: by where the line ends."""
+        if stage.index < 1 or stage.names or stage.restart_m is not None:
+            return 0.0
+        half = margin_m - _ROOM_OF_EXTENT * self.partition.extent_m  # a line ends on a rim
+        square = shapely.box(*(line.points_m[-1] - half), *(line.points_m[-1] + half))
+        return max(
+            (
+                region.loiter_s
+                for region in self.spec.regions
+                if region.loiter_s > 0.0
+                and shapely.covers(union_of(self.partition, self.labelling.triangles_of(region.name)), square)
+            ),
+            default=0.0,
+        )
 
     def _covers(self, run: Run, stages: Stages) -> dict[int, list[RoundedPolyline]]:
         """The lanes of each stage with whose visit regions are covered."""

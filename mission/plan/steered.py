@@ -14,6 +14,7 @@ from mission.plan.covering import CoveredVisit
 from mission.plan.detour import MOST_SEARCHES, Avoided, flown_run
 from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward
+from mission.plan.passing_stops import with_passing_stops
 from mission.plan.progress import NoStagesError
 from mission.plan.proved_path import PathPlanner
 from mission.plan.proved_run import PassedOver, ProvedRun, proved_run
@@ -114,6 +115,7 @@ class Steering:
             back = way_back_in_corridor(planner, onward, safety_of(automaton.whole), run, flown)
             if back is not None:
                 homeward, path, curve = back.homeward, path.then(back.planned), JoinedCurve((*curve.legs, back.curve))
+        proofs = (flown.certificate, *((homeward.certificate,) if homeward else ()))
         return Steered(
             run=run,
             run_index=self.index,
@@ -123,7 +125,7 @@ class Steering:
             lap=flown.lap,
             certificate=flown.certificate,
             homeward=homeward,
-            stops=flown.stops,
+            stops=with_passing_stops(flown.stops, curve, proofs, (of.partition, of.labelling), of.spec.regions),
             covers=flown.covers,
         )
 
@@ -156,6 +158,9 @@ class Steering:
             if back is not None:
                 homeward, path = back.homeward, path.then(back.path)
                 curve = JoinedCurve((*curve.legs, *back.curve.legs))
+        proofs = (proved.certificate, *((homeward.certificate,) if homeward else ()))
+        ground = planner.partition, planner.labelling
+        stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
         return Steered(
             run=chosen,
             run_index=flown.proved.index,
@@ -165,7 +170,7 @@ class Steering:
             lap=path.repeated_leg,
             certificate=proved.certificate,
             homeward=homeward,
-            stops=tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve)),
+            stops=with_passing_stops(stops, curve, proofs, ground, planner.spec.regions),
             covers=planner.covering.visits(path) if planner.covering else (),
             passed_over=flown.passed_over,
             avoided=flown.avoided,
