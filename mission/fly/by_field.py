@@ -47,7 +47,8 @@ def law_of(plan: FlightPlan) -> FieldLaw:
     return FieldLaw(
         plan.partition,
         speed_m_s=min(plan.spec.flight.speed_m_s, limits.speed_m_s),
-        acceleration_m_s2=_BRAKES_BY * min(limits.acceleration_m_s2, lean_m_s2),
+        acceleration_m_s2=min(limits.acceleration_m_s2, lean_m_s2),
+        braking_m_s2=_BRAKES_BY * min(limits.acceleration_m_s2, lean_m_s2),
         margin_m=margin_m(plan.spec.flight),
     )
 

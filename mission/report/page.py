@@ -11,6 +11,7 @@ from mission.plan import FlightPlan
 from mission.printable import printable
 from mission.report.figures import Picture
 from mission.report.reading import Entry, Record
+from mission.spec.model import FIELD
 from mission.spec.tasks import task_text
 
 SEVERITIES = ("emergency", "alert", "critical", "error", "warning", "notice", "info", "debug")
@@ -87,7 +88,7 @@ def page(
         "<h2>Plan</h2>",
         _facts(_planned_rows(numbers["planned"])),
         "<h2>Certificate</h2>",
-        _facts(_certificate_rows(numbers["certificate"], numbers["planned"]["clearances_m"])),
+        _facts(_certificate_rows(numbers["certificate"], numbers["planned"])),
     ]
     if record is not None:
         parts += [
@@ -185,11 +186,13 @@ def _duration(planned: Mapping[str, Any]) -> str:
     return f"{planned['duration_s']:.1f} s, {planned['laps']:,} {each}"
 
 
-def _certificate_rows(certificate: Mapping[str, Any], clearances_m: Mapping[str, float]) -> list[Row]:
-    clearance = certificate["clearance_m"]
+def _certificate_rows(certificate: Mapping[str, Any], planned: Mapping[str, Any]) -> list[Row]:
+    clearance, clearances_m = certificate["clearance_m"], planned["clearances_m"]
+    by_field = "of the path; the flight is led by the field, of which no tube is proved"
     word = " → ".join(_letter(letter) for letter in certificate["word"])
     return [
         ("Result", f"{'proved' if certificate['holds'] else 'NOT proved'}: {certificate['reason']}"),
+        *([("What it is about", by_field)] * (planned["guidance"] == FIELD)),
         *([("Frequencies of the Fourier series", f"{certificate['frequencies']}")] * (certificate["frequencies"] > 0)),
         ("Tube around the path, each axis", f"±{certificate['tube_m']:.3f} m"),
         (
@@ -204,25 +207,17 @@ def _certificate_rows(certificate: Mapping[str, Any], clearances_m: Mapping[str,
 def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
     flown, certificate = numbers["flown"], numbers["certificate"]
     achieved = numbers["verdict"]["achieved"]
+    by_field = numbers["planned"]["guidance"] == FIELD
     rows = [
         ("Continuations of the word flown", _continuations(flown["judged"]["so_far"], achieved, numbers["planned"])),
         ("Progress of the automaton", _progress(flown["judged"], achieved)),
-        ("Largest distance from the trajectory", _metres(flown["largest_error_m"])),
-        (
-            "Largest error on one axis",
-            _against_tube(flown["largest_error_per_axis_m"], certificate["tube_m"]),
-        ),
-        (
-            "Largest error of the velocity on one axis",
-            _against_bound(flown["largest_velocity_error_per_axis_m_s"], certificate),
-        ),
-        ("Distance from the trajectory, rms", _metres(flown["rms_error_m"])),
+        *([] if by_field else _following(flown, certificate)),
         *(
             (f"Smallest distance to {name}", _against_clearance(distance, numbers["planned"]["clearances_m"].get(name)))
             for name, distance in flown["distance_to_restricted_m"].items()
         ),
         ("Length flown", _number(flown["length_m"], "m", 2)),
-        ("Time on the trajectory", _number(flown["duration_s"], "s", 1)),
+        (f"Time {'by the field' if by_field else 'on the trajectory'}", _number(flown["duration_s"], "s", 1)),
         *_gaps(flown["gaps"]),
         *_covered(flown["covered"]),
         *_photographs(flown["photographs"]),
@@ -233,6 +228,22 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
     if flown["record_is_cut"]:
         rows.append(("Record", "its last line is cut; everything before it was read"))
     return rows
+
+
+def _following(flown: Mapping[str, Any], certificate: Mapping[str, Any]) -> list[Row]:
+    """How closely the trajectory was followed."""
+    return [
+        ("Largest distance from the trajectory", _metres(flown["largest_error_m"])),
+        (
+            "Largest error on one axis",
+            _against_tube(flown["largest_error_per_axis_m"], certificate["tube_m"]),
+        ),
+        (
+            "Largest error of the velocity on one axis",
+            _against_bound(flown["largest_velocity_error_per_axis_m_s"], certificate),
+        ),
+        ("Distance from the trajectory, rms", _metres(flown["rms_error_m"])),
+    ]
 
 
 def _continuations(so_far: str, achieved: object, planned: Mapping[str, Any]) -> str:

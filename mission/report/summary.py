@@ -15,8 +15,9 @@ from mission.plan import FlightPlan
 from mission.report.coverage import covered_again
 from mission.report.reading import Record, Visit
 from mission.report.replay import judged_again
-from mission.report.tracking import distances_m, tracking_of
+from mission.report.tracking import distances_m, flown_by_field, tracking_of
 from mission.spec.clearances import clearances_by_name
+from mission.spec.model import FIELD
 from mission.spec.restricted import restricted_as_drawn
 from mission.spec.tasks import task_text
 
@@ -66,6 +67,7 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "lap_duration_s": None if plan.trajectory.lap is None else plan.trajectory.legs[plan.trajectory.lap].duration_s,
         "way_back": None if plan.homeward is None else list(plan.homeward.run.states),
         "altitude_m": plan.trajectory.altitude_m,
+        "guidance": plan.spec.flight.guidance,
         "clearances_m": clearances_by_name(plan.spec),
         "covers": [visit.figures() for visit in plan.covers],
     }
@@ -95,8 +97,9 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
     tracking = tracking_of(record)
     distance = tracking.distance_m
     tracked = len(distance) > 0
-    steps = np.hypot(*np.diff(tracking.position_m, axis=0).T)
-    speeds = np.hypot(*tracking.velocity_m_s.T)
+    moved = tracking if plan.spec.flight.guidance != FIELD else flown_by_field(record.track)
+    steps = np.hypot(*np.diff(moved.position_m[:, :2], axis=0).T)
+    speeds = np.hypot(*moved.velocity_m_s[:, :2].T)
     return {
         "record_is_cut": record.cut,
         "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == "gap"],
@@ -104,10 +107,10 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "photographs": _photographs(plan, record),
         "reports": len(record.track.t_s),
         "reports_on_trajectory": len(distance),
-        "duration_s": float(tracking.t_s[-1] - tracking.t_s[0]) if tracked else None,
-        "length_m": float(steps.sum()) if tracked else None,
+        "duration_s": float(moved.t_s[-1] - moved.t_s[0]) if len(moved.t_s) else None,
+        "length_m": float(steps.sum()) if len(moved.t_s) else None,
         "largest_speed_m_s": _largest(speeds),
-        "largest_tilt_deg": _largest(np.rad2deg(tilt(tracking.attitude_rad))),
+        "largest_tilt_deg": _largest(np.rad2deg(tilt(moved.attitude_rad))),
         "largest_error_m": _largest(distance),
         "largest_error_per_axis_m": _largest(np.abs(tracking.error_m).ravel()),
         "largest_velocity_error_per_axis_m_s": _largest(np.abs(tracking.velocity_error_m_s).ravel()),

@@ -8,7 +8,8 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.arrays import FloatArray
-from mission.report.reading import Record
+from mission.monitor.stage import Stage
+from mission.report.reading import Record, Track
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +88,19 @@ def tracking_of(record: Record) -> Tracking:
         asked_velocity_m_s=asked(setpoints.velocity_m_s),
         asked_acceleration_m_s2=asked(setpoints.acceleration_m_s2),
         attitude_rad=track.attitude_rad[known],
+    )
+
+
+def flown_by_field(track: Track) -> Track:
+    """What was reported of a flight that follows no trajectory, from its beginning to its end."""
+    flying = np.array([stage is Stage.FLY for stage in track.stages], dtype=np.bool_)
+    known = np.isfinite(track.position_m[:, :2]).all(axis=1) & np.isfinite(track.t_s) & flying
+    return Track(
+        t_s=track.t_s[known],
+        position_m=track.position_m[known],
+        velocity_m_s=track.velocity_m_s[known],
+        attitude_rad=track.attitude_rad[known],
+        stages=(Stage.FLY,) * int(known.sum()),
     )
 
 

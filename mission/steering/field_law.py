@@ -36,13 +36,15 @@ class FieldLaw:
     Attributes:
         partition: M triangles.
         speed_m_s: How fast it is flown.
-        acceleration_m_s2: What the vehicle brakes by, at least.
+        acceleration_m_s2: How fast the vehicle changes its velocity.
+        braking_m_s2: By how much it brakes before what it must not cross, whatever the wind.
         margin_m: How far it keeps from what it must not cross, besides.
     """
 
     partition: Partition
     speed_m_s: float
     acceleration_m_s2: float
+    braking_m_s2: float
     margin_m: float
 
     @cached_property
@@ -66,7 +68,7 @@ class FieldLaw:
         distance = float(np.hypot(*off))
         if distance == 0.0:
             return np.zeros(2)
-        speed = min(self.speed_m_s, distance / LAG_S, float(np.sqrt(self.acceleration_m_s2 * distance)))
+        speed = min(self.speed_m_s, distance / LAG_S, float(np.sqrt(2.0 * self.braking_m_s2 * distance)))
         return np.asarray(speed * off / distance)
 
     def walls(self, closed: BoolArray) -> FloatArray:
@@ -107,7 +109,7 @@ class FieldLaw:
         room = distance - margin_m - LAG_S * np.maximum(toward @ velocity, 0.0)
         most = np.where(
             room > 0.0,
-            np.sqrt(2.0 * self.acceleration_m_s2 * np.maximum(room, 0.0)),
+            np.sqrt(2.0 * self.braking_m_s2 * np.maximum(room, 0.0)),
             np.maximum(_AWAY_PER_S * room, -_AWAY_M_S),
         )
         nearest = np.argsort(most - toward @ wanted, kind="stable")[:_MOST_WALLS]

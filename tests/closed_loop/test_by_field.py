@@ -13,7 +13,10 @@ from mission.fly.result import Progress
 from mission.link.ending import Ending
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
+from mission.report.page import page as write_page
+from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
+from mission.report.summary import summary
 from tests.support.faults import schedule_of
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import FLOWN_BRISKLY, ROUNDS, plan_of
@@ -79,6 +82,7 @@ class Flown:
         self.result = fly(
             plan, self.vehicle, self.vehicle, FlightRecord(written, mission="by field"), on_progress=self.look
         )
+        self.read = parse_record(written.getvalue())
         self.record = [json.loads(line) for line in written.getvalue().splitlines()]
 
     def look(self, progress: Progress) -> None:
@@ -125,6 +129,17 @@ def test_in_calm_air_it_does_its_task_and_stands_still_where_it_is_to(calm: Flow
     inside = [row for row in calm.record if row["kind"] == "telemetry" and GOAL.contains(Point(row["position_m"][:2]))]
     slow = [row["t_s"] for row in inside if hypot(*row["velocity_m_s"]) < 0.5]
     assert slow[-1] - slow[0] >= 2.0
+
+
+def test_the_report_tells_what_was_flown_and_of_no_tube(calm: Flown, round_the_wall: FlightPlan) -> None:
+    told = summary(round_the_wall, calm.read)
+    assert told["flown"]["length_m"] > 40.0
+    assert 3.0 < told["flown"]["largest_speed_m_s"] < 6.0
+    assert told["flown"]["largest_error_m"] is None
+    page = write_page(round_the_wall, calm.read, told, [])
+    assert "no tube is proved" in page
+    assert "BEYOND" not in page
+    assert "within the tube" not in page
 
 
 def test_gusts_across_three_triangles_cost_a_way_and_nothing_else(calm: Flown, round_the_wall: FlightPlan) -> None:

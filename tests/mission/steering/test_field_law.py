@@ -10,7 +10,7 @@ from mission.steering.facet_control import affine_fields, exit_velocities
 from mission.steering.field_law import LAG_S, FieldLaw
 
 PARTITION = triangulate_nodes(np.array([(0.0, 0.0), (30.0, 0.0), (30.0, 20.0), (0.0, 20.0), (11.0, 9.0), (21.0, 12.0)]))
-LAW = FieldLaw(PARTITION, speed_m_s=4.0, acceleration_m_s2=1.25, margin_m=0.5)
+LAW = FieldLaw(PARTITION, speed_m_s=4.0, acceleration_m_s2=2.5, braking_m_s2=1.25, margin_m=0.5)
 WALL = np.array([[[0.0, 0.0], [30.0, 0.0]]])
 PLACES = st.tuples(st.floats(0.1, 29.9), st.floats(0.1, 19.9)).map(np.array)
 VELOCITIES = st.tuples(st.floats(-8.0, 8.0), st.floats(-8.0, 8.0)).map(np.array)
@@ -36,7 +36,7 @@ def test_it_can_brake_before_the_margin(wanted: FloatArray, place: FloatArray, v
     toward = -asked[1]
     room = place[1] - LAW.margin_m - LAG_S * max(-velocity[1], 0.0)
     if room > 0.0:
-        assert toward <= np.sqrt(2.0 * LAW.acceleration_m_s2 * room) + 1e-9
+        assert toward <= np.sqrt(2.0 * LAW.braking_m_s2 * room) + 1e-9
     elif wanted[1] <= 0.0 and place[1] - 0.1 - LAG_S * max(-velocity[1], 0.0) <= 0.0:
         assert toward <= 1e-9
     if toward < -wanted[1] - 1e-9 and room > 0.0:  # braked: no slower than it need be, and along the wall as wanted
@@ -59,5 +59,5 @@ def test_a_gap_between_walls_that_leaves_no_margin_is_passed_slowly() -> None:
 def test_it_comes_to_stand_without_passing(place: FloatArray) -> None:
     point, velocity = np.array([15.0, 10.0]), LAW.standing(np.array([15.0, 10.0]), place)
     distance = float(np.hypot(*(point - place)))
-    assert np.hypot(*velocity) <= min(4.0, np.sqrt(LAW.acceleration_m_s2 * distance)) + 1e-9
+    assert np.hypot(*velocity) <= min(4.0, np.sqrt(2.0 * LAW.braking_m_s2 * distance)) + 1e-9
     assert velocity @ (point - place) >= 0.0
