@@ -154,7 +154,7 @@ class CorridorPlanner:
 
     def _lines(self, run: Run, stages: Stages, start_m: FloatArray, margin_m: float) -> tuple[list[_Line], list[_Line]]:
         """The taut lines to the lap, and those of the lap, which begins at a rest if it has one."""
-        covers = self._covers(run, stages)
+        covers = self._covers(run, stages, start_m)
         stretches: list[Stage] = []
         done: list[tuple[float, RoundedPolyline | None]] = []
         renumbered: list[int] = []
@@ -220,19 +220,21 @@ class CorridorPlanner:
             default=0.0,
         )
 
-    def _covers(self, run: Run, stages: Stages) -> dict[int, list[RoundedPolyline]]:
+    def _covers(self, run: Run, stages: Stages, start_m: FloatArray) -> dict[int, list[RoundedPolyline]]:
         """The lanes of each stage with whose visit regions are covered."""
         if self.covering is None:
             return {}
         whole, semantics = self.automaton.whole, self.spec.semantics
+        asked = covered_visits(self.spec, self.partition, self.labelling, whole, run)
+        passed = _passed(stages, start_m) if asked else {}
         found: dict[int, list[RoundedPolyline]] = {}
-        for index, regions in covered_visits(self.spec, self.partition, self.labelling, whole, run).items():
+        for index, regions in asked.items():
             passage = passage_at(self.labelling, whole, run, semantics, index)
             centre = self.partition.corners_m[run.states[index]].mean(axis=0)
             place = (float(centre[0]), float(centre[1]))
             for region in regions:
                 stage = self._stage_of(run, stages, index, region)
-                found.setdefault(stage, []).append(self.covering.lanes(region, passage, place, returning=False))
+                found.setdefault(stage, []).append(self.covering.lanes(region, passage, place, passed[stage]))
         return found
 
     def _stage_of(self, run: Run, stages: Stages, index: int, region: Region) -> int:
@@ -243,6 +245,18 @@ class CorridorPlanner:
         if not ends:
             raise UnprovedError(f"the visit of {region.name} changes nothing", counterexample=(), where_s=None)
         return ends[0]
+
+
+def _passed(stages: Stages, start_m: FloatArray) -> dict[int, tuple[Point, Point]]:
+    """Of each stage, from where the vehicle comes to its end, and where it goes then, were nothing covered."""
+    found = taut_path(start_m, stages.stages, lap=stages.lap, entries=stages.entries)
+    after = [*found.lines[1:], found.lines[-1 if found.lap is None else found.lap]]
+    passed = {}
+    for line, onward in zip(found.lines, after, strict=True):
+        ends = line.points_m[-2:][0], onward.points_m[:2][-1]
+        (x, y), (u, v) = (end.tolist() for end in ends)
+        passed[line.stage] = (x, y), (u, v)
+    return passed
 
 
 def _line(line: TautLine, stage: Stage, held_s: float, lanes: RoundedPolyline | None) -> _Line:

@@ -147,6 +147,9 @@ class _Lanes:
     share: float
 
 
+_Through = tuple[Point, Point] | None
+
+
 @dataclass(frozen=True, eq=False)
 class Covering:
     """Covers the regions of one mission; what was found for a place is kept.
@@ -162,22 +165,22 @@ class Covering:
     partition: Partition
     labelling: Labelling
     restricted: BoolArray
-    _found: dict[tuple[str, Passage, Point, bool], _Lanes] = field(default_factory=dict, init=False)
+    _found: dict[tuple[str, Passage, Point, _Through], _Lanes] = field(default_factory=dict, init=False)
 
-    def lanes(self, region: Region, passage: Passage, place_m: Point, *, returning: bool = True) -> RoundedPolyline:
+    def lanes(self, region: Region, passage: Passage, place_m: Point, through: _Through = None) -> RoundedPolyline:
         """The curve that covers a region.
 
         Args:
             region: The region.
             passage: What the mission has against letters at that time.
-            place_m: A place inside, from which the first lane is sought.
-            returning: Whether the curve begins and ends at that place; otherwise, where the first lane begins and where
-                the last one ends.
+            place_m: A place inside, at which the curve begins and ends.
+            through: Places from and to which the vehicle flies; the curve then begins with the first lane, and ends
+                with the last one.
 
         Raises:
             NoPlanError: No lanes fit, they are too many, or too few of them can be reached.
         """
-        key = region.name, passage, place_m, returning
+        key = region.name, passage, place_m, through
         if key not in self._found:
             self._found[key] = self._lanes(*key)
         return self._found[key].curve
@@ -196,7 +199,7 @@ class Covering:
             if segment.lanes is not None and id(segment.lanes) in of_curve
         )
 
-    def _lanes(self, name: str, passage: Passage, place_m: Point, returning: bool) -> _Lanes:  # noqa: FBT001 - a key
+    def _lanes(self, name: str, passage: Passage, place_m: Point, through: _Through) -> _Lanes:
         region = next(region for region in self.spec.regions if region.name == name)
         if region.cover is None:
             raise ValueError(f"{region.name} is not to be covered")
@@ -225,14 +228,15 @@ class Covering:
         forbidden = sorted(set().union(*(letters[i] for i in np.unique(of[inside & ~entered]).tolist())) - own)
         lost = f"; the lanes keep out of {listed(forbidden)}, as the mission asks then" if forbidden else ""
         ground, ways = _reached(region, ground, ways, place, lost)
+        entry_m, exit_m = (_nearest_m(ways, there) for there in through) if through else (place_m, place_m)
         try:
             coverage = cover(
                 area,
                 ground,
                 ways,
                 spacing_m=spacing_m,
-                entry_m=place_m,
-                exit_m=place_m,
+                entry_m=entry_m,
+                exit_m=exit_m,
                 pace=Pace(
                     min(flight.speed_m_s, limits.speed_m_s),
                     level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
@@ -243,7 +247,9 @@ class Covering:
             widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
             message = f"{region.name} cannot be covered by {widths}: {error}{lost}"
             raise NoPlanError(message, regions=(region.name,)) from error
-        before, after = (coverage.approach_m[:-1], coverage.leaving_m[1:]) if returning else (coverage.line_m[:0],) * 2
+        before, after = (
+            (coverage.approach_m[:-1], coverage.leaving_m[1:]) if through is None else (coverage.line_m[:0],) * 2
+        )
         line = np.concatenate((before, coverage.line_m, after))
         # Of each lane the first point of the line; the second is the next one.
         begins = len(before) + np.flatnonzero(coverage.on_lane)
@@ -308,6 +314,12 @@ def _reached(
             regions=(region.name,),
         )
     return shapely.union_all(pieces[near]), here
+
+
+def _nearest_m(area: shapely.Geometry, place_m: Point) -> Point:
+    """The nearest place of an area."""
+    (x, y), _ = shapely.get_coordinates(shapely.shortest_line(area, shapely.Point(place_m)))
+    return float(x), float(y)
 
 
 def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:

@@ -235,7 +235,12 @@ _FLIGHT: Final = mapping(
     "How it is flown.",
     (),
     {
-        "speed_m_s": number("Reference speed, c of the paper, m/s.", 0.001, 100.0, default=3.0),
+        "speed_m_s": number(
+            "Speed where nothing hinders, c of the paper's fields, m/s; by default that of the limits.",
+            0.001,
+            100.0,
+            examples=[3.0],
+        ),
         "altitude_m": number("Height above the take-off point, m.", 0.5, 5_000.0, default=10.0),
         "final_stay_s": number("How long to stay in the last triangle before landing, s.", 0.1, 86_400.0, default=5.0),
         "time_constant_s": number("Time constant tau of the tracking law, s.", 0.05, 100.0, default=1.0),

@@ -59,7 +59,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
         origin=Origin(float(origin["latitude_deg"]), float(origin["longitude_deg"])) if origin else None,
         flight=Flight(
             laps=UNTIL_STOPPED if laps == UNTIL_STOPPED else int(laps),
-            speed_m_s=_measure(data, "flight", "speed_m_s"),
+            speed_m_s=float(data.get("flight", {}).get("speed_m_s", _given(data, "limits", "speed_m_s"))),
             altitude_m=_measure(data, "flight", "altitude_m"),
             final_stay_s=_measure(data, "flight", "final_stay_s"),
             time_constant_s=_measure(data, "flight", "time_constant_s"),

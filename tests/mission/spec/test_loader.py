@@ -80,7 +80,7 @@ def test_what_a_file_leaves_out_has_defaults() -> None:
     assert spec.regions == (Region("Field", RegionKind.SURVEY, PolygonShape(corners), 10.0),)
     assert spec.start == Start((5.0, 5.0), (0.0, 0.0))
     assert spec.flight == Flight(
-        speed_m_s=3.0,
+        speed_m_s=5.0,
         altitude_m=10.0,
         final_stay_s=5.0,
         laps=2,
