@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from mission.geometry.arrays import BoolArray
 from mission.monitor.monitor import Whereabouts
-from mission.planning.policy import Choice, Policy, Values
+from mission.planning.policy import Choice, Policy
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Errand:
         self._policy, self._loiters = policy, tuple(loiters)
         self._asked, self.recurrent, self._final_s = laps, recurrent, final_stay_s
         self._due_s: dict[int, float] = {}
-        self._ways: dict[int, Values] = {}
+        self._ways = [policy.visiting(region.inside) for region in self._loiters]
         self._last: Whereabouts | None = None
         self._seen_s: float | None = None
         self.over = self.sealed = self.returning = False
@@ -115,8 +115,7 @@ class Errand:
 
     def _choice(self, where: Whereabouts) -> Choice | None:
         for number in list(self._due_s):
-            way = self._ways.setdefault(number, self._policy.visiting(self._loiters[number].inside))
-            choice = self._policy.onward(way, where.triangle, where.state)
+            choice = self._policy.onward(self._ways[number], where.triangle, where.state)
             if choice is not None:
                 return choice
             del self._due_s[number]

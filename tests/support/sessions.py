@@ -1,5 +1,6 @@
 """Drives a session against a transport that is its own clock, until it ends."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -55,8 +56,11 @@ def course() -> Course:
 class Driven:
     """A session on a scripted vehicle, with everything that it has told."""
 
-    def __init__(self, vehicle: ScriptedVehicle, session: Session | None = None) -> None:
+    def __init__(
+        self, vehicle: ScriptedVehicle, session: Session | None = None, flown: Callable[[], Course] = course
+    ) -> None:
         self.vehicle = vehicle
+        self.flown = flown
         self.session = session or Session(needs_origin=False)
         self.events: list[Event] = []
         self.stages: list[Stage] = []
@@ -67,7 +71,7 @@ class Driven:
             session.receive(data, vehicle.now_s())
         session.advance(vehicle.now_s())
         if session.stage is Stage.STANDBY:
-            session.depart(course(), anchor_at_start)
+            session.depart(self.flown(), anchor_at_start)
         for frame in session.outgoing():
             vehicle.send(frame)
         self.events += session.events()
