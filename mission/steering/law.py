@@ -13,6 +13,9 @@ from mission.geometry.arrays import FloatArray, IntArray, frozen_floats
 
 _SAME_TIME_S: Final = 1e-12
 _BISECTIONS: Final = 60
+_ROUNDING: Final = 1e-6
+"""What is rounding at the end of a law, as a part of the largest."""
+_TINY: Final = 1e-100  # against 0 / 0
 _CONSISTENT: Final = 1e-8
 """By how much, as a part of the largest, a knot may be off the piece that leads to it: rounding."""
 
@@ -134,13 +137,30 @@ class TimeLaw:
 def law_from_growths(
     times: FloatArray, growths: FloatArray, rates: tuple[float, float], ends_s: tuple[float, float]
 ) -> TimeLaw:
-    """The law with these sigma'' between these ends; what rounding leaves at the end is taken off the last knot."""
-    steps = np.diff(times)
-    speeds = rates[0] + np.concatenate(([0.0], np.cumsum(steps * 0.5 * (growths[:-1] + growths[1:]))))
+    """The law with these sigma'' between these ends; what rounding leaves at the end is taken off all of them.
+
+    Rounding of a sigma'' early in a long law moves its end by as much as there is time to go.
+    """
+    inner = np.ones(len(times))
+    inner[[0, -1]] = 0.0
+    shapes = inner, inner * (2.0 * times / max(float(times[-1]), _TINY) - 1.0)
+    speeds, places = _integrated(times, growths, rates[0])
+    off = np.array([rates[1] - speeds[-1], ends_s[1] - ends_s[0] - places[-1]])
+    largest = np.array([1.0 + float(np.abs(speeds).max()), 1.0 + ends_s[1] - ends_s[0]])
+    if len(times) > len(rates) + len(ends_s) and (np.abs(off) <= _ROUNDING * largest).all():
+        moved = np.array([[each[-1] for each in _integrated(times, shape, 0.0)] for shape in shapes]).T
+        growths = growths + np.linalg.lstsq(moved, off, rcond=None)[0] @ np.array(shapes)
+        speeds, places = _integrated(times, growths, rates[0])
     speeds = np.maximum(speeds, 0.0)
     speeds[-1] = rates[1]
-    moves = steps * (speeds[:-1] + steps * (2.0 * growths[:-1] + growths[1:]) / 6.0)
-    places = ends_s[0] + np.concatenate(([0.0], np.cumsum(np.maximum(moves, 0.0))))
-    places = np.minimum(places, ends_s[1])
+    places = np.minimum(ends_s[0] + np.maximum.accumulate(places), ends_s[1])
     places[-1] = ends_s[1]
     return TimeLaw(times, places, speeds, growths)
+
+
+def _integrated(times: FloatArray, growths: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
+    """The rates and places, from 0, that growths lead to."""
+    steps = np.diff(times)
+    rates = rate + np.concatenate(([0.0], np.cumsum(steps * 0.5 * (growths[:-1] + growths[1:]))))
+    moves = steps * (rates[:-1] + steps * (2.0 * growths[:-1] + growths[1:]) / 6.0)
+    return rates, np.concatenate(([0.0], np.cumsum(moves)))
