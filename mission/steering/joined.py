@@ -140,6 +140,8 @@ class JoinedCurve:
         bounds = np.empty(len(knots_s) - 1)
         ends = np.searchsorted(knots_s, self.joints_s)
         for piece, start, (first, last) in zip(self.pieces, self.joints_s, pairwise(ends), strict=False):
+            if first == last:  # none of the knots is on it
+                continue
             own = slice(first, last + 1)
             at_knots = None if values is None else values[own]
             bounds[first:last] = piece.norm_bounds(knots_s[own] - start, order, at_knots)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.steering.bezier import BezierCurve, derivative_points
-from mission.steering.joined import curve_from_json
+from mission.steering.joined import JoinedCurve, curve_from_json
 
 
 def random_spline(seed: int, pieces: int) -> BezierCurve:
@@ -108,3 +108,18 @@ def test_what_is_not_a_spline_is_refused() -> None:
     ):
         with pytest.raises(ValueError, match=why):
             BezierCurve(wrong_knots, wrong)
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0, 4), (0, 1), (1, 3), (2, 4)])
+def test_bounds_of_a_part_of_joined_splines_are_those_of_the_whole(begin: int, end: int) -> None:
+    splines = [random_spline(1, 1), random_spline(2, 1), random_spline(3, 2)]
+    for number in (1, 2):
+        moved = splines[number - 1].controls_m[-1, -1] - splines[number].controls_m[0, 0]
+        splines[number] = BezierCurve(splines[number].knots_s, splines[number].controls_m + moved)
+    joined = JoinedCurve(tuple(splines))
+    ends = np.concatenate((joined.joints_s, [0.5 * joined.joints_s[-1]]))
+    knots = np.unique(np.concatenate((np.linspace(0.0, joined.duration_s, 41), ends)))
+    span = np.linspace(0.0, joined.duration_s, 5)[[begin, end]]
+    inside = np.flatnonzero((knots >= span[0]) & (knots <= span[1]))
+    part = joined.norm_bounds(knots[inside], 2)
+    assert part == pytest.approx(joined.norm_bounds(knots, 2)[inside[0] : inside[-1]])
