@@ -9,6 +9,7 @@ import pytest
 from shapely import Point, Polygon
 
 from mission.fly import fly
+from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.result import Progress
 from mission.link.ending import Ending
 from mission.monitor.stage import Stage
@@ -189,3 +190,19 @@ def test_laps_are_counted_by_what_they_must_meet(flavour: str) -> None:
     spelled = [name for letter in flown.result.word for name in letter]
     assert spelled[-1] == "home"
     assert min(spelled.count("east"), spelled.count("north")) >= 2
+
+
+def test_laps_until_somebody_says_that_it_is_enough_end_at_home() -> None:
+    plan = plan_of(
+        ROUNDS.replace("flight:\n", "flight:\n  guidance: field\n").replace("laps: 2", "laps: until_stopped")
+    )
+    vehicle, asked = LockstepVehicle(vehicle_of("px4")), iter([INTERRUPTED])
+
+    def enough() -> StopRequest | None:
+        return next(asked, None) if vehicle.now_s() > 35.0 else None
+
+    result = fly(plan, vehicle, vehicle, FlightRecord(io.BytesIO(), mission="rounds"), stop_request=enough)
+    assert result.ending is Ending.LANDED
+    assert result.achieved, result.reason
+    assert result.word[-1] == {"home"}
+    assert 1 <= result.laps <= 4
