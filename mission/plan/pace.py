@@ -16,6 +16,10 @@ from mission.steering.trajectory import Leg, Trajectory
 
 _ROUNDING: Final = 1.0 - 1e-4
 
+_Holds = tuple[tuple[float, float], ...]
+_Standing = tuple[_Holds, _Holds]
+"""The stops, and the waits before lanes."""
+
 
 def trajectory_of(
     spec: MissionSpec,
@@ -41,29 +45,29 @@ def trajectory_of(
     """
     if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
         raise ValueError("a stop is not on the curve")
-    fastest = _trajectory(spec, curve, stops, lap, slow)
+    fastest = _trajectory(spec, curve, (stops, ()), lap, slow)
     turns = run_ins(fastest, covers)
     if not turns:
         return fastest
     waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
     slow = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
-    return _trajectory(spec, curve, (*stops, *waits), lap, slow)
+    return _trajectory(spec, curve, (stops, waits), lap, slow)
 
 
 def _trajectory(
     spec: MissionSpec,
     curve: JoinedCurve,
-    stops: tuple[tuple[float, float], ...],
+    standing: _Standing,
     lap: int | None,
     slow: tuple[Slow, ...],
 ) -> Trajectory:
-    rate = _rate_between_laps(spec, curve, [s for s, _ in stops], lap, slow)
+    rate = _rate_between_laps(spec, curve, [s for each in standing for s, _ in each], lap, slow)
     try:
-        legs = _legs(spec, curve, stops, slow, (lap, rate))
+        legs = _legs(spec, curve, standing, slow, (lap, rate))
     except ValueError:
         if rate == 0.0:
             raise
-        legs = _legs(spec, curve, stops, slow, (lap, 0.0))
+        legs = _legs(spec, curve, standing, slow, (lap, 0.0))
     laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
     return Trajectory(legs, spec.flight.altitude_m, lap, laps)
 
@@ -71,17 +75,27 @@ def _trajectory(
 def _legs(
     spec: MissionSpec,
     curve: JoinedCurve,
-    stops: tuple[tuple[float, float], ...],
+    standing: _Standing,
     slow: tuple[Slow, ...],
     flown_through: tuple[int | None, float],
 ) -> tuple[Leg, ...]:
-    """The legs with their laws; ``flown_through`` is which is the lap, and the rate with which it begins and ends."""
-    lap, rate = flown_through
+    """The legs with their laws.
+
+    Args:
+        spec: The mission.
+        curve: The smoothed path.
+        standing: The stops, and the waits before lanes.
+        slow: Where the vehicle must be slow.
+        flown_through: Which leg is the lap, and the rate with which it begins and ends.
+    """
+    (stops, waits), (lap, rate) = standing, flown_through
     legs = []
     for number, leg in enumerate(curve.legs):
         begin, end = curve.starts_s[number : number + 2].tolist()
-        # At the place where two legs meet, it is the earlier one that has come into a region.
+        # At the place where two legs meet, it is the earlier one that has come into a region, and the later one that
+        # begins with a lane: in each lap, if it is the lap.
         holds = [(s, held) for s, held in stops if begin < s <= end or (number == 0 and s <= begin)]
+        holds += [(s, held) for s, held in waits if begin <= s < end]
         ends = (rate if lap in {number - 1, number} else 0.0, rate if lap in {number, number + 1} else 0.0)
         law = time_law(
             leg,

@@ -9,11 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission.plan import FlightPlan
+from mission.plan import FlightPlan, plan_to_json
 from mission.plan.pace import trajectory_of
 from mission.plan.turning import LEAD_S, SETTLE_S, TURN_RAD_S, RunIn, headings_of, run_ins, turn_s
+from mission.verify.plans import claims
 from tests.support.fields import SMALL_FIELD
 from tests.support.small_missions import plan_of
+
+LAPS = 'mission: {formula: "G F field & G F home", laps: 2}'
 
 
 @pytest.fixture(scope="module")
@@ -57,3 +60,14 @@ def test_without_a_camera_nothing_is_slower(plan: FlightPlan) -> None:
     hasty = trajectory_of(plan.spec, plan.trajectory.curve, plan.stops, None)
     assert run_ins(hasty, blind) == ()
     assert trajectory_of(plan.spec, plan.trajectory.curve, plan.stops, None, blind).duration_s == hasty.duration_s
+
+
+def test_each_lap_that_begins_with_its_lanes_has_time_to_turn_first() -> None:
+    text = SMALL_FIELD.replace(SMALL_FIELD[SMALL_FIELD.index("mission:") :].splitlines()[0], LAPS)
+    plan = plan_of(text)
+    assert plan.trajectory.lap is not None
+    [visit] = plan.covers
+    assert visit.start_s == visit.lanes_s[0, 0] == plan.trajectory.curve.starts_s[plan.trajectory.lap]
+    waits = plan.trajectory.legs[plan.trajectory.lap].law.left_at([0.0])[0]
+    assert waits == pytest.approx(LEAD_S)
+    assert [claim.fault for claim in claims(plan_to_json(plan), "plan.json") if claim.fault] == []
