@@ -62,33 +62,51 @@ def way_back_in_corridor(
         runs = list(ways_back(partial(way, lap_triangle=triangle), safety, reached, lap_triangle=triangle, ends=ends))
     except AutomatonSizeError:
         return None
-    free = grounds.touching_only(_harmless(safety, reached.values(), grounds.letters))
+    here = {int(labelling.letter_of[each]) for each in reached}
+    harmless = _harmless(safety, reached.values(), grounds.letters)
+    free, leaving = grounds.touching_only(harmless), grounds.touching_only(harmless | here)
     for run in runs:
         goal = ends if ends[run.suffix[0]] else np.arange(partition.size) == run.suffix[0]
         try:
             onward = np.zeros(2) if flown.onward is None else flown.onward[0]
-            points = _taut(free, grounds.inside(goal), end_m, onward, planner.pace.acceleration_m_s2)
-            (curve,) = smooth_ways([Way(points, free, None)], planner.pace, onward=flown.onward)
+            ways = _taut((leaving, free), grounds.inside(goal), end_m, onward, planner.pace.acceleration_m_s2)
+            (curve,) = smooth_ways(ways, planner.pace, onward=flown.onward)
         except (NoPlanError, NoWayError):
             continue
         certificate = prover.certify(JoinedCurve((curve,)), begins=reached)
         if certificate.holds:
+            points = np.concatenate([ways[0].points_m, *(way.points_m[1:] for way in ways[1:])])
             return CorridorBack(Homeward(run, certificate), Polyline(points, planner.pace.speed_m_s), curve)
     return None
 
 
 def _taut(
-    free: shapely.Geometry, goal: shapely.Geometry, begin_m: FloatArray, onward: FloatArray, acceleration_m_s2: float
-) -> FloatArray:
-    """The shortest way into the goal; where the laps end in it, on to where the vehicle is at rest in it."""
+    frees: tuple[shapely.Geometry, shapely.Geometry],
+    goal: shapely.Geometry,
+    begin_m: FloatArray,
+    onward: FloatArray,
+    acceleration_m_s2: float,
+) -> list[Way]:
+    """The shortest way into the goal; where the laps end in it, on to where the vehicle is at rest in it.
+
+    It begins where what the laps end in may be touched, and goes on where it is not touched again.
+    """
+    leaving, free = frees
     goal = shapely.intersection(free, goal)
-    (line,) = taut_path(begin_m, [Stretch(free, goal)]).lines
-    if len(line.points_m) > 1:
-        return line.points_m
+    stretches = [Stretch(free, goal)]
+    if not shapely.covers(free, leaving):
+        stretches.insert(0, Stretch(leaving, free))
+    ways = [
+        Way(line.points_m, line.free, stretch.target if number + 1 < len(stretches) else None)
+        for number, (line, stretch) in enumerate(zip(taut_path(begin_m, stretches).lines, stretches, strict=True))
+    ]
+    if any(len(way.points_m) > 1 for way in ways):
+        return ways
     if onward.any():
-        return np.stack((begin_m, begin_m + onward * np.hypot(*onward) * _BRAKING / (2.0 * acceleration_m_s2)))
+        stop_m = begin_m + onward * np.hypot(*onward) * _BRAKING / (2.0 * acceleration_m_s2)
+        return [Way(np.stack((begin_m, stop_m)), free, None)]
     (line,) = taut_path(begin_m, [Stretch(free, shapely.point_on_surface(goal))]).lines
-    return line.points_m
+    return [Way(line.points_m, free, None)]
 
 
 def _harmless(safety: Safety, reached: Iterable[int], letters: frozenset[int]) -> frozenset[int]:

@@ -138,8 +138,11 @@ def _rate_between_laps(
 
 
 def _fastest(curve: Curve) -> float:
-    """The largest sigma': a series smooths a path that has the speed of its fields, which is the one asked for."""
-    return 1.0 if _has_waves(curve) else math.inf
+    """The largest sigma': a series smooths a path that has the speed of its fields, which is the one asked for.
+
+    Who stands has no speed that could be limited.
+    """
+    return 1.0 if _has_waves(curve) or curve.length_m == 0.0 else math.inf
 
 
 def _has_waves(curve: Curve) -> bool:

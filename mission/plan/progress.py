@@ -201,6 +201,8 @@ class StagesOfRuns:
         steps: list[_Step] = []
         for index in range(0 if self._semantics is Semantics.STANDARD else 1, head + 1):
             after = int(self._whole.targets[state, letters[index]])
+            if index and after != state and self._no_worse(state, after, None):
+                continue  # what is read here only makes more to be done: it is left out
             if index and not self._alike(state, after, None):
                 steps.append(_Step(state, after, 0, index))
             state = after
@@ -210,20 +212,26 @@ class StagesOfRuns:
             return Stages(self._with_stay(stages, state, letters[-1], len(run.states) - 1))
         steps, pair = self._lap(state, letters, head)
         laps = self._cut_all(steps, [*steps[-1:], *steps[:-1]], letters, pair)
-        stages.extend(self._ending(stages, state, letters[0], laps[0][0].free, pair))
+        stages.extend(self._ending(stages, (state, steps[0].state), letters[0], laps[0][0].free, pair))
         begins = np.cumsum([len(stages), *map(len, laps)]).tolist()
         entries = tuple(
             begin for begin, step in zip(begins, steps, strict=False) if self._no_worse(state, step.state, None)
         )
         return Stages((*stages, *chain.from_iterable(laps)), len(stages), entries)
 
-    def _ending(self, stages: Sequence[Stage], state: int, start: int, lap: Area, pair: Pair) -> Iterator[Stage]:
-        """The stage in which the vehicle leaves what laps must not touch again, where it is there before them."""
-        harmless = self._reading(state, [state], None)
+    def _ending(
+        self, stages: Sequence[Stage], states: tuple[int, int], start: int, lap: Area, pair: Pair
+    ) -> Iterator[Stage]:
+        """The stage in which the vehicle leaves what laps must not touch again, where it is there before them.
+
+        ``states`` are those before the laps and at their first step.
+        """
+        before, first = states
+        harmless = self._reading(before, [before], None)
         there = (
-            not shapely.covers(lap, stages[-1].target) if stages else start not in self._reading(state, [state], pair)
+            not shapely.covers(lap, stages[-1].target) if stages else start not in self._reading(first, [first], pair)
         )
-        if pair[0] and there:
+        if there:
             free = self._grounds.touching_only(harmless)
             yield Stage(free, polygonal(shapely.intersection(free, lap)))
 

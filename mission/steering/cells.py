@@ -3,9 +3,9 @@
 A cell begins as the rectangle round a straight stretch of the path, and is cut by the nearest border of what is in the
 way, again and again, until no border lies in it: between two convex sets, here a stretch and a piece of the border, the
 line across the shortest way between them separates them. Where the path touches a border, at its bends, the way has no
-length; there the line runs along the stretch, for at a bend of a taut path what is in the way lies within the angle of
-the two stretches. At each bend a further cell lies between those of the stretches, bounded by the line across the
-bisector of that angle: it holds what both have in common, and more.
+length; there the line runs between the stretch and the border, for at a bend of a taut path what is in the way lies
+within the angle of the two stretches. At each bend a further cell lies between those of the stretches, bounded by the
+line across the bisector of that angle: it holds what both have in common, and more.
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
 
+_STRAIGHT: Final = 1e-3  # of two unit vectors: what is less apart has one direction
 _TOUCHING: Final = 1e-7  # of the coordinates: what is nearer than that touches
 
 
@@ -88,7 +89,7 @@ def cell_round(
             normal = way / np.hypot(*way)
             offset = float(normal @ on_edge[nearest])
         else:
-            normal = _away(side if length > 0.0 else None, begin_m, whole[nearest], touching)
+            normal = _away(side if length > 0.0 else None, np.stack((begin_m, end_m)), whole[nearest], touching)
             offset = float(max(normal @ begin_m, normal @ end_m))
         normals.append(normal)
         offsets.append(offset)
@@ -97,17 +98,29 @@ def cell_round(
     return Cell(np.array(normals), np.array(offsets))
 
 
-def _away(side: FloatArray | None, begin_m: FloatArray, edge: FloatArray, touching: float) -> FloatArray:
-    """The normal of a line that separates a stretch, with its own normal, from an edge that touches it."""
-    if side is not None:
-        heights = (edge - begin_m) @ side
-        if heights.min() >= -touching and heights.max() > touching:
-            return side
-        if heights.max() <= touching and heights.min() < -touching:
-            return -side
+def _away(side: FloatArray | None, ends_m: FloatArray, edge: FloatArray, touching: float) -> FloatArray:
+    """The normal of a line that separates a stretch, with its own normal, from an edge that touches it.
+
+    Where only one end of the stretch touches one of the edge, it is the line in the middle of the angle between both.
+    """
     along = edge[1] - edge[0]
-    right = np.array([along[1], -along[0]])
-    return np.asarray(right / np.hypot(*right))
+    right = np.array([along[1], -along[0]]) / np.hypot(*along)
+    if side is None:
+        return right
+    near = np.hypot(*(edge[:, None] - ends_m[None]).transpose(2, 0, 1)) <= touching  # (edge's end, stretch's end)
+    if near.sum() == 1:
+        of_edge, of_stretch = np.argwhere(near)[0]
+        place = ends_m[of_stretch]
+        onward, away = ends_m[1 - of_stretch] - place, edge[1 - of_edge] - place
+        between = away / np.hypot(*away) - onward / np.hypot(*onward)
+        if np.hypot(*between) > _STRAIGHT:
+            return np.asarray(between / np.hypot(*between))
+    heights = (edge - ends_m[0]) @ side
+    if heights.min() >= -touching and heights.max() > touching:
+        return side
+    if heights.max() <= touching and heights.min() < -touching:
+        return -side
+    return right
 
 
 def _inside(

@@ -18,6 +18,7 @@ from mission.verify.logs.reading import read_flight
 from tests.support.commands import ran
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
+from tests.support.steered_plans import BY_FIELDS
 
 
 class HeardVehicle(LockstepVehicle):
@@ -48,7 +49,9 @@ def word_of(found: Judged) -> list[list[str]]:
     return [list(letter.regions or ()) for letter in found.word]
 
 
-@pytest.mark.parametrize(("text", "flavour"), [(SMALL, "px4"), (ROUNDS, "ardupilot")], ids=["stays", "laps"])
+@pytest.mark.parametrize(
+    ("text", "flavour"), [(SMALL, "px4"), (ROUNDS + BY_FIELDS, "ardupilot")], ids=["stays", "laps"]
+)
 def test_all_logs_say_what_was_known_in_flight(text: str, flavour: str, tmp_path: Path) -> None:
     plan = plan_of(text)
     record, *logs = flown(plan, flavour)

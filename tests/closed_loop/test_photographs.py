@@ -19,6 +19,7 @@ from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import SMALL, plan_of
+from tests.support.steered_plans import BY_FIELDS
 from vehicle_sim.autopilot import Mode
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
@@ -27,7 +28,7 @@ EVERY_M = 3.0
 
 @pytest.fixture(scope="module")
 def plan() -> FlightPlan:
-    plan = plan_of(SMALL)
+    plan = plan_of(SMALL + BY_FIELDS)
     duration_s = plan.trajectory.duration_s
     stretches = (
         Photographs(0.2 * duration_s, 0.45 * duration_s, EVERY_M),
