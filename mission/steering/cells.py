@@ -104,7 +104,7 @@ def _away(side: FloatArray | None, ends_m: FloatArray, edge: FloatArray, touchin
     Where only one end of the stretch touches one of the edge, it is the line in the middle of the angle between both.
     """
     along = edge[1] - edge[0]
-    right = np.array([along[1], -along[0]]) / np.hypot(*along)
+    right: FloatArray = np.array([along[1], -along[0]]) / np.hypot(*along)
     if side is None:
         return right
     near = np.hypot(*(edge[:, None] - ends_m[None]).transpose(2, 0, 1)) <= touching  # (edge's end, stretch's end)
