@@ -39,9 +39,11 @@ def cover_faults(
     lanes = np.array(visit["lanes_m"], dtype=float).reshape(-1, 2, 2)
     times = np.array(visit["lanes_s"], dtype=float).reshape(-1, 2)
     order = np.append(visit["start_s"], times.ravel())
-    if len(times) != len(lanes) or (np.diff(order) < 0.0).any() or order[-1] > patches.ends_s[-1]:
+    end_s = float(patches.ends_s[-1])
+    if len(times) != len(lanes) or (np.diff(order) < -_SAME * end_s).any() or order[-1] > end_s * (1.0 + _SAME):
         yield "has lanes that are not in order"
         return
+    times = np.minimum(np.maximum.accumulate(times.ravel()), end_s).reshape(-1, 2)
     beside = np.linalg.norm(patches.at(times.ravel()).reshape(-1, 2, 2) - lanes, axis=2).max(axis=1)
     if beside.max() > _BESIDE * spacing:
         yield f"has a lane, {int(np.argmax(beside))}, that is flown {beside.max():.3f} m beside itself"

@@ -16,6 +16,7 @@ from mission.verify.plans.patches import ROUNDING, Patches
 
 _ROUNDS: Final = 40
 _CLOSER: Final = 6  # halvings
+_MUCH_CLOSER: Final = 10  # more of them, of patches with an end at which the tube meets nothing
 _MOST_OPEN: Final = 4096  # patches that are looked into at a time, at least
 _TIGHT: Final = 0.98
 _HONEST: Final = 0.97  # a bound that is told is no farther from the truth
@@ -107,14 +108,30 @@ def _surely(ground: Ground, patches: Patches, half_m: float, piece: IntArray, na
 
 def touching(ground: Ground, patches: Patches, half_m: float, triangles: BoolArray) -> list[tuple[float, float]]:
     """The stretches of a curve outside of which its tube meets none of some triangles, marked in an array (M,)."""
-    for _ in range(_CLOSER):
+    begins, ends = [np.empty(0)], [np.empty(0)]
+    half = half_m + ground.slack_m
+    for closer in range(_CLOSER + _MUCH_CLOSER):
         which, met, _ = ground.met(hulls(patches, half_m))
-        patches = patches.taken(np.unique(which[triangles[met]])).halves()
+        patches = patches.taken(np.unique(which[triangles[met]]))
+        if closer >= _CLOSER:
+            places = patches.control_m[:, [0, -1]].reshape(-1, 2)
+            which, met, _ = ground.met(shapely.box(*(places - half).T, *(places + half).T))
+            touched = np.isin(np.arange(len(places)), which[triangles[met]])
+            whole: BoolArray = touched[::2] & touched[1::2]
+            begins, ends = [*begins, patches.begins_s[whole]], [*ends, patches.ends_s[whole]]
+            patches = patches.taken(~whole)
         if not len(patches.begins_s):
-            return []
-    apart = np.flatnonzero(patches.begins_s[1:] > patches.ends_s[:-1])
-    begins, ends = np.append(0, apart + 1), np.append(apart, len(patches.ends_s) - 1)
-    return list(zip(patches.begins_s[begins].tolist(), patches.ends_s[ends].tolist(), strict=True))
+            break
+        patches = patches.halves()
+    first, last = (np.concatenate(each) for each in ([*begins, patches.begins_s], [*ends, patches.ends_s]))
+    order = np.argsort(first)
+    first, last = first[order], last[order]
+    if not len(first):
+        return []
+    apart = np.flatnonzero(first[1:] > last[:-1])
+    return list(
+        zip(first[np.append(0, apart + 1)].tolist(), last[np.append(apart, len(last) - 1)].tolist(), strict=True)
+    )
 
 
 def far_enough(ground: Ground, patches: Patches, claimed_m: float) -> str | None:

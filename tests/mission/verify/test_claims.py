@@ -79,3 +79,12 @@ def test_a_plan_as_it_was_written_is_true(text: str) -> None:
 def test_what_is_no_plan_is_refused(text: str) -> None:
     with pytest.raises(SpecError):
         list(claims(text))
+
+
+def test_lanes_that_end_with_the_flight_may_do_so_but_for_rounding() -> None:
+    document = json.loads(plan_to_json(plan_of(PHOTOGRAPHED.replace("F (field & F G home)", "F field"))))
+    [visit] = document["covers"]
+    for beyond, wrong in ((1e-12, False), (1e-6, True)):
+        visit["lanes_s"][-1][1] += beyond * visit["lanes_s"][-1][1]
+        judged = {claim.name: claim.fault for claim in claims(json.dumps(document))}
+        assert (judged["lanes"] == "field has lanes that are not in order") is wrong
