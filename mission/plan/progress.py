@@ -310,7 +310,7 @@ class StagesOfRuns:
             yield Stage(free, polygonal(shapely.intersection(free, last)))
         target = self._grounds.touching_only(ends)
         if target.is_empty:
-            raise NoStagesError(f"{name} is too small for the square around the path")
+            raise NoStagesError(f"the tube does not fit into {name}")
         names = [self._grounds.labelling.letters[letter] for letter in ends]
         yield Stage(last, target, index=step.index, names=frozenset.intersection(*names))
 
@@ -319,7 +319,7 @@ class StagesOfRuns:
         allowed = self._staying(state, letter)
         target = self._grounds.touching_only(allowed)
         if target.is_empty:
-            raise NoStagesError(f"{self._named(letter)} is too small for the square around the path")
+            raise NoStagesError(f"the tube does not fit into {self._named(letter)}")
         names = frozenset.intersection(*(self._grounds.labelling.letters[each] for each in allowed))
         if stages and shapely.covers(target, stages[-1].target):
             last = stages.pop()

@@ -95,7 +95,18 @@ class Steering:
                 return self._in_corridor()
             except (NoStagesError, NoWayError, NoPlanError) as error:
                 instead = str(error)
-        return self._by_fields(instead)
+        try:
+            return self._by_fields(instead)
+        except NoPlanError as error:
+            if not instead:
+                raise
+            raise NoPlanError(
+                f"no curve in a corridor is proved: {instead}; and of fields in triangles instead, {error}",
+                cause=error.cause,
+                conjuncts=error.conjuncts,
+                restricted=error.restricted,
+                regions=error.regions,
+            ) from error
 
     @property
     def _prover(self) -> Prover:

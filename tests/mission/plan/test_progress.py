@@ -117,7 +117,7 @@ def test_a_word_that_counts_triangles_has_no_stages(formula: str) -> None:
 
 
 def test_a_region_that_the_square_does_not_fit_in_has_no_stage() -> None:
-    with pytest.raises(NoStagesError, match="S3 is too small"):
+    with pytest.raises(NoStagesError, match="the tube does not fit into S3"):
         staged(survey("F S3"), 15.0)
 
 

@@ -11,6 +11,7 @@ from mission.plan import plan_mission
 from mission.plan.diagnosis import Cause
 from mission.spec.domain import build_domain
 from mission.spec.loader import load_mission
+from tests.support.small_missions import FIELDS, SMALL, plan_of
 
 FOLDER = Path(__file__).parents[2] / "golden" / "refusals"
 MISSIONS = sorted(FOLDER.glob("*.yaml"))
@@ -56,3 +57,14 @@ def test_a_question_that_is_too_large_leaves_the_reason_of_the_search(monkeypatc
     failure = refused(FOLDER / "behind_a_wall.yaml")
     assert failure.conjuncts == ()
     assert "silo" in str(failure)
+
+
+def test_what_keeps_a_curve_from_its_corridor_is_said_before_what_keeps_fields() -> None:
+    narrow = SMALL.replace("[[26, 4], [36, 4], [36, 12], [26, 12]]", "[[26, 4], [26.8, 4], [26.8, 12], [26, 12]]")
+    with pytest.raises(NoPlanError) as caught:
+        plan_of(narrow)
+    due = "no curve in a corridor is proved: the tube does not fit into goal; and of fields in triangles instead, "
+    assert str(caught.value).startswith(due)
+    with pytest.raises(NoPlanError) as caught:
+        plan_of(narrow + FIELDS)
+    assert "corridor" not in str(caught.value)
