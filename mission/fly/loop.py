@@ -11,13 +11,12 @@ from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.by_field import field_orders, is_sealed
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
-from mission.fly.placing import anchored_at_start, bounds_of, check_stand, placed
+from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.result import FlightResult, Progress
 from mission.fly.retreat import retreat, speak, switch_off_camera
 from mission.fly.watch import FlightWatch
 from mission.link.contact import LinkOptions
-from mission.link.course import Course
 from mission.link.ending import Ending
 from mission.link.session import Session
 from mission.link.transport import Transport
@@ -253,8 +252,7 @@ class _Flight:
             tube_m=self.plan.certificate.tube_m,
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
-        orders = field_orders(self.plan, self.watch.monitor)
-        course = Course(self.plan.trajectory, heading, bounds_of(self.plan), self.plan.photographs, orders)
+        course = course_of(self.plan, heading, field_orders(self.plan, self.watch.monitor))
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 

@@ -8,11 +8,13 @@ import numpy as np
 from mission.errors import GeometryError, NoPlanError, VehicleError
 from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.geometry.location import OUTSIDE
-from mission.link.course import Bounds
+from mission.link.course import Bounds, Course
+from mission.link.field_orders import FieldOrders
 from mission.link.frames import Anchor, Anchoring, Vector, enu_from_ned, ned_from_enu
 from mission.link.vehicle_state import VehicleState
 from mission.monitor.attitude import GRAVITY_M_S2
 from mission.plan import FlightPlan
+from mission.plan.heading import nose_of
 from mission.spec.model import Origin, Point
 
 _AGREE_M: Final = 2.0
@@ -84,3 +86,8 @@ def bounds_of(plan: FlightPlan) -> Bounds:
     """What the flight of a plan stays within."""
     lean_m_s2 = GRAVITY_M_S2 * math.tan(plan.spec.limits.tilt_rad)
     return Bounds(plan.certificate.tube_m, plan.spec.flight.margins.correction_m, lean_m_s2)
+
+
+def course_of(plan: FlightPlan, heading_rad: float, orders: FieldOrders | None) -> Course:
+    """What is flown of a plan by a vehicle with this heading, clockwise from north; with orders by the field."""
+    return Course(plan.trajectory, heading_rad, bounds_of(plan), nose_of(plan), orders)

@@ -7,19 +7,19 @@ micrometre at 1 m/s^3.
 """
 
 import math
-from bisect import bisect_right
 from typing import Final, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from mission.geometry.arrays import FloatArray
 from mission.link.field_orders import FieldOrders
-from mission.link.frames import Vector, heading_of, wrapped
+from mission.link.frames import Vector, wrapped
 from mission.monitor.gaps import GAP_S
-from mission.plan.photographs import Photographs
-from mission.plan.turning import LEAD_S, TURN_RAD_S
+from mission.plan.heading import Nose, Turned
 
-_MOVING_M_S: Final = 0.01
+_SETTING_OUT_S: Final = 0.2
+"""After a rest: when it is seen where the vehicle flies on to, a centimetre away."""
+_FACING_RAD: Final = 0.05
 _STEP_S: Final = 0.01
 _BLOCK: Final = 128
 _MOST_BLOCKS: Final = 4
@@ -84,12 +84,11 @@ class Bounds(NamedTuple):
 
 
 class Course:
-    """A trajectory with the heading that goes with it: the direction of flight, taken up without haste.
-
-    Where it is photographed, it is that of the stretch, and is taken up before that begins.
+    """A trajectory with the heading that goes with it, which is taken up no faster than the vehicle may turn.
 
     Attributes:
         heading_rad: The heading asked for last, clockwise from north.
+        yaw_rate_rad_s: How fast it changes.
         bounds: What its flight is to stay within.
         orders: What is gone by where the trajectory is not flown, but the field where the vehicle is; None else.
     """
@@ -99,14 +98,15 @@ class Course:
         trajectory: Flown,
         heading_rad: float,
         bounds: Bounds | None = None,
-        photographs: tuple[Photographs, ...] = (),
+        nose: Nose | None = None,
         orders: FieldOrders | None = None,
     ) -> None:
         """Begin with the heading that the vehicle has."""
         self._trajectory = trajectory
-        self._photographs = photographs
-        self._ends_s = [stretch.end_s for stretch in photographs]
+        self._nose = nose or Nose()
         self.heading_rad = heading_rad
+        self.yaw_rate_rad_s = 0.0
+        self._taken_up = False
         self.bounds = bounds or Bounds()
         self.orders = orders
         self._turned_s: float | None = None
@@ -172,22 +172,43 @@ class Course:
         """The heading at ``now_s``, on the way to the one wanted at the time ``t_s``, where ``reference`` is."""
         elapsed = 0.0 if self._turned_s is None else min(max(now_s - self._turned_s, 0.0), GAP_S)
         self._turned_s = now_s
-        wanted = self._photographed_at(t_s)
-        if wanted is None and math.hypot(*reference.velocity_m_s) > _MOVING_M_S:
-            wanted = heading_of(reference.velocity_m_s)
-        if wanted is not None:
-            most = TURN_RAD_S * elapsed
-            off = wrapped(wanted - self.heading_rad)
-            self.heading_rad = wrapped(self.heading_rad + min(max(off, -most), most))
+        wanted = self.wanted(reference, t_s)
+        if wanted is None:
+            self.yaw_rate_rad_s = 0.0
+            return self.heading_rad
+        fastest = self._nose.rate_rad_s
+        off, most = wrapped(wanted.heading_rad - self.heading_rad), fastest * elapsed
+        self.heading_rad = wrapped(self.heading_rad + min(max(off, -most), most))
+        if abs(off) <= most:
+            self._taken_up = True
+            self.yaw_rate_rad_s = min(max(wanted.rate_rad_s, -fastest), fastest)
+        else:
+            self.yaw_rate_rad_s = math.copysign(fastest, off) if elapsed > 0.0 else 0.0
         return self.heading_rad
 
-    def _photographed_at(self, t_s: float) -> float | None:
-        """The heading of the stretch that is photographed, or is soon to be; None where none is, or it has none."""
+    def faces(self, yaw_rad: float | None) -> bool:
+        """Whether a vehicle with this yaw, None where it told none, looks where it is to look before it sets out."""
+        if self._nose.heading is None or yaw_rad is None:
+            return True
+        return self._taken_up and abs(wrapped(yaw_rad - self.heading_rad)) <= _FACING_RAD
+
+    def wanted(self, reference: Reference, t_s: float) -> Turned | None:
+        """Where the nose is to look at a time, where ``reference`` is; None where it stays as it is.
+
+        At rest that is where the vehicle sets out to, where the mission says that the nose goes with the flight.
+        """
         once_s = self.first_lap_s(t_s)
-        following = bisect_right(self._ends_s, once_s)
-        if following == len(self._photographs) or once_s < self._photographs[following].begin_s - LEAD_S:
+        position, velocity, acceleration = (vector[:2] for vector in reference)
+        found = self._nose.at(once_s, position, velocity, acceleration)
+        if found is not None:
+            return found
+        left_s = self._nose.rest_left_s(once_s)
+        if left_s is None or self.orders is not None:
             return None
-        return self._photographs[following].heading_rad
+        later_s = t_s + left_s + _SETTING_OUT_S
+        onward = self.reference(later_s)
+        found = self._nose.at(self.first_lap_s(later_s), onward.position_m[:2], onward.velocity_m_s[:2])
+        return None if found is None else found._replace(rate_rad_s=0.0)
 
 
 def _between(start: list[float], end: list[float], share: float) -> tuple[float, float, float]:

@@ -123,12 +123,14 @@ class FieldGuidance:
             self._asked = self._wanted(vehicle_s)
         self._asked_s = vehicle_s
         asked = self._asked
+        yaw_rad = self.course.turn(asked, 0.0, vehicle_s)
         setpoint = LocalSetpoint(
             time_boot_ms=round(vehicle_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),
             velocity_ned_m_s=ned_from_enu(asked.velocity_m_s),
             acceleration_ned_m_s2=ned_from_enu(asked.acceleration_m_s2),
-            yaw_rad=self.course.turn(asked, 0.0, vehicle_s),
+            yaw_rad=yaw_rad,
+            yaw_rate_rad_s=self.course.yaw_rate_rad_s,
         )
         return asked, setpoint, None
 

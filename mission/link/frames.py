@@ -24,11 +24,6 @@ def enu_from_ned(vector: Vector) -> Vector:
     return east, north, -down
 
 
-def heading_of(velocity_enu_m_s: Vector) -> float:
-    """The heading of a motion: radians clockwise from north, in (-pi, pi]."""
-    return math.atan2(velocity_enu_m_s[0], velocity_enu_m_s[1])
-
-
 def angles_of(quaternion: Sequence[float]) -> Vector:
     """Roll, pitch and yaw of the rotation from body to NED that a quaternion w, x, y, z of length 1 stands for."""
     w, x, y, z = quaternion

@@ -112,7 +112,8 @@ class Guidance:
             self.correction.rest()
         else:
             self.correction.observe(at_s, error, planned, velocity_m_s, attitude_rad)
-        self._stillness.observe(at_s, position_m, velocity_m_s, wanted)
+        facing = self.course.faces(None if attitude_rad is None else attitude_rad[2])
+        self._stillness.observe(at_s, position_m, velocity_m_s, wanted, facing=facing)
         return planned
 
     def steady_s(self, at_s: float) -> float:
@@ -138,12 +139,14 @@ class Guidance:
         led = self.reference(vehicle_s + self.correction.lead_s)
         place = self.reference(vehicle_s + self.correction.delay_s)
         asked = self.correction.corrected(led._replace(position_m=place.position_m))
+        yaw_rad = self.course.turn(reference, self.flown_s(vehicle_s), vehicle_s)
         setpoint = LocalSetpoint(
             time_boot_ms=round(vehicle_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),
             velocity_ned_m_s=ned_from_enu(asked.velocity_m_s),
             acceleration_ned_m_s2=ned_from_enu(asked.acceleration_m_s2),
-            yaw_rad=self.course.turn(reference, self.flown_s(vehicle_s), vehicle_s),
+            yaw_rad=yaw_rad,
+            yaw_rate_rad_s=self.course.yaw_rate_rad_s,
         )
         return reference, setpoint, gap
 

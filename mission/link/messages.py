@@ -61,8 +61,11 @@ class Stream(IntEnum):
     GPS_RAW_INT = mavlink.MAVLINK_MSG_ID_GPS_RAW_INT
 
 
-_WHOLE_BUT_YAW_RATE: Final = mavlink.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-"""ArduPilot takes position, velocity and acceleration each whole or not at all; the yaw rate alone is left free."""
+_WHOLE: Final = 0
+"""Nothing is to be ignored. ArduPilot takes position, velocity and acceleration each whole or not at all. Of a yaw with
+a yaw rate both autopilots hold the first and turn ahead by the second: ArduCopter in its yaw mode ANGLE_RATE, which
+goes on at this rate between messages; PX4 adds it to what its attitude loop asks for (``yawspeed`` of its
+TrajectorySetpoint)."""
 
 _CRITICAL_CHARGES: Final = (
     mavlink.MAV_BATTERY_CHARGE_STATE_CRITICAL,
@@ -220,12 +223,12 @@ class Codec:
                 target_system,
                 AUTOPILOT_COMPONENT,
                 mavlink.MAV_FRAME_LOCAL_NED,
-                _WHOLE_BUT_YAW_RATE,
+                _WHOLE,
                 *setpoint.position_ned_m,
                 *setpoint.velocity_ned_m_s,
                 *setpoint.acceleration_ned_m_s2,
                 setpoint.yaw_rad,
-                0.0,
+                setpoint.yaw_rate_rad_s,
             )
         )
 

@@ -21,11 +21,13 @@ class Stillness:
         self.off_m = math.inf
         self._from_s = math.inf
 
-    def observe(self, at_s: float, position_m: Vector, velocity_m_s: Vector, wanted_m: Vector) -> None:
-        """Take a report."""
+    def observe(
+        self, at_s: float, position_m: Vector, velocity_m_s: Vector, wanted_m: Vector, *, facing: bool = True
+    ) -> None:
+        """Take a report; ``facing`` is whether its nose is where it should be, too."""
         self.off_m = math.hypot(position_m[0] - wanted_m[0], position_m[1] - wanted_m[1])
         still = self.off_m <= _STEADY_M and math.hypot(*velocity_m_s) <= _STEADY_M_S
-        if not still or abs(position_m[2] - wanted_m[2]) > 2.0 * _STEADY_M:
+        if not (still and facing) or abs(position_m[2] - wanted_m[2]) > 2.0 * _STEADY_M:
             self._from_s = math.inf
         elif math.isinf(self._from_s):
             self._from_s = at_s

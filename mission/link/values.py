@@ -278,10 +278,11 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class LocalSetpoint:
-    """Position, velocity, acceleration and heading, all of them, in the vehicle's local frame (NED)."""
+    """Position, velocity, acceleration, heading and yaw rate, all of them, in the vehicle's local frame (NED)."""
 
     time_boot_ms: int
     position_ned_m: Vector
     velocity_ned_m_s: Vector
     acceleration_ned_m_s2: Vector
     yaw_rad: float
+    yaw_rate_rad_s: float

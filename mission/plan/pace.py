@@ -6,8 +6,8 @@ from itertools import pairwise
 from typing import Final
 
 from mission.plan.covering import CoveredVisit
-from mission.plan.turning import run_ins
-from mission.spec.model import UNTIL_STOPPED, MissionSpec
+from mission.plan.turning import looked_along, run_ins, slow_to_turn, turns_at_rest
+from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
 from mission.steering.grid import Limits, Slow
 from mission.steering.joined import Curve, JoinedCurve, joins_smoothly
 from mission.steering.smoothing import FourierCurve
@@ -18,7 +18,7 @@ _ROUNDING: Final = 1.0 - 1e-4
 
 _Holds = tuple[tuple[float, float], ...]
 _Standing = tuple[_Holds, _Holds]
-"""The stops, and the waits before lanes."""
+"""The stops, and the waits to turn."""
 
 
 def trajectory_of(
@@ -29,8 +29,9 @@ def trajectory_of(
     covers: Sequence[CoveredVisit] = (),
     *,
     slow: tuple[Slow, ...] = (),
+    toward_m: Point | None = None,
 ) -> Trajectory:
-    """The fastest flight along a curve within a mission's limits that has time to turn before photographed lanes.
+    """The fastest flight along a curve within a mission's limits that has time to turn where its nose has to.
 
     Args:
         spec: The mission.
@@ -39,19 +40,23 @@ def trajectory_of(
         lap: Which leg is the lap.
         covers: The lanes on it.
         slow: Where the vehicle must be slow.
+        toward_m: Where the nose looks, if that is one place.
 
     Raises:
         ValueError: A stop is not on the curve.
     """
     if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
         raise ValueError("a stop is not on the curve")
-    fastest = _trajectory(spec, curve, (stops, ()), lap, slow)
-    turns = run_ins(fastest, covers)
+    lanes = looked_along(spec, covers)
+    slowly, turns_s = slow_to_turn(spec, curve, lanes, toward_m)
+    slow, turns_s = (*slow, *slowly), (*turns_at_rest(spec, curve, lap), *turns_s)
+    fastest = _trajectory(spec, curve, (stops, turns_s), lap, slow)
+    turns = run_ins(fastest, lanes, spec.limits.yaw_rate_rad_s)
     if not turns:
         return fastest
     waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
     slow = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
-    return _trajectory(spec, curve, (stops, waits), lap, slow)
+    return _trajectory(spec, curve, (stops, (*turns_s, *waits)), lap, slow)
 
 
 def _trajectory(
@@ -84,7 +89,7 @@ def _legs(
     Args:
         spec: The mission.
         curve: The smoothed path.
-        standing: The stops, and the waits before lanes.
+        standing: The stops, and the waits to turn.
         slow: Where the vehicle must be slow.
         flown_through: Which leg is the lap, and the rate with which it begins and ends.
     """

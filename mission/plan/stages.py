@@ -13,6 +13,7 @@ from mission.plan.detour import Avoidance
 from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan
+from mission.plan.heading import looked_toward
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.pace import trajectory_of
 from mission.plan.photographs import along_lanes
@@ -85,7 +86,15 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         start_m=start,
     ).steered()
     slow = slow_parts(spec, partition, labelling, flown.curve)
-    trajectory = trajectory_of(spec, flown.curve, flown.stops, flown.lap, flown.covers, slow=slow)
+    trajectory = trajectory_of(
+        spec,
+        flown.curve,
+        flown.stops,
+        flown.lap,
+        flown.covers,
+        slow=slow,
+        toward_m=looked_toward(spec, partition, labelling),
+    )
     return FlightPlan(
         spec=spec,
         start_m=start,

@@ -16,6 +16,7 @@ from mission.spec.tube import margins_of
 from mission.spec.values import domain_of, point_of, region_of
 
 _FORMULA: Path = ("mission", "formula")
+_TOWARD: Path = ("flight", "heading", "toward")
 _START: Path = ("start", "position_m")
 
 
@@ -40,6 +41,8 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
     findings.extend(_cover_findings(regions))
     if is_clean(("flight", "guidance"), structural):
         findings.extend(_guidance_findings(data.get("flight", {}), regions))
+    if isinstance(regions, dict) and is_clean(_TOWARD[:2], structural):
+        findings.extend(_toward_findings(data.get("flight", {}).get("heading"), regions))
     if all(is_clean(("domain", key), structural) for key in DOMAIN_KEYS):
         known = _known_regions(data.get("regions"), structural)
         start_m: Point | None = point_of(data["start"]["position_m"]) if is_clean(_START, structural) else None
@@ -84,6 +87,16 @@ def _guidance_findings(flight: Any, regions: Any) -> list[Finding]:  # noqa: ANN
     hint = f"take `cover` away from {listed(covered)}, or write `guidance: {TRAJECTORY}`"
     message = "lanes are flown along a trajectory, not by the field"
     return [Finding(("flight", "guidance"), message, hint)] if covered else []
+
+
+def _toward_findings(heading: Any, regions: Any) -> list[Finding]:  # noqa: ANN401 - any JSON value
+    """A region that the nose is to look toward, and that there is not."""
+    name = heading.get("toward") if isinstance(heading, dict) else None
+    if name is None or name in regions:
+        return []
+    close = nearest(name, frozenset(regions))
+    hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(regions))}"
+    return [Finding(_TOWARD, f"the nose is to look toward `{shortened(name)}`, which is no region", hint)]
 
 
 def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # noqa: ANN401 - any JSON value

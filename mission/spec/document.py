@@ -5,6 +5,7 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from mission.spec.covers import cover_data
+from mission.spec.heading import heading_data
 from mission.spec.model import (
     CORRIDOR,
     SUFFIX_DECIDES,
@@ -29,6 +30,9 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
     flight = asdict(spec.flight)
     laps = flight.pop("laps")
     flight["tube"] = flight.pop("margins")
+    del flight["heading"]
+    if spec.flight.heading is not None:
+        flight["heading"] = heading_data(spec.flight.heading)
     document: dict[str, Any] = {
         "name": spec.name,
         "description": spec.description,
@@ -58,6 +62,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
             "acceleration_m_s2": spec.limits.acceleration_m_s2,
             "jerk_m_s3": spec.limits.jerk_m_s3,
             "tilt_deg": math.degrees(spec.limits.tilt_rad),
+            "yaw_rate_deg_s": math.degrees(spec.limits.yaw_rate_rad_s),
         },
     }
     if spec.formula:

@@ -1,10 +1,12 @@
 """The values of a mission file, frozen. ENU, metres, seconds, radians unless a name says otherwise."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
 
 from mission.geometry.geodesy import LatLon
+from mission.spec.heading import YAW_RATE_DEG_S, Heading
 from mission.spec.tube import NO_MARGINS, Margins, causes, disturbed_m, disturbed_m_s
 
 if TYPE_CHECKING:  # the command line reads these values before it loads a library
@@ -231,6 +233,7 @@ class Flight:
         disturbance_m_s2: Bound w on each axis of the acceleration that the tracking law does not know of.
         margins: What else the tube has to hold, by which the certificate inflates the path.
         guidance: What leads the vehicle.
+        heading: Where the nose looks; None where the file says nothing of that: it follows the flight as it can.
     """
 
     speed_m_s: float
@@ -241,6 +244,7 @@ class Flight:
     disturbance_m_s2: float
     margins: Margins = NO_MARGINS
     guidance: Literal["trajectory", "field"] = TRAJECTORY
+    heading: Heading | None = None
 
     @property
     def tube_m(self) -> float:
@@ -296,6 +300,7 @@ class Limits:
     acceleration_m_s2: float
     tilt_rad: float
     jerk_m_s3: float = 4.0
+    yaw_rate_rad_s: float = math.radians(YAW_RATE_DEG_S)
 
 
 class TaskKind(StrEnum):

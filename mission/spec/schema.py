@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.cover_schema import COVER
+from mission.spec.heading import HEADING_SCHEMA, YAW_RATE_SCHEMA
 from mission.spec.model import (
     CORRIDOR,
     FIELD,
@@ -24,6 +25,7 @@ from mission.spec.shape_schema import (
     AREA_SHAPES,
     AREAS,
     GO_TOGETHER,
+    ORIGIN,
     POINT,
     POINT_REFERENCE,
     RING,
@@ -221,16 +223,6 @@ _START: Final = mapping(
     examples=[{"position_m": [12.5, 40.0]}],
 )
 
-_ORIGIN: Final = mapping(
-    "Where on Earth (WGS 84) the domain's [0, 0] lies. Without it the domain lies so that the vehicle is at the start.",
-    ("latitude_deg", "longitude_deg"),
-    {
-        "latitude_deg": number("Degrees north.", -89.9, 89.9, examples=[47.3977]),
-        "longitude_deg": number("Degrees east.", -180.0, 180.0, examples=[8.5456]),
-    },
-    examples=[{"latitude_deg": 47.3977, "longitude_deg": 8.5456}],
-)
-
 _FLIGHT: Final = mapping(
     "How it is flown.",
     (),
@@ -258,6 +250,7 @@ _FLIGHT: Final = mapping(
             "enum": [TRAJECTORY, FIELD],
             "default": TRAJECTORY,
         },
+        "heading": HEADING_SCHEMA,
     },
     examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
 )
@@ -329,6 +322,7 @@ _LIMITS: Final = mapping(
             "Largest horizontal jerk, m/s3: how fast the acceleration may change.", 0.01, 1000.0, default=4.0
         ),
         "tilt_deg": number("Largest tilt, degrees.", 1.0, 80.0, default=25.0),
+        "yaw_rate_deg_s": YAW_RATE_SCHEMA,
     },
     examples=[{"speed_m_s": 5.0, "acceleration_m_s2": 2.5, "tilt_deg": 25.0}],
 )
@@ -360,7 +354,7 @@ _SCHEMA: Final[Schema] = {
         "mission": _MISSION,
         "tasks": TASKS,
         "start": _START,
-        "origin": _ORIGIN,
+        "origin": ORIGIN,
         "flight": _FLIGHT,
         "search": _SEARCH,
         "smoothing": _SMOOTHING,

@@ -45,6 +45,16 @@ RING: Final[Schema] = {
     "examples": [[[0, 0], [20, 0], [20, 10]]],
 }
 
+ORIGIN: Final = mapping(
+    "Where on Earth (WGS 84) the domain's [0, 0] lies. Without it the domain lies so that the vehicle is at the start.",
+    ("latitude_deg", "longitude_deg"),
+    {
+        "latitude_deg": number("Degrees north.", -89.9, 89.9, examples=[47.3977]),
+        "longitude_deg": number("Degrees east.", -180.0, 180.0, examples=[8.5456]),
+    },
+    examples=[{"latitude_deg": 47.3977, "longitude_deg": 8.5456}],
+)
+
 _HOLES: Final[Schema] = {
     "description": "Rings of corners, each a hole in the polygon.",
     "type": "array",

@@ -5,6 +5,7 @@ from typing import Any, Literal
 
 from mission.geometry.refinement import SMALLEST_ANGLE_DEG
 from mission.spec.covers import cover_of
+from mission.spec.heading import heading_of
 from mission.spec.model import (
     CORRIDOR,
     FIELD,
@@ -66,6 +67,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             disturbance_m_s2=_measure(data, "flight", "disturbance_m_s2"),
             margins=margins_of(data.get("flight", {})),
             guidance=FIELD if _given(data, "flight", "guidance") == FIELD else TRAJECTORY,
+            heading=heading_of(data.get("flight", {}).get("heading")),
         ),
         smoothing=_smoothing(data),
         search=Search(
@@ -78,6 +80,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             acceleration_m_s2=_measure(data, "limits", "acceleration_m_s2"),
             tilt_rad=math.radians(_measure(data, "limits", "tilt_deg")),
             jerk_m_s3=_measure(data, "limits", "jerk_m_s3"),
+            yaw_rate_rad_s=math.radians(_measure(data, "limits", "yaw_rate_deg_s")),
         ),
         tasks=tuple(task_of(task) for task in data.get("tasks", [])),
         automaton=automaton,

@@ -20,6 +20,7 @@ from mission.spec.model import UNTIL_STOPPED, Semantics
 from mission.spec.tasks import task_text
 from mission.verify.plans.fields import series_fault, steering_fault
 from mission.verify.plans.flight import lanes_cover, limits_kept, pictures_taken, stops_made
+from mission.verify.plans.nose import heading_kept
 from mission.verify.plans.proof import Verdict, certified, figures_hold, tube_holds, words_satisfy
 from mission.verify.plans.written import Written
 
@@ -261,4 +262,5 @@ _CLAIMS: Final[Mapping[str, Callable[[Written], Verdict]]] = {
     "stops": stops_made,
     "lanes": lanes_cover,
     "photographs": pictures_taken,
+    "heading": heading_kept,
 }

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.regions import union_of
+from mission.spec.heading import Look
 from mission.spec.model import Region
 from mission.verify.plans.lanes import cover_faults
 from mission.verify.plans.law import Law
@@ -20,8 +21,7 @@ from mission.verify.plans.written import Written
 GRAVITY_M_S2: Final = 9.80665
 _SAME: Final = 1e-9
 _SAME_S: Final = 1e-6
-_TURN_RAD_S: Final = pi / 4.0  # what a vehicle turns at, and then it comes to rest
-_SETTLE_S: Final = 0.5
+_SETTLE_S: Final = 0.5  # after a turn
 _STRAIGHT_RAD: Final = 0.01
 
 
@@ -101,9 +101,13 @@ def stops_made(plan: Written) -> Verdict:
     for stop in stops:
         if not any(isclose(stop[0], s, abs_tol=_SAME_S) and seconds >= stop[1] - _SAME_S for s, seconds in held):
             return f"the trajectory does not stand still for {stop[1]:g} s at {stop[0]:.3f} s on its curve", ""
-    # Before a lane that is photographed the vehicle may wait until it has turned.
+    # Before a lane that is photographed the vehicle may wait until it has turned; one that looks ahead, wherever it
+    # turns, but no longer than it takes to turn right round.
     places = [s for s, _ in stops] + [lane.begin_s for lane in _photographed(plan)]
-    others = [s for s, seconds in held if not any(isclose(s, place, abs_tol=_SAME_S) for place in places)]
+    heading, round_s = plan.spec.flight.heading, pi / plan.spec.limits.yaw_rate_rad_s + 2.0 * _SETTLE_S
+    turning_s = round_s if heading is not None and heading.look in {Look.AHEAD, Look.LANES} else 0.0
+    unasked = [s for s, seconds in held if seconds > turning_s]
+    others = [s for s in unasked if not any(isclose(s, place, abs_tol=_SAME_S) for place in places)]
     fault = f"the trajectory stands still at {others[0]:.3f} s on its curve, for no stop" if others else None
     return fault, f"{len(stops)} stops, {sum(seconds for _, seconds in stops):g} s"
 
@@ -178,7 +182,7 @@ def pictures_taken(plan: Written) -> Verdict:
         since, turn = sum(law.duration_s for law in plan.laws[:leg]), pi
         if begun is not None and begun[0] == leg:
             since, turn = begun[1], abs(remainder(heading - begun[2], 2.0 * pi))
-        if turn > _STRAIGHT_RAD and begin - since < turn / _TURN_RAD_S + _SETTLE_S - _SAME_S:
+        if turn > _STRAIGHT_RAD and begin - since < turn / plan.spec.limits.yaw_rate_rad_s + _SETTLE_S - _SAME_S:
             return f"before `photographs.{number}` there is too little time to turn by {turn:.2f} rad", ""
         begun = leg, end, heading
     return None, f"{len(stretches)} stretches"

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission.link.frames import Anchor, enu_from_ned, heading_of, ned_from_enu, wrapped
+from mission.link.frames import Anchor, enu_from_ned, ned_from_enu, wrapped
 
 NUMBERS = st.floats(-1e6, 1e6)
 VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
@@ -48,14 +48,6 @@ def test_a_nan_stays_in_its_component(axis: int) -> None:
     converted = ned_from_enu((vector[0], vector[1], vector[2]))
     assert sum(map(math.isnan, converted)) == 1
     assert math.isnan(converted[(1, 0, 2)[axis]])
-
-
-@pytest.mark.parametrize(
-    ("velocity", "degrees"),
-    [((0.0, 1.0, 0.0), 0.0), ((1.0, 0.0, 0.0), 90.0), ((0.0, -1.0, 0.0), 180.0), ((-2.0, 0.0, 5.0), -90.0)],
-)
-def test_headings_are_clockwise_from_north(velocity: tuple[float, float, float], degrees: float) -> None:
-    assert math.degrees(heading_of(velocity)) == pytest.approx(degrees)
 
 
 @given(st.floats(-1e3, 1e3))

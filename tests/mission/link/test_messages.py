@@ -52,7 +52,7 @@ def test_our_heartbeat_is_a_ground_stations() -> None:
 
 
 def test_a_setpoint_byte_by_byte() -> None:
-    setpoint = LocalSetpoint(1000, (1.0, 2.0, -3.0), (0.5, 0.0, 0.0), (0.0, -0.25, 0.0), 1.5)
+    setpoint = LocalSetpoint(1000, (1.0, 2.0, -3.0), (0.5, 0.0, 0.0), (0.0, -0.25, 0.0), 1.5, -0.5)
     frame = codec().setpoint(1, setpoint)
     assert frame[:10].hex() == "fd35000000ffbf540000"
     expected = [
@@ -60,8 +60,8 @@ def test_a_setpoint_byte_by_byte() -> None:
         "0000803f00000040000040c0",  # x 1, y 2, z -3
         "0000003f0000000000000000",  # vx 0.5
         "00000000000080be00000000",  # afy -0.25
-        "0000c03f00000000",  # yaw 1.5, yaw rate 0
-        "0008",  # type mask 0x0800: all but the yaw rate
+        "0000c03f000000bf",  # yaw 1.5, yaw rate -0.5
+        "0000",  # type mask: nothing is ignored
         "010101",  # system 1, component 1, MAV_FRAME_LOCAL_NED
     ]
     assert frame[10:-2].hex() == "".join(expected)

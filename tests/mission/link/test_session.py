@@ -87,7 +87,7 @@ def test_setpoints_are_whole_groups_with_yaw_in_the_local_frame(flavour: str) ->
     Driven(vehicle).fly()
     for setpoint in vehicle.setpoints:
         assert setpoint.coordinate_frame == 1
-        assert setpoint.type_mask == 0x800  # everything but the yaw rate
+        assert setpoint.type_mask == 0  # nothing is ignored
         values = (setpoint.x, setpoint.y, setpoint.z, setpoint.vx, setpoint.vy, setpoint.vz, setpoint.afx, setpoint.yaw)
         assert all(map(math.isfinite, values))
         assert setpoint.z == pytest.approx(-0.5 - ALTITUDE_M, abs=0.01)

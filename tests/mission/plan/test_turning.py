@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 
 from mission.plan import FlightPlan, plan_to_json
 from mission.plan.pace import trajectory_of
-from mission.plan.turning import LEAD_S, SETTLE_S, TURN_RAD_S, RunIn, headings_of, run_ins, turn_s
+from mission.plan.turning import SETTLE_S, TURN_RAD_S, RunIn, headings_of, lead_s, looked_along, run_ins, turn_s
 from mission.verify.plans import claims
 from tests.support.fields import SMALL_FIELD
 from tests.support.small_missions import plan_of
 
 LAPS = 'mission: {formula: "G F field & G F home", laps: 2}'
+LEAD_S = lead_s(TURN_RAD_S)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +59,7 @@ def test_between_lanes_there_is_time_to_turn(plan: FlightPlan) -> None:
 def test_without_a_camera_nothing_is_slower(plan: FlightPlan) -> None:
     blind = [replace(visit, trigger_m=None) for visit in plan.covers]
     hasty = trajectory_of(plan.spec, plan.trajectory.curve, plan.stops, None)
-    assert run_ins(hasty, blind) == ()
+    assert run_ins(hasty, looked_along(plan.spec, blind)) == ()
     assert trajectory_of(plan.spec, plan.trajectory.curve, plan.stops, None, blind).duration_s == hasty.duration_s
 
 

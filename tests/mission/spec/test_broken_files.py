@@ -110,6 +110,13 @@ EXPECTED = [
     ("mapping_for_number", 13, 15, "flight.altitude_m", "expected a number, found a mapping"),
     ("missing_key", 8, 1, "mission.formula", "`formula` is missing in `mission`"),
     ("missing_value", 13, 3, "flight.speed_m_s", "expected a number, found nothing"),
+    (
+        "heading_unknown_region",
+        12,
+        21,
+        "flight.heading.toward",
+        "the nose is to look toward `Feild`, which is no region",
+    ),
     ("lanes_by_the_field", 11, 13, "flight.guidance", "lanes are flown along a trajectory, not by the field"),
     ("negative_speed", 13, 14, "flight.speed_m_s", "-3 is less than 0.001"),
     ("no_frequencies", 13, 16, "smoothing.frequencies", "expected auto or a whole number from 1 to 10000, found `0`"),
