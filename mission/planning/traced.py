@@ -102,7 +102,7 @@ class Tracer:
         if not goals or (not edges and source not in goals):
             return None
         rows, columns, costs = np.array(edges, dtype=np.float64).reshape(-1, 3).T
-        ends_of = (rows.astype(np.int64), columns.astype(np.int64))
+        ends_of = (rows.astype(np.int32), columns.astype(np.int32))  # all that older versions of dijkstra take
         graph = csr_array((costs, ends_of), shape=(len(node), len(node)))
         (reached,), (before,) = dijkstra(graph, indices=np.array([source]), return_predecessors=True)
         goal = min(goals, key=lambda number: (reached[number], number))

@@ -81,7 +81,8 @@ def _nearness(reaches: Reaches, name: str, shape: shapely.Geometry, *, whole: bo
     if flown[on_line] <= least_m:
         line, least_m = reaches.lines[on_line], float(flown[on_line])
         place = shapely.get_coordinates(shapely.shortest_line(line, shape))[0]
-        share = shapely.line_locate_point(line, shapely.Point(place), normalized=True)
+        moved_m = shapely.length(line)
+        share = shapely.line_locate_point(line, shapely.Point(place)) / moved_m if moved_m else 0.0
         time_s = float(reaches.t_s[on_line] + share * reaches.gap_s[on_line])
     surely_m = max(float((distances - reaches.reach_m).min()), 0.0) if whole else 0.0
     return Nearness(name, least_m, time_s, _pair(place), surely_m)
