@@ -152,7 +152,7 @@ def test_a_straight_dash_takes_little_more_than_it_must(length_m: float, limits:
     least_s = fastest_dash_s(length_m, limits)
     used = limits._replace(jerk_m_s3=min(limits.jerk_m_s3, limits.acceleration_m_s2 / 0.15))
     found_s = time_law(straight(length_m), limits).duration_s
-    assert least_s * (1.0 - 1e-9) <= found_s <= 1.03 * fastest_dash_s(length_m, used) + 0.01
+    assert least_s * (1.0 - 1e-9) <= found_s <= 1.05 * fastest_dash_s(length_m, used) + 0.01
 
 
 def test_the_exact_solution_for_a_dash_is_the_textbooks() -> None:
