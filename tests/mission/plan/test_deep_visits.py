@@ -22,7 +22,7 @@ mission:
   formula: {formula}
 start:
   position_m: [12, 12]
-flight: {{disturbance_m_s2: {tube}}}
+flight: {{speed_m_s: 3, disturbance_m_s2: {tube}}}
 """
 
 
