@@ -15,6 +15,8 @@ from mission.steering.timing import even_rate, level_acceleration, time_law
 from mission.steering.trajectory import Leg, Trajectory
 
 _ROUNDING: Final = 1.0 - 1e-4
+_OF_ACCELERATION: Final = 0.88
+"""What a trajectory asks for: a vehicle that brakes with all that it has cannot make up for an error meanwhile."""
 
 _Holds = tuple[tuple[float, float], ...]
 _Standing = tuple[_Holds, _Holds]
@@ -161,6 +163,6 @@ def _vehicle_limits(spec: MissionSpec, curve: Curve) -> Limits:
     """What the vehicle may do on a curve, level."""
     limits = spec.limits
     speed_m_s = limits.speed_m_s if _has_waves(curve) else min(limits.speed_m_s, spec.flight.speed_m_s)
-    acceleration_m_s2 = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
+    acceleration_m_s2 = _OF_ACCELERATION * level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
     # Third derivatives of curves far from the origin are good to fewer digits than those that a checker asks for.
     return Limits(speed_m_s, acceleration_m_s2, _ROUNDING * limits.jerk_m_s3)
