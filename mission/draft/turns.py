@@ -43,7 +43,8 @@ def turns_of(route: Sequence[Point], features: Sequence[Feature], frame: Frame) 
         asked = "" if surveyed else "; what it was flown for is not in the file: draw that as polygons"
         return begin, [f"the route of {len(route)} waypoints is left out: a way is no region{asked}"]
     places = shapely.points(frame.metres(route))
-    apart_m = shapely.distance(places[:, None], places)
+    # Shapely 2.1.0 locks what it is given meanwhile, and does not free two views of one array.
+    apart_m = shapely.distance(places[:, None].copy(), places)
     nearest_m = float(apart_m[apart_m > 0.0].min(initial=np.inf))
     radius_m = float(np.round(np.clip(_SHARE * nearest_m, _LEAST_RADIUS_M, RADIUS_M), 1))
     reason = f"a waypoint of the route; the circle of {decimal(radius_m)} m about it is this draft's"

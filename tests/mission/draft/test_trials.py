@@ -1,5 +1,7 @@
 """Drafts are planned before they are written: guesses give way, and what keeps a mission is said in it."""
 
+import re
+
 import numpy as np
 import pytest
 import yaml
@@ -38,7 +40,7 @@ def test_a_narrower_tube_is_guessed_where_the_usual_one_does_not_fit() -> None:
     assert trial.plan is not None
     assert 0.0 < trial.plan.spec.flight.disturbance_m_s2 <= 0.2
     assert "# The proof allows for a disturbance of " in trial.draft.text
-    assert "Otherwise: field cannot be covered" in " ".join(trial.draft.text.replace("# ", " ").split())
+    assert re.search("Otherwise: .*field cannot be covered", " ".join(trial.draft.text.replace("# ", " ").split()))
     assert trial.plan.covers
 
 

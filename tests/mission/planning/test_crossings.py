@@ -81,7 +81,8 @@ def test_where_nothing_is_in_the_way_ways_are_hardly_longer_than_straight_ones(m
     system = found.system
     rows, controls = np.nonzero(system.successors[:, 1:] >= 0)
     weights = system.weights[rows, controls + 1].astype(np.float64)
-    graph = csr_array((weights, (rows, system.successors[rows, controls + 1])), shape=(system.size, system.size))
+    ends = rows.astype(np.int32), system.successors[rows, controls + 1].astype(np.int32)
+    graph = csr_array((weights, ends), shape=(system.size, system.size))
     (lengths,) = dijkstra(graph, indices=np.array([found.start])) * 1e-3
     every = np.linalg.norm(found.points_m - found.points_m[found.start], axis=1)
     far = every > 20.0
