@@ -168,12 +168,11 @@ class CorridorPlanner:
             if not lanes:
                 stretches.append(stage)
                 done.append((self._held_s(stage), None))
-        found = taut_path(
-            start_m,
-            stretches,
-            lap=None if stages.lap is None else renumbered[stages.lap],
-            entries=[renumbered[entry] for entry in stages.entries],
-        )
+        lap_from = None if stages.lap is None else renumbered[stages.lap]
+        entries = [renumbered[entry] for entry in stages.entries]
+        # A lap that begins where one rests needs no way to there that does a part of it as well.
+        resting = [entry for entry in entries if _rests(done[entry - 1 if entry != lap_from else -1])]
+        found = taut_path(start_m, stretches, lap=lap_from, entries=resting or entries)
         lines = [
             _line(
                 line, stretches[line.stage], held_s or self._held_there_s(stretches[line.stage], line, margin_m), lanes
@@ -189,6 +188,10 @@ class CorridorPlanner:
             to_lap[-1] = _Line(to_lap[-1].way)
         first = next((number for number, line in enumerate(lap) if line.rests), None)
         if first is None:
+            return to_lap, lap
+        if lap[-1].rests:
+            if to_lap:
+                to_lap[-1] = _Line(to_lap[-1].way, lap[-1].held_s)
             return to_lap, lap
         head, tail = lap[: first + 1], lap[first + 1 :]
         covering = head[-1].lanes
@@ -245,6 +248,12 @@ class CorridorPlanner:
         if not ends:
             raise UnprovedError(f"the visit of {region.name} changes nothing", counterexample=(), where_s=None)
         return ends[0]
+
+
+def _rests(done: tuple[float, RoundedPolyline | None]) -> bool:
+    """Whether the vehicle rests where so long is loitered, or where lanes are flown."""
+    held_s, lanes = done
+    return held_s > 0.0 or lanes is not None
 
 
 def _passed(stages: Stages, start_m: FloatArray) -> dict[int, tuple[Point, Point]]:

@@ -63,12 +63,11 @@ def test_without_a_camera_nothing_is_slower(plan: FlightPlan) -> None:
     assert trajectory_of(plan.spec, plan.trajectory.curve, plan.stops, None, blind).duration_s == hasty.duration_s
 
 
-def test_each_lap_that_begins_with_its_lanes_has_time_to_turn_first() -> None:
+def test_each_lap_has_time_to_turn_before_its_lanes() -> None:
     text = SMALL_FIELD.replace(SMALL_FIELD[SMALL_FIELD.index("mission:") :].splitlines()[0], LAPS)
     plan = plan_of(text)
     assert plan.trajectory.lap is not None
     [visit] = plan.covers
-    assert visit.start_s == visit.lanes_s[0, 0] == plan.trajectory.curve.starts_s[plan.trajectory.lap]
-    waits = plan.trajectory.legs[plan.trajectory.lap].law.left_at([0.0])[0]
-    assert waits == pytest.approx(LEAD_S)
+    begin, end = plan.curve.starts_s[plan.trajectory.lap : plan.trajectory.lap + 2]
+    assert begin <= visit.start_s == visit.lanes_s[0, 0] < end
     assert [claim.fault for claim in claims(plan_to_json(plan), "plan.json") if claim.fault] == []
