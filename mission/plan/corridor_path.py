@@ -74,7 +74,7 @@ class _Line(NamedTuple):
 
     @property
     def rests(self) -> bool:
-        return self.held_s > 0.0 or self.lanes is not None
+        return _rests((self.held_s, self.lanes))
 
 
 @dataclass(frozen=True, eq=False)

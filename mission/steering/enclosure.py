@@ -128,7 +128,6 @@ class ContactSearch:
         self._offsets = np.einsum("mji,mji->mj", partition.normals, np.roll(corners, -1, axis=1))
         self._rim = partition.neighbours < 0
         low, high = corners.min(axis=1), corners.max(axis=1)
-        self._low, self._high = low, high
         self._tree = shapely.STRtree(shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1]))
         self.slack_m = ROUNDING * float(np.abs(partition.vertices_m).max(initial=1.0))
 

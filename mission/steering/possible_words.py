@@ -102,7 +102,6 @@ class Violations:
     ) -> None:
         self._layers = layers
         self._corners = corners
-        self._letter_of = letter_of
         self._semantics = semantics
         self._refutation = refutation
         self._begins = begins

@@ -117,7 +117,6 @@ class _Vehicle:
     def __init__(self) -> None:
         self.told = Collector()
         self._station = False
-        self._ardupilot = False
 
     @property
     def flies(self) -> bool:
