@@ -1,7 +1,6 @@
-"""The command line of ``mission``: its commands, their options, and what values they take."""
+"""The command line of ``mission``: its commands and their options; those that fly have a file of their own."""
 
 import argparse
-import math
 import re
 import sys
 from collections.abc import Sequence
@@ -9,14 +8,11 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import NoReturn
 
-from mission.errors import GeometryError
-from mission.geometry.geodesy import LatLon
+from mission.cli.flight_options import add_flights, add_run
+from mission.cli.option_values import place, positive, positive_whole, system_id
 from mission.printable import printable
-from mission.spec.model import MOST_LAPS, UNTIL_STOPPED
 
 PROGRAM = "mission"
-_DIGITS = 18
-_MOST_ID = 255
 _INVALID = re.compile(r"invalid choice: '(.*)' \(choose from (.*)\)$", re.DOTALL)
 _EXIT_CODES = """\
 exit codes:
@@ -46,18 +42,6 @@ Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, 
 and fence files of ArduPilot's ground stations. It is planned before it is written, and where there is no plan, that is
 said here and in its first lines (exit code 3); its comments ask what the drawing does not tell.
 """
-_FLY = """\
-Fly a mission. Without --connect, the bundled vehicle is started on loopback and stopped again.
-
-The flight gets a folder of its own with the record, the plan, the report and the pictures. Ctrl-C ends a flight
-safely: the vehicle lands, or holds where it is not the bundled one; a second Ctrl-C ends the program at once. A flight
-of laps takes one Ctrl-C more: at the first it completes the lap that it is in, and returns.
-"""
-_CALIBRATE = """\
-Fly a figure of eight about the start at the mission's speed and within its limits, three times, and measure how far the
-vehicle is from it: that is what the tube of the proof has to hold. Without a mission file it flies in an open field of
-120 m; without --connect, with the bundled vehicle. Where there is no room, nothing takes off.
-"""
 _VERIFY = """\
 Judge each claim of a written plan:
 
@@ -75,13 +59,6 @@ _EXPORT = """\
 Write a plan for autopilots to fly by themselves (.plan of QGroundControl with geofence and rally points, .waypoints of
 all ground stations), or for looking at (.geojson, .kml, .kmz, .gpx): the path on straight legs, which satisfy the
 mission like the path itself.
-"""
-_ADDRESSES = """\
-addresses:
-  udpin:0.0.0.0:14550      wait there for a vehicle that calls (ArduPilot's and PX4's simulators do)
-  udpout:192.168.4.1:14550 call a vehicle
-  tcp:127.0.0.1:5760       call one over TCP (tcpin:HOST:PORT waits for one)
-  serial:/dev/ttyUSB0:57600
 """
 
 
@@ -161,8 +138,8 @@ def build_parser() -> argparse.ArgumentParser:
 
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")
-    _add_run(plan)
-    plan.add_argument("--runs", type=_positive_whole, metavar="N", help="list the first N of the shortest runs")
+    add_run(plan)
+    plan.add_argument("--runs", type=positive_whole, metavar="N", help="list the first N of the shortest runs")
     plan.add_argument("--transitions", action="store_true", help="print the full transition maps of T and A")
     plan.add_argument("--out", metavar="PLAN.json", help="write the whole plan to a file")
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
@@ -179,23 +156,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     _add_export(commands.add_parser("export", help="write a plan into a file of other programs", description=_EXPORT))
 
-    fly = commands.add_parser(
-        "fly",
-        help="fly a mission over MAVLink and report",
-        description=_FLY,
-        epilog=_ADDRESSES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    _add_flight(fly)
-
-    calibrate = commands.add_parser(
-        "calibrate",
-        help="measure how a vehicle follows, by a figure of eight",
-        description=_CALIBRATE,
-        epilog=_ADDRESSES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    _add_calibration(calibrate)
+    add_flights(commands.add_parser)
 
     report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
     report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")
@@ -213,12 +174,6 @@ def with_negative_pairs(arguments: Sequence[str]) -> list[str]:
     return joined
 
 
-def _add_run(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--run", type=_whole, metavar="I", help="take the I-th shortest run, counted from 0 (default: as in the file)"
-    )
-
-
 def _add_verify(verify: argparse.ArgumentParser) -> None:
     verify.add_argument("plan", nargs="?", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
     flight = verify.add_argument_group("a flight")
@@ -231,17 +186,17 @@ def _add_verify(verify: argparse.ArgumentParser) -> None:
         help="a plan of the mission: how far the flight was from its path is told, too",
     )
     flight.add_argument(
-        "--system", type=_system_id, metavar="N", help="the vehicle, by its system id, of a .tlog that has several"
+        "--system", type=system_id, metavar="N", help="the vehicle, by its system id, of a .tlog that has several"
     )
     flight.add_argument(
         "--flight-number",
-        type=_positive_whole,
+        type=positive_whole,
         metavar="N",
         help="which flight of the log, from 1 (default: the longest)",
     )
     flight.add_argument(
         "--fastest",
-        type=_positive,
+        type=positive,
         metavar="M_S",
         default=20.0,
         help="no vehicle was faster: bounds where it may have been in gaps, m/s (default: %(default)g)",
@@ -259,13 +214,13 @@ def _add_export(export: argparse.ArgumentParser) -> None:
     )
     export.add_argument(
         "--at",
-        type=_place,
+        type=place,
         metavar="LAT,LON",
         help="where the (0, 0) of a mission without `origin` lies, degrees",
     )
     export.add_argument(
         "--tolerance",
-        type=_positive,
+        type=positive,
         metavar="M",
         help="how far the legs may be from the smooth path, metres (default: 0.2, or half the proved tube if less)",
     )
@@ -276,125 +231,3 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         help="what a .plan is for (default: %(default)s)",
     )
     export.add_argument("--force", action="store_true", help="write over a file that is there")
-
-
-def _add_flight(fly: argparse.ArgumentParser) -> None:
-    fly.add_argument("file", metavar="FILE", help="mission file (YAML)")
-    _add_run(fly)
-    fly.add_argument(
-        "--laps", type=_laps, metavar="N", help="fly so many laps, or until-stopped (default: as in the file)"
-    )
-    fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
-    fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
-    _add_vehicle(fly)
-
-
-def _add_calibration(calibrate: argparse.ArgumentParser) -> None:
-    calibrate.add_argument(
-        "file", nargs="?", metavar="FILE", help="mission file (YAML) with the place, the limits and the speed"
-    )
-    calibrate.add_argument("--out", metavar="TUBE.yaml", help="where the measured lines go (default: standard output)")
-    calibrate.add_argument("--force", action="store_true", help="write over a file that is there already")
-    _add_vehicle(calibrate)
-
-
-def _add_vehicle(fly: argparse.ArgumentParser) -> None:
-    fly.add_argument("--connect", metavar="ADDRESS", help="fly the vehicle at this address, see below")
-    fly.add_argument(
-        "--system-id",
-        type=_system_id,
-        metavar="N",
-        help="the vehicle to fly, where several share the link (default: the first heard)",
-    )
-    fly.add_argument(
-        "--signing-key",
-        metavar="FILE",
-        help="sign what is sent and hear only what is signed: 32 bytes, 64 hexadecimal digits or a passphrase",
-    )
-    bundled = fly.add_argument_group("the bundled vehicle (not with --connect)")
-    bundled.add_argument("--speed", type=_positive, metavar="X", help="multiples of real time (default: 20)")
-    bundled.add_argument("--seed", type=_seed, metavar="N", help="seed of its noise (default: 1)")
-    bundled.add_argument(
-        "--wind", type=_wind, metavar="WIND", help="NORTH,EAST it blows to, or SPEED@FROM_DEGREES, m/s (default: calm)"
-    )
-    bundled.add_argument("--flavour", choices=("ardupilot", "px4"), help="what it behaves like (default: ardupilot)")
-    bundled.add_argument(
-        "--dynamics", choices=("hover", "quadrotor"), help="its equations of motion, see vehicle-sim (default: hover)"
-    )
-    bundled.add_argument(
-        "--faults", metavar="FAULTS", help="what goes wrong and when: a YAML file, see vehicle-sim --help"
-    )
-    bundled.add_argument(
-        "--no-ground-station", action="store_true", help="do not offer the flight to a ground station on UDP port 14550"
-    )
-
-
-def _whole(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) <= _DIGITS):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0")
-    return int(text)
-
-
-def _positive_whole(text: str) -> int:
-    if not _whole(text):
-        raise argparse.ArgumentTypeError("write a whole number from 1")
-    return int(text)
-
-
-def _system_id(text: str) -> int:
-    number = _positive_whole(text)
-    if number > _MOST_ID:
-        raise argparse.ArgumentTypeError(f"system ids are 1 to {_MOST_ID}, {text} is not")
-    return number
-
-
-def _laps(text: str) -> int | str:
-    if text.replace("-", "_") == UNTIL_STOPPED:
-        return UNTIL_STOPPED
-    laps = _positive_whole(text)
-    if laps > MOST_LAPS:
-        raise argparse.ArgumentTypeError(f"{text} laps are more than {MOST_LAPS}; until-stopped has no end")
-    return laps
-
-
-def _seed(text: str) -> int:
-    if _whole(text) >= 2**32:
-        raise argparse.ArgumentTypeError(f"a seed is less than 2^32, {text} is not")
-    return int(text)
-
-
-def _number(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
-    return value
-
-
-def _positive(text: str) -> float:
-    value = _number(text)
-    if value <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text} is not positive")
-    return value
-
-
-def _place(text: str) -> LatLon:
-    latitude, separator, longitude = text.partition(",")
-    if not separator:
-        raise argparse.ArgumentTypeError(f"write LATITUDE,LONGITUDE in degrees, not {text!r}")
-    try:
-        return LatLon(_number(latitude), _number(longitude))
-    except GeometryError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def _wind(text: str) -> str:
-    first, separator, second = text.partition("@" if "@" in text else ",")
-    if not separator:
-        raise argparse.ArgumentTypeError(f"write NORTH,EAST or SPEED@FROM_DEGREES, not {text!r}")
-    if _number(first) < 0.0 and separator == "@":
-        raise argparse.ArgumentTypeError(f"the speed {first} is negative")
-    _number(second)
-    return text
