@@ -15,9 +15,10 @@ from mission.errors import MissionError, VehicleError
 from mission.link.contact import Contact, LinkOptions
 from mission.link.course import Course
 from mission.link.ending import Ending
-from mission.link.events import Anchored, Event, Held, Moved, SetpointSent, StageEntered
-from mission.link.frames import Anchoring, enu_from_ned
-from mission.link.leading import Leader, leader
+from mission.link.events import Event, Held, StageEntered
+from mission.link.frames import Anchoring
+from mission.link.lead import Lead
+from mission.link.leading import Leader
 from mission.link.origin_watch import OriginWatch
 from mission.link.procedure import Procedure
 from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps, unarm_step
@@ -43,7 +44,7 @@ class Session:
         stage: Where the flight is.
         ending: How it ended; None while it lasts.
         ending_reason: Why, in plain words.
-        guidance: What leads the vehicle; None before it is armed.
+        lead: What leads the vehicle, once it departs.
         pilot: Whether somebody else flies it and is waited for.
     """
 
@@ -61,11 +62,9 @@ class Session:
         self.stage = Stage.CONNECT
         self.ending: Ending | None = None
         self.ending_reason = ""
-        self.guidance: Leader | None = None
         self.pilot = Takeover()
-        self._departure: tuple[Course, Anchoring] | None = None
+        self.lead = Lead(self.contact.vehicle, self.contact.options.setpoint_s)
         self._origin = OriginWatch(None)
-        self._ground_down_m: float | None = None
         self._procedure = self._procedure_of()
         self._disarmed_from_s = math.inf
         self._land_when_stopped = land_when_stopped
@@ -86,10 +85,14 @@ class Session:
         return self.contact.waiting_for if self.stage in (Stage.CONNECT, Stage.STREAMS, Stage.READY) else ""
 
     @property
+    def guidance(self) -> Leader | None:
+        """What leads the vehicle; None before it is armed."""
+        return self.lead.guidance
+
+    @property
     def altitude_m(self) -> float:
         """Height above the take-off point that is reported; 0 before take-off."""
-        position, ground = self.vehicle.position, self._ground_down_m
-        return 0.0 if position is None or ground is None else ground - position.position_ned_m[2]
+        return self.lead.altitude_m
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take what has arrived, and all that waits.
@@ -136,12 +139,9 @@ class Session:
 
     def switch_camera(self, now_s: float) -> None:
         """Switch the camera on and off as the trajectory asks: off where it is not flown, also once all is over."""
-        vehicle_s, guidance = self.vehicle.clock.now_s(now_s), self.guidance
-        trajectory_s = None
-        if self.stage is Stage.FLY and guidance is not None and vehicle_s is not None:
-            trajectory_s = guidance.trajectory_s(vehicle_s)
-            trajectory_s = None if trajectory_s is None else guidance.course.first_lap_s(trajectory_s)
-        self.contact.switch_camera(trajectory_s, now_s)
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        flown = self.stage is Stage.FLY and vehicle_s is not None
+        self.contact.switch_camera(self.lead.photographed_s(vehicle_s or 0.0) if flown else None, now_s)
 
     def depart(self, course: Course, anchoring: Anchoring, photographs: tuple[Photographs, ...] = ()) -> None:
         """Fly: from STANDBY to the ground again, with pictures in these stretches of the trajectory.
@@ -152,7 +152,7 @@ class Session:
         kind = self.contact.autopilot
         if self.stage is not Stage.STANDBY or kind is None:
             raise RuntimeError(f"cannot depart while {self.stage}")
-        self._departure = (course, anchoring)
+        self.lead.depart(course, anchoring)
         self._origin = OriginWatch(self.vehicle.origin)
         self.contact.photograph(photographs)
         offboard = frozenset({kind.offboard_mode})
@@ -203,7 +203,7 @@ class Session:
     @property
     def departed(self) -> bool:
         """Whether the vehicle has been asked to fly."""
-        return self._departure is not None
+        return self.lead.course is not None
 
     @property
     def left(self) -> str:
@@ -248,21 +248,13 @@ class Session:
             self._procedure.take(answer, vehicle_s, now_s)
         if isinstance(body, LocalPosition):
             if self.vehicle.position_at_s > position_before_s:
-                self._moved(body)
+                moved = self.lead.moved(body)
+                if moved is not None:
+                    self._note(moved)
         elif isinstance(body, Heartbeat):
             self._look_who_flies(body, vehicle_s, now_s)
         elif isinstance(body, Origin):
             self._check_origin(body, now_s)
-
-    def _moved(self, report: LocalPosition) -> None:
-        if self.guidance is None:
-            return
-        at_s = self.vehicle.position_at_s
-        position = self.guidance.anchor.to_domain(report.position_ned_m)
-        velocity = enu_from_ned(report.velocity_ned_m_s)
-        attitude = None if self.vehicle.attitude is None else self.vehicle.attitude.angles_rad
-        planned = self.guidance.observe(at_s, position, velocity, attitude)
-        self._note(Moved(at_s, position, velocity, attitude, *planned[:2], self.guidance.trajectory_s(at_s)))
 
     def _look_who_flies(self, heartbeat: Heartbeat, vehicle_s: float | None, now_s: float) -> None:
         if heartbeat.armed:
@@ -270,8 +262,8 @@ class Session:
         elif vehicle_s is not None:
             self._disarmed_from_s = min(self._disarmed_from_s, vehicle_s)
         since_s = self._lately_s(now_s)
-        waits = self._departure is not None and self._departure[0].orders is not None
-        end = self.pilot.look(heartbeat, self._procedure.step, self.contact.autopilot, self.vehicle, since_s, waits)
+        step, kind = self._procedure.step, self.contact.autopilot
+        end = self.pilot.look(heartbeat, step, kind, self.vehicle, since_s, self.lead.by_field)
         if self.pilot.changed and end is None:
             self._note(Held(vehicle_s, self.pilot.words))
         if end is not None:
@@ -283,7 +275,7 @@ class Session:
         return -math.inf if vehicle_s is None else vehicle_s - _WORDS_S
 
     def _check_origin(self, origin: Origin, now_s: float) -> None:
-        if self._ground_down_m is None or self.stage in _LANDING or self._failure is not None:
+        if self.lead.ground_down_m is None or self.stage in _LANDING or self._failure is not None:
             return
         if self._origin.moved(origin, now_s):
             self.give_up(VehicleError("the vehicle moved the origin of its local frame in flight"), now_s)
@@ -319,44 +311,21 @@ class Session:
             if step.stage is Stage.FLY and self.guidance is not None:
                 self.guidance.begin(vehicle_s)
             self._enter(step.stage, vehicle_s)
-        if step.streaming and self.guidance is not None:
-            self._send_setpoint(self.guidance, vehicle_s)
+        if step.streaming and (due := self.lead.due(vehicle_s)) is not None:
+            self.contact.send_setpoint(due[0])
+            self._note(due[1])
         if self._failure is None:
             self.contact.ask_for_overdue(now_s, origin=self._origin.doubts)
 
     def _take_ground(self) -> None:
-        """Where the vehicle is armed, there is the ground, and the domain is tied to it."""
-        position = self.vehicle.position
-        if self._ground_down_m is not None or self._departure is None or position is None or not self.vehicle.armed:
-            return
-        course, anchoring = self._departure
-        self._ground_down_m = position.position_ned_m[2]
-        period_s = self.contact.options.setpoint_s
-        self.guidance = leader(course, anchoring(position.position_ned_m), period_s)
-        if self.contact.pictures is not None:
-            self.contact.pictures.guidance = self.guidance
-        self._note(Anchored(self.vehicle.position_at_s, self.guidance.anchor.origin_ned_m))
+        anchored = self.lead.take_ground()
+        if anchored is not None:
+            if self.contact.pictures is not None:
+                self.contact.pictures.guidance = self.guidance
+            self._note(anchored)
 
     def _scene(self, vehicle_s: float, in_step_s: float) -> Scene:
-        guidance, position = self.guidance, self.vehicle.position
-        return Scene(
-            vehicle=self.vehicle,
-            in_step_s=in_step_s,
-            altitude_m=0.0 if self._departure is None else self._departure[0].altitude_m,
-            height_m=self.altitude_m,
-            climb_m_s=0.0 if position is None else -position.velocity_ned_m_s[2],
-            off_m=math.inf if guidance is None else guidance.off_m,
-            steady_s=0.0 if guidance is None else guidance.steady_s(vehicle_s),
-            left_s=math.inf if guidance is None else guidance.left_s(vehicle_s),
-            disarmed_s=max(vehicle_s - self._disarmed_from_s, 0.0),
-        )
-
-    def _send_setpoint(self, guidance: Leader, vehicle_s: float) -> None:
-        due = guidance.due(vehicle_s)
-        if due is not None:
-            reference, setpoint, gap = due
-            self.contact.send_setpoint(setpoint)
-            self._note(SetpointSent(vehicle_s, reference, setpoint.yaw_rad, guidance.trajectory_s(vehicle_s), gap))
+        return self.lead.scene(vehicle_s, in_step_s, max(vehicle_s - self._disarmed_from_s, 0.0))
 
     # Ends.
 

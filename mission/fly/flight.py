@@ -1,0 +1,259 @@
+"""One flight's parts, and what holds them together: a turn of its loop, its departure, and when it is given up."""
+
+import contextlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from traceback import format_exception
+
+from mission.clock import Clock
+from mission.errors import FlightError, LinkError, MissionError, VehicleError
+from mission.fly.by_field import field_orders, is_sealed
+from mission.fly.conclusion import concluded, joined, shortcomings
+from mission.fly.interruption import INTERRUPTED, StopRequest
+from mission.fly.listening import BEHIND_S, Listening
+from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
+from mission.fly.recording import Recording
+from mission.fly.result import FlightResult
+from mission.fly.retreat import retreat, speak, switch_off_camera
+from mission.fly.watch import FlightWatch
+from mission.link.contact import LinkOptions
+from mission.link.session import Session
+from mission.link.transport import Transport
+from mission.monitor.failsafe import Situation, reason_to_stop
+from mission.monitor.stage import Stage
+from mission.plan import FlightPlan
+from mission.spec.model import Point
+
+_STRAY_M = 10.0
+_STRAY_FOR_S = 5.0
+_UNTRUSTED_FOR_S = 2.0
+
+
+@dataclass(frozen=True)
+class FlightOptions:
+    """How a flight is conducted.
+
+    Attributes:
+        link: Ids and patience on the link.
+        land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot. Otherwise the
+            vehicle is left holding, for its pilot to decide: what lies under a real one is not known here.
+        stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
+    """
+
+    link: LinkOptions = field(default_factory=LinkOptions)
+    land_when_stopped: bool = False
+    stray_m: float = _STRAY_M
+
+
+class Flight:
+    """One flight's parts, and what holds them together."""
+
+    def __init__(
+        self,
+        plan: FlightPlan,
+        clock: Clock,
+        record: Recording,
+        options: FlightOptions,
+        planner: Callable[[Point], FlightPlan],
+    ) -> None:
+        self.plan, self.clock, self.record, self.options = plan, clock, record, options
+        self.session = Session(
+            needs_origin=plan.spec.origin is not None,
+            options=options.link,
+            land_when_stopped=options.land_when_stopped,
+        )
+        self.watch = FlightWatch(plan, record)
+        self.interrupted = False
+        self._given_up = False
+        self._planner = planner
+        self._trusted_s = self._near_s = self._looked_s = -math.inf
+        self.listening = Listening(self.session, clock)
+        self._told_behind = self._warned_behind = self._warned_trouble = False
+
+    @property
+    def newest_s(self) -> float | None:
+        """The vehicle's time."""
+        return self.session.vehicle.clock.newest_s
+
+    @property
+    def behind_s(self) -> float:
+        """How far the flight was behind what the vehicle said, at most; 0 where it kept up."""
+        largest_s = self.listening.largest_behind_s
+        return largest_s if largest_s > BEHIND_S else 0.0
+
+    def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
+        """One turn of the loop: listen, think, speak."""
+        session = self.session
+        if self.listening.turn(transport):
+            session.advance(self.clock.now_s())
+            self.take_events()
+            self.tell_pace()
+            self.tell_trouble()
+            if session.stage is Stage.STANDBY:
+                self.depart()
+            self.look_after()
+        if request := stop_request():
+            self.heed(request)
+        for frame in session.outgoing():
+            transport.send(frame)
+
+    def tell_pace(self) -> None:
+        """Say when this computer begins not to keep up with the vehicle, and when it has caught up again."""
+        listening = self.listening
+        if listening.is_behind == self._told_behind:
+            return
+        self._told_behind = listening.is_behind
+        self.record.write(
+            "event",
+            self.newest_s,
+            name="this computer does not keep up" if listening.is_behind else "this computer keeps up again",
+            behind_s=listening.behind_s,
+            largest_behind_s=listening.largest_behind_s,
+            left_out=self.session.contact.inbox.left_out,
+        )
+        if listening.is_behind and not self._warned_behind:
+            self._warned_behind = True
+            self.record.warn(
+                f"this computer does not keep up: it is {listening.behind_s:.1f} s behind what the vehicle says"
+            )
+
+    def tell_trouble(self) -> None:
+        """Say at once when something goes wrong with the camera."""
+        trouble = self.session.contact.photography.trouble
+        if trouble and not self._warned_trouble:
+            self._warned_trouble = True
+            self.record.warn(f"{trouble}; the flight goes on")
+
+    def take_events(self) -> None:
+        """Pass on what the session has to tell."""
+        for event in self.session.events():
+            self.watch.take(event)
+
+    def depart(self) -> None:
+        """Plan for where the vehicle stands, and go."""
+        vehicle, spec = self.session.vehicle, self.plan.spec
+        if spec.origin is None:
+            anchoring = anchored_at_start(self.plan.start_m)
+        else:
+            stands_m, anchoring = placed(spec.origin, vehicle)
+            check_stand(self.plan, stands_m)
+            self.plan = self._planner(stands_m)
+            name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
+            self.watch.vehicle = name
+        self.record.write(
+            "event",
+            self.newest_s,
+            name="planned",
+            start_m=self.plan.start_m,
+            run=self.plan.run.states,
+            duration_s=self.plan.trajectory.duration_s,
+            tube_m=self.plan.certificate.tube_m,
+        )
+        heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
+        course = course_of(self.plan, heading, field_orders(self.plan, self.watch.monitor))
+        self.session.depart(course, anchoring, self.plan.photographs)
+        self.listening.excuse()
+
+    def look_after(self) -> None:
+        """Give the flight up where going on would be wrong."""
+        session, now_s = self.session, self.newest_s
+        if session.stage is not Stage.FLY or now_s is None or self.watch.began_s is None or now_s == self._looked_s:
+            return
+        self._looked_s = now_s
+        vehicle, tracking, seen_s = session.vehicle, self.watch.tracking, session.vehicle.clock.seen_s
+        if math.isinf(self._near_s):
+            self._trusted_s = self._near_s = seen_s
+        if vehicle.estimate_trusted:
+            self._trusted_s = seen_s
+        if tracking.error_m <= self.options.stray_m:
+            self._near_s = seen_s
+        reason = reason_to_stop(
+            Situation(
+                estimate_healthy=seen_s - self._trusted_s < _UNTRUSTED_FOR_S,
+                battery_critical=vehicle.battery_critical,
+                violation=self.watch.violation(),
+                verdict=self.watch.monitor.verdict,
+                astray=seen_s - self._near_s > _STRAY_FOR_S,
+                error_m=tracking.error_m,
+                sealed=is_sealed(session),
+            )
+        )
+        if reason:
+            self.stop(reason)
+
+    def heed(self, request: StopRequest) -> None:
+        """Grant a wish to end the flight.
+
+        Raises:
+            KeyboardInterrupt: The flight has been given up already, at an earlier wish.
+        """
+        if self._given_up:
+            raise KeyboardInterrupt
+        self.interrupted = True
+        if request.after_lap and not self.watch.returning and self.session.end_laps(self.clock.now_s()):
+            self.watch.returning = True
+            self.record.write("event", self.newest_s, name="returning after this lap", reason=request.reason)
+        else:
+            self.stop(request.reason)
+            self._given_up = True
+
+    def stop(self, reason: str) -> None:
+        """Give the flight up, once."""
+        if not self._given_up and self.session.ending is None:
+            self.record.write("event", self.newest_s, name="stop", reason=reason)
+            self.session.stop(reason, self.clock.now_s())
+
+    def result(self) -> FlightResult:
+        """The verdict on the flight, written down.
+
+        Raises:
+            VehicleError: A failsafe of the vehicle ended the flight.
+        """
+        self.take_events()
+        result = concluded(
+            self.session,
+            self.watch,
+            lost_text=self.record.lost_text,
+            interrupted=self.interrupted,
+            behind_s=self.behind_s,
+        )
+        self.record.write("verdict", self.newest_s, **result.values(), **self.watch.judged.known())
+        return result
+
+    def say_stop(self, transport: Transport) -> None:
+        """Tell the vehicle to stop, without waiting for it."""
+        with contextlib.suppress(Exception):
+            self.interrupted = True
+            self.stop(INTERRUPTED.reason)
+        with contextlib.suppress(Exception):
+            speak(self.session, transport, self.clock)
+
+    def failed(self, error: BaseException, transport: Transport, gone: Callable[[], str]) -> BaseException:
+        """What the flight fails with, once the vehicle was told to hold, or to land; how it is left is part of it."""
+        why = error
+        if not isinstance(why, MissionError):
+            why = FlightError(f"{type(error).__name__}: {error}")
+            with contextlib.suppress(Exception):
+                self.record.write("event", self.newest_s, name="failure", traceback=format_exception(error))
+        left = ""
+        if not gone():
+            retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
+            left = self.session.left
+            switch_off_camera(self.session, transport, self.clock, gone)
+        self._take_what_can_be_taken()
+        reason = joined(str(why), left, *shortcomings(self.session, self.watch, self.record.lost_text))
+        with contextlib.suppress(Exception):
+            self.record.write(
+                "verdict", self.newest_s, achieved=False, reason=reason, ending="failed", behind_s=self.behind_s
+            )
+        if isinstance(error, (LinkError, VehicleError)):
+            return type(error)(reason)
+        return FlightError(reason) if self.session.departed else error
+
+    def _take_what_can_be_taken(self) -> None:
+        """Pass on what the session has to tell, although this may be what has failed."""
+        with contextlib.suppress(Exception):
+            for event in self.session.events():
+                with contextlib.suppress(Exception):
+                    self.watch.take(event)
