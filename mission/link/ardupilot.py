@@ -7,7 +7,7 @@ LOITER obeys the throttle stick, so without a pilot the mode that holds is BRAKE
 
 from typing import Final
 
-from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
+from mission.link.autopilot import COMMON_ONCE, COMMON_RATES_HZ, Autopilot
 from mission.link.messages import AUTOPILOT_ARDUPILOT, Stream, arm, change_mode, land, take_off
 from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
 from mission.link.values import Command
@@ -78,5 +78,7 @@ ARDUPILOT: Final = Autopilot(
     hold=change_mode("BRAKE", _BRAKE),
     land=land(_HERE),
     rates_hz={**COMMON_RATES_HZ, Stream.EKF_STATUS_REPORT: 2.0},
+    once=(*COMMON_ONCE, Stream.WIND),
+    bytewise=False,
     departure=_departure,
 )

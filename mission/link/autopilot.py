@@ -22,6 +22,8 @@ class Autopilot:
         hold: The command that leads to ``hold_mode``.
         land: The command that leads to ``land_mode``.
         rates_hz: The messages that it is asked for, and how often.
+        once: The messages that it is asked for once.
+        bytewise: Whether it sends the bytes of an integer parameter, and not its value.
         departure: The steps from disarmed on the ground to flying setpoints, for an altitude above the take-off point.
     """
 
@@ -34,6 +36,8 @@ class Autopilot:
     hold: Command
     land: Command
     rates_hz: Mapping[Stream, float]
+    once: tuple[Stream, ...]
+    bytewise: bool
     departure: Callable[[float], tuple[Step, ...]]
 
     def mode_name(self, mode: int) -> str:
@@ -51,3 +55,11 @@ COMMON_RATES_HZ: Mapping[Stream, float] = {
     Stream.BATTERY_STATUS: 0.5,
 }
 """What every autopilot is asked for."""
+
+COMMON_ONCE: tuple[Stream, ...] = (
+    Stream.GPS_GLOBAL_ORIGIN,
+    Stream.AUTOPILOT_VERSION,
+    Stream.HOME_POSITION,
+    Stream.GPS_RAW_INT,
+)
+"""What every autopilot is asked for once."""

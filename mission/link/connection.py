@@ -90,8 +90,7 @@ class StreamRequests:
         self._round = deque(
             (
                 *(set_message_interval(stream, rate) for stream, rate in autopilot.rates_hz.items()),
-                request_message(Stream.GPS_GLOBAL_ORIGIN),
-                request_message(Stream.AUTOPILOT_VERSION),
+                *map(request_message, autopilot.once),
             )
         )
 

@@ -16,6 +16,7 @@ from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.inbox import Inbox
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, Stream, request_message, vehicle_type_name
+from mission.link.parameters import ParameterReading
 from mission.link.photography import Photography
 from mission.link.pictures import PictureBook
 from mission.link.requests import Answer, RequestChannel
@@ -28,6 +29,7 @@ from mission.link.values import (
     Image,
     LocalPosition,
     LocalSetpoint,
+    ParameterValue,
     Ping,
     Received,
     Version,
@@ -83,6 +85,7 @@ class Contact:
         inbox: What has arrived and was not handled yet.
         photography: Switches the camera.
         pictures: What was told of its pictures; None where they do not count.
+        parameters: What is asked of its parameters, and what has come.
         late_s: How long what was handled last had waited, on the clock here.
         out: Frames to send, likewise; answers to PINGs come after them.
     """
@@ -103,6 +106,7 @@ class Contact:
         self.channel = RequestChannel(options.system_id, options.component_id)
         self.photography = self._photography(())
         self.pictures: PictureBook | None = None
+        self.parameters = ParameterReading()
         self._streams: StreamRequests | None = None
         self._system_id = 0
         self._others: set[int] = set()
@@ -159,6 +163,9 @@ class Contact:
             else:
                 self._take_from_camera(self.photography.channel.take(body, now_s), now_s)
             return answer
+        if isinstance(body, ParameterValue):
+            self.parameters.take(body)
+            return None
         if isinstance(body, Image):
             if self.pictures is not None:
                 self.pictures.take(body, self._vehicle_s(now_s))
@@ -187,6 +194,7 @@ class Contact:
         answer = self.channel.unanswered(now_s)
         if answer is not None:
             self._note_answer(answer, now_s)
+        self.out += [self._codec.parameter_request(self._system_id, name) for name in self.parameters.due(now_s)]
         return answer
 
     def trouble(self, now_s: float, *, departed: bool) -> MissionError | None:
@@ -339,6 +347,7 @@ class Contact:
             self.autopilot = autopilot_of(heartbeat)
             self._system_id = received.system_id
             self._streams = StreamRequests(self.autopilot)
+            self.parameters.begin(self.autopilot.name)
             self.waiting_for = "no telemetry yet"
             kind = vehicle_type_name(heartbeat.vehicle_type)
             self.events.append(Identified(self.autopilot.name, kind, received.system_id))

@@ -7,6 +7,7 @@ so one dialect serves every vehicle. Frames go out as MAVLink 2, and are underst
 import math
 from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
+from struct import pack, unpack
 from typing import Any, Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
@@ -26,23 +27,29 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
+    Home,
     Image,
     LandedState,
     Landing,
     LocalPosition,
     LocalSetpoint,
     Origin,
+    ParameterValue,
     Ping,
     Received,
     Result,
     Sensors,
     Version,
+    Wind,
     Words,
 )
 
 AUTOPILOT_COMPONENT: Final = 1
 _E7: Final = 1e-7
 _MM: Final = 1e-3
+_NO_COUNT: Final = 255
+_NO_DILUTION: Final = 65535
+_INTEGERS: Final = frozenset(range(mavlink.MAV_PARAM_TYPE_UINT8, mavlink.MAV_PARAM_TYPE_INT64 + 1))
 
 
 class Stream(IntEnum):
@@ -59,6 +66,9 @@ class Stream(IntEnum):
     EXTENDED_SYS_STATE = mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE
     AUTOPILOT_VERSION = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
     GPS_RAW_INT = mavlink.MAVLINK_MSG_ID_GPS_RAW_INT
+    HOME_POSITION = mavlink.MAVLINK_MSG_ID_HOME_POSITION
+    WIND = mavlink.MAVLINK_MSG_ID_WIND
+    WIND_COV = mavlink.MAVLINK_MSG_ID_WIND_COV
 
 
 _WHOLE: Final = 0
@@ -96,7 +106,28 @@ def _released(m: Any) -> Image:  # noqa: ANN401 - pymavlink ships no types
 
 def _fix(m: Any) -> Fix:  # noqa: ANN401 - pymavlink ships no types
     """GPS_RAW_INT: accuracies are fields of MAVLink 2, 0 where they are not filled in."""
-    return Fix((m.h_acc * _MM, m.v_acc * _MM) if m.h_acc and m.v_acc else None)
+    return Fix(
+        (m.h_acc * _MM, m.v_acc * _MM) if m.h_acc and m.v_acc else None,
+        m.fix_type,
+        None if m.satellites_visible == _NO_COUNT else m.satellites_visible,
+        None if m.eph == _NO_DILUTION else m.eph / 100.0,
+    )
+
+
+def _parameter(m: Any) -> ParameterValue:  # noqa: ANN401 - pymavlink ships no types
+    """PARAM_VALUE: PX4 lays an integer's bytes where the number is, ArduPilot sends the number."""
+    (as_bytes,) = unpack("<i", pack("<f", m.param_value))
+    return ParameterValue(str(m.param_id), m.param_value, as_bytes, m.param_type in _INTEGERS)
+
+
+def _estimator(flags: int, *ratios: float) -> EstimatorReport:
+    """EKF_STATUS_REPORT or ESTIMATOR_STATUS; a ratio that is no number is none."""
+    return EstimatorReport(Estimates(flags), max(filter(math.isfinite, ratios), default=0.0))
+
+
+def _wind_of(north: float, east: float) -> Wind:
+    """WIND_COV: where it blows to; NaN where nothing is known."""
+    return Wind(math.hypot(north, east), math.degrees(math.atan2(-east, -north)) % 360.0)
 
 
 _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
@@ -115,8 +146,14 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
         m.battery_remaining,
     ),
     "BATTERY_STATUS": lambda m: Battery(m.charge_state in _CRITICAL_CHARGES),
-    "EKF_STATUS_REPORT": lambda m: EstimatorReport(Estimates(m.flags)),
-    "ESTIMATOR_STATUS": lambda m: EstimatorReport(Estimates(m.flags)),
+    "PARAM_VALUE": _parameter,
+    "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7),
+    "WIND": lambda m: Wind(m.speed, m.direction % 360.0),
+    "WIND_COV": lambda m: _wind_of(m.wind_x, m.wind_y),
+    "EKF_STATUS_REPORT": lambda m: _estimator(
+        m.flags, m.velocity_variance, m.pos_horiz_variance, m.pos_vert_variance, m.compass_variance
+    ),
+    "ESTIMATOR_STATUS": lambda m: _estimator(m.flags, m.vel_ratio, m.pos_horiz_ratio, m.pos_vert_ratio, m.mag_ratio),
     "EXTENDED_SYS_STATE": lambda m: Landing(LandedState(m.landed_state)),
     "GPS_RAW_INT": _fix,
     "CAMERA_FEEDBACK": _feedback,
@@ -213,6 +250,12 @@ class Codec:
             mavlink.MAVLink_command_long_message(
                 target_system, AUTOPILOT_COMPONENT, command.number, min(attempt, 255), *parameters
             )
+        )
+
+    def parameter_request(self, target_system: int, name: str) -> bytes:
+        """A PARAM_REQUEST_READ by name to the autopilot of a system."""
+        return self._packed(
+            mavlink.MAVLink_param_request_read_message(target_system, AUTOPILOT_COMPONENT, name.encode("ascii"), -1)
         )
 
     def setpoint(self, target_system: int, setpoint: LocalSetpoint) -> bytes:

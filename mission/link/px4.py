@@ -7,7 +7,7 @@ accepted and not entered; a stream that pauses for a second is a failure.
 from dataclasses import replace
 from typing import Final
 
-from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
+from mission.link.autopilot import COMMON_ONCE, COMMON_RATES_HZ, Autopilot
 from mission.link.messages import AUTOPILOT_PX4, Stream, arm, change_mode, land, take_off
 from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
 from mission.link.values import Command
@@ -96,5 +96,7 @@ PX4: Final = Autopilot(
     hold=change_mode("AUTO.LOITER", _AUTO, _SUB_HOLD),
     land=land(_HERE),
     rates_hz={**COMMON_RATES_HZ, Stream.ESTIMATOR_STATUS: 2.0},
+    once=(*COMMON_ONCE, Stream.WIND_COV),
+    bytewise=True,
     departure=_departure,
 )

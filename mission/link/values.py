@@ -178,10 +178,47 @@ class Battery:
 
 
 @dataclass(frozen=True, slots=True)
+class ParameterValue:
+    """PARAM_VALUE: the four bytes of its value, as a number and, for an integer sent by its bytes, as that."""
+
+    name: str
+    as_number: float
+    as_bytes: int
+    is_integer: bool
+
+    def value(self, *, bytewise: bool) -> float:
+        """The value, of an autopilot that sends integers by their bytes or not."""
+        return float(self.as_bytes) if bytewise and self.is_integer else self.as_number
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """HOME_POSITION: where the vehicle returns to, WGS 84."""
+
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class Wind:
+    """WIND or WIND_COV: the vehicle's own estimate, level; where it comes from, clockwise from north."""
+
+    speed_m_s: float
+    from_deg: float
+
+
+@dataclass(frozen=True, slots=True)
 class EstimatorReport:
-    """EKF_STATUS_REPORT or ESTIMATOR_STATUS."""
+    """EKF_STATUS_REPORT or ESTIMATOR_STATUS.
+
+    Attributes:
+        flags: What it vouches for.
+        worst_ratio: The largest of the test ratios of velocity, level position, height and compass: above 1 what is
+            measured is refused.
+    """
 
     flags: Estimates
+    worst_ratio: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,9 +246,19 @@ class Ping:
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """GPS_RAW_INT: how far off its place may be, level and in height; None where the receiver does not say."""
+    """GPS_RAW_INT; None is what the receiver does not say.
+
+    Attributes:
+        accuracy_m: How far off its place may be, level and in height.
+        kind: GPS_FIX_TYPE; from 3 on it has a height.
+        satellites: How many are used.
+        dilution: Of the level position, HDOP.
+    """
 
     accuracy_m: tuple[float, float] | None
+    kind: int = 0
+    satellites: int | None = None
+    dilution: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,6 +296,9 @@ Body = (
     | Origin
     | Health
     | Battery
+    | ParameterValue
+    | Home
+    | Wind
     | EstimatorReport
     | Landing
     | Version

@@ -15,12 +15,14 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
+    Home,
     LandedState,
     Landing,
     LocalPosition,
     Origin,
     Sensors,
     Version,
+    Wind,
     Words,
 )
 from mission.link.vehicle_clock import VehicleClock
@@ -58,7 +60,8 @@ class VehicleState:
         heartbeats_armed: How many in a row have shown armed motors.
         armed: Whether the motors are armed: one heartbeat is enough to say so, two in a row to say otherwise.
         position_at_s: Vehicle time of ``position``.
-        accuracy_m: How far off the receiver's place may be, level and in height.
+        fix: What its satellite receiver says.
+        wind: Its own estimate, if it makes one.
     """
 
     def __init__(self) -> None:
@@ -78,7 +81,9 @@ class VehicleState:
         self.estimator: EstimatorReport | None = None
         self.landed = LandedState.UNDEFINED
         self.version: Version | None = None
-        self.accuracy_m: tuple[float, float] | None = None
+        self.fix: Fix | None = None
+        self.home: Home | None = None
+        self.wind: Wind | None = None
         self.heard_kinds: set[type[Body]] = set()
         self._no_numbers: set[type[Body]] = set()
         self._told_at_s: dict[type[Body], float] = {}
@@ -141,6 +146,11 @@ class VehicleState:
         return bool(flags & Estimates.ATTITUDE) and bool(
             flags & (Estimates.POSITION_ABSOLUTE | Estimates.POSITION_RELATIVE)
         )
+
+    @property
+    def accuracy_m(self) -> tuple[float, float] | None:
+        """How far off the receiver's place may be, level and in height."""
+        return None if self.fix is None else self.fix.accuracy_m
 
     @property
     def armable(self) -> bool:
@@ -223,7 +233,11 @@ class VehicleState:
         elif isinstance(body, Version):
             self.version = body
         elif isinstance(body, Fix):
-            self.accuracy_m = body.accuracy_m
+            self.fix = body
+        elif isinstance(body, Home):
+            self.home = body
+        elif isinstance(body, Wind):
+            self.wind = body if math.isfinite(body.speed_m_s + body.from_deg) else None
 
     def _note(self, texts: list[Text], local_s: float) -> list[Text]:
         at_s = self.clock.now_s(local_s)

@@ -57,8 +57,10 @@ def test_release_of_px4_and_accuracy_of_a_receiver() -> None:
     image = read(mavlink.MAVLink_camera_trigger_message(12_340_900, 3))
     assert image == Image(3, 12_340, 12.3409, 0, None, None, released=True)
     place = (3, 473_977_420, 85_455_940, 498_000, 80, 90, 0, 0, 12)
-    assert read(mavlink.MAVLink_gps_raw_int_message(0, *place, 0, 1500, 2500, 0, 0)) == Fix((1.5, 2.5))
-    assert read(mavlink.MAVLink_gps_raw_int_message(0, *place)) == Fix(None)
+    assert read(mavlink.MAVLink_gps_raw_int_message(0, *place, 0, 1500, 2500, 0, 0)) == Fix((1.5, 2.5), 3, 12, 0.8)
+    assert read(mavlink.MAVLink_gps_raw_int_message(0, *place)) == Fix(None, 3, 12, 0.8)
+    unsaid = (0, 0, 0, 0, 65535, 65535, 0, 0, 255)
+    assert read(mavlink.MAVLink_gps_raw_int_message(0, *unsaid)) == Fix(None)
 
 
 class Book:
