@@ -22,6 +22,7 @@ from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
+from mission.spec.amended import with_laps
 from mission.spec.model import FIELD
 from mission.whole_file import write_whole
 
@@ -74,7 +75,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
         vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
-        folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file))
+        folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), arguments.laps)
         stack.enter_context(record)
         display = stack.enter_context(Display(plan))
         wall = WallClock()
@@ -108,10 +109,13 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
     return _Flown(folder, heard=True, exit_code=result.exit_code, result=result, elapsed_s=elapsed_s)
 
 
-def _begin_record(root: Path, plan: FlightPlan, file: Path) -> tuple[Path, FlightRecord]:
+def _begin_record(root: Path, plan: FlightPlan, file: Path, laps: int | str | None = None) -> tuple[Path, FlightRecord]:
+    """Begin the flight's folder: the record, the mission with other laps where they were given, and the plan."""
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     try:
         mission_text = file.read_bytes()
+        if laps is not None:
+            mission_text = with_laps(mission_text.decode("utf-8-sig"), laps).encode()
         record = FlightRecord.in_folder(root, file.stem, stamp)
         folder = record.folder or root
         write_whole(folder / MISSION_FILE, mission_text)

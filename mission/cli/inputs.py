@@ -18,14 +18,14 @@ def planned(file: str, run: int | None = None, laps: int | Literal["until_stoppe
     """Read a mission file and plan it, with another run or number of laps than the file's where they are given.
 
     Raises:
-        SpecError: The file has faults, or there is no run of that number; its source is the file.
+        SpecError: The file has faults, or there is no run of that number, or no lap; its source is the file.
         NoPlanError: There is no plan.
     """
     spec = load_mission(file)
     if laps is not None:
         spec = replace(spec, flight=replace(spec.flight, laps=laps))
     try:
-        return plan_mission(spec, run=run)
+        plan = plan_mission(spec, run=run)
     except SpecError as error:
         faults = error.faults
         if run is not None:
@@ -33,6 +33,10 @@ def planned(file: str, run: int | None = None, laps: int | Literal["until_stoppe
                 replace(fault, path="--run" if fault.path == "mission.run" else fault.path) for fault in faults
             )
         raise SpecError(faults, file) from error
+    if laps is not None and not plan.run.recurrent:
+        hint = "leave `--laps` out, or ask for what recurs, such as G F (a & F b)"
+        raise SpecError((Fault(0, 0, "--laps", "this mission has no laps: it ends once it is done", hint),), file)
+    return plan
 
 
 def is_plan(file: Path) -> bool:

@@ -87,3 +87,11 @@ class RoundCounter:
                 self._rounds[pair] += 1
                 due[pair] = inf
         self.due = tuple(due)
+
+
+def laps_text(flown: int, asked: int | None) -> str:
+    """``1 of 2 laps were flown``; ``asked`` is None where they were to go on until somebody said that it was enough."""
+    if asked is not None and flown <= asked:
+        return f"{flown} of {asked} laps were flown"
+    told = "1 lap was flown" if flown == 1 else f"{flown} laps were flown"
+    return told if asked is None else f"{told}, {asked} {'was' if asked == 1 else 'were'} asked for"

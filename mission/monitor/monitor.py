@@ -18,7 +18,7 @@ from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.word import LassoWord
-from mission.monitor.laps import LapCounter, RoundCounter
+from mission.monitor.laps import LapCounter, RoundCounter, laps_text
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics
 
@@ -224,12 +224,7 @@ class Monitor:
         if self._watch.verdict is Verdict.FALSE:
             return Outcome(achieved=False, reason="the word that was flown violates the specification")
         asked = self._laps_asked
-        counted = (
-            f"{self.laps} lap{'s were' if self.laps != 1 else ' was'}"
-            if asked is None
-            else f"{self.laps} of {asked} laps were"
-        )
-        reason = f"{counted} flown, nothing was violated so far"
+        reason = f"{laps_text(self.laps, asked)}, nothing was violated so far"
         return Outcome(achieved=self.laps >= (1 if asked is None else asked), reason=reason)
 
     def _enter(self, triangle: int, time_s: float, position_m: Point) -> None:

@@ -14,7 +14,7 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD
-from mission.monitor.laps import LapCounter
+from mission.monitor.laps import LapCounter, laps_text
 from mission.monitor.monitor import Violation, ViolationKind
 from mission.plan import FlightPlan, plan_mission
 from mission.plan.covering import spacing_of
@@ -66,7 +66,8 @@ class Judged:
         nearness: How near it came to restricted regions.
         covered: How much it covered of what is to be covered.
         wishes: What became of tasks that may be given up.
-        laps: How many laps it flew for certain, and how many are asked for; None of a mission that ends.
+        laps: How many laps it flew for certain, and how many are asked for, None for as many as somebody
+            wants; None of a mission that ends.
         pictures: How many pictures were told of over each region that is to be covered, and in ``ALL``.
         deviation: How far it was from the path of a plan; None without one.
         jumps: Times at which the position jumped.
@@ -83,7 +84,7 @@ class Judged:
     nearness: tuple[Nearness, ...]
     covered: tuple[CoveredShare, ...]
     wishes: tuple[Wish, ...]
-    laps: tuple[int, int] | None
+    laps: tuple[int, int | None] | None
     pictures: dict[str, int]
     deviation: Deviation | None
     jumps: tuple[float, ...]
@@ -161,7 +162,7 @@ class _Judge:
         return follow(ground, self._reaches, self._track.word_from_s, begins_whole=self._track.begins_whole)
 
     def _decided(
-        self, found: Following, covered: Sequence[CoveredShare], laps: tuple[int, int] | None
+        self, found: Following, covered: Sequence[CoveredShare], laps: tuple[int, int | None] | None
     ) -> tuple[bool | None, str, float | None]:
         if found.violations:
             first = found.violations[0]
@@ -201,21 +202,21 @@ class _Judge:
             return False, "the word that was flown does not satisfy the specification"
         return None, "whether the word that was flown satisfies the specification depends on what the log does not tell"
 
-    def _recurred(self, found: Following, laps: tuple[int, int]) -> tuple[bool | None, str]:
+    def _recurred(self, found: Following, laps: tuple[int, int | None]) -> tuple[bool | None, str]:
         """Of a flight of laps, which no flight completes."""
         flown, asked = laps
         states = {state for _, state in found.pairs}
         if states == {DEAD}:
             return False, "the word that was flown violates the specification"
-        counted = f"{flown} of {asked} laps were flown"
-        if flown < asked:
+        counted = laps_text(flown, asked)
+        if flown < (1 if asked is None else asked):
             known = self._whole and all(entered.triangle is not None for entered in found.entered)
             return (False, counted) if known else (None, f"{counted} for certain")
         if DEAD in states:
             return None, f"{counted}; whether something was violated depends on what the log does not tell"
         return True, f"{counted}, nothing was violated so far"
 
-    def _laps(self, found: Following) -> tuple[int, int] | None:
+    def _laps(self, found: Following) -> tuple[int, int | None] | None:
         if self._recurrent is None:
             return None
         counter = LapCounter(self._recurrent.run.suffix, self._labelling)
@@ -223,7 +224,7 @@ class _Judge:
             if entered.triangle is not None:
                 counter.enter(entered.triangle)
         asked = self._spec.flight.laps
-        return counter.laps, asked if isinstance(asked, int) else 1
+        return counter.laps, asked if isinstance(asked, int) else None
 
     def _word(self, entered: Sequence[Entered]) -> tuple[Letter, ...]:
         skipped = 0 if self._spec.semantics is Semantics.STANDARD else 1

@@ -8,15 +8,17 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from mission.cli import live
+from mission.cli import fly, live
 from mission.cli.arguments import build_parser
 from mission.cli.extent import extent
 from mission.cli.inputs import planned
 from mission.cli.live import Display
 from mission.fly import Progress
+from mission.monitor.laps import laps_text
 from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
+from mission.spec.loader import load_mission
 from tests.support.commands import ran
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
@@ -41,6 +43,36 @@ def test_a_number_of_laps_overrides_that_of_the_file(file: Path, text: str, laps
     plan = planned(arguments.file, arguments.run, arguments.laps)
     assert plan.spec.flight.laps == laps
     assert plan.trajectory.laps == (laps if isinstance(laps, int) else None)
+
+
+def test_laps_of_a_mission_without_any_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "small.yaml"
+    file.write_text(SMALL, encoding="utf-8")
+    refused = ran(capsys, "fly", str(file), "--laps", "3", "--out", str(tmp_path / "flights"))
+    assert refused.code == 2
+    assert "--laps: this mission has no laps: it ends once it is done" in refused.err
+    assert not (tmp_path / "flights").exists()
+
+
+def test_the_folder_of_a_flight_has_the_laps_that_were_asked_for(file: Path) -> None:
+    arguments = build_parser().parse_args(["fly", str(file), "--laps", "3", "--out", str(file.parent / "flights")])
+    plan = planned(arguments.file, arguments.run, arguments.laps)
+    folder, record = fly._begin_record(Path(arguments.out), plan, file, arguments.laps)
+    with record:
+        assert load_mission(folder / "mission.yaml") == plan.spec
+
+
+@pytest.mark.parametrize(
+    ("flown", "asked", "text"),
+    [
+        (1, 2, "1 of 2 laps were flown"),
+        (4, 2, "4 laps were flown, 2 were asked for"),
+        (2, 1, "2 laps were flown, 1 was asked for"),
+        (1, None, "1 lap was flown"),
+    ],
+)
+def test_laps_are_counted_in_words(flown: int, asked: int | None, text: str) -> None:
+    assert laps_text(flown, asked) == text
 
 
 @pytest.mark.parametrize("text", ["0", "-1", "10001", "for-ever", "2.5"])
