@@ -1,7 +1,6 @@
 """A number of laps that is written into the text of a mission file."""
 
 from dataclasses import replace
-
 from typing import Literal
 
 import pytest
