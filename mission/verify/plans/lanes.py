@@ -55,7 +55,8 @@ def cover_faults(
 def _swaths(patches: Patches, times: FloatArray, spacing: float) -> list[shapely.Geometry]:
     """What is within half a spacing of each lane."""
     inside = patches.cut(times.ravel())
-    found = []
+    # Of a lane that is too short to be more than a moment of the flight, its place counts.
+    found = [*shapely.buffer(shapely.points(patches.at(times[:, 0])), spacing / 2.0, quad_segs=32)]
     for begin, end in times.tolist():
         own = inside.taken((inside.begins_s >= begin) & (inside.ends_s <= end))
         line = _BERNSTEIN @ own.control_m
