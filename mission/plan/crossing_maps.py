@@ -47,15 +47,17 @@ class CrossingMaps:
     start_m: Point
     triangle: int
 
-    def each(self, automaton: Conjunction) -> Iterator[Crossings]:
+    def each(self, automaton: Conjunction, unfit: frozenset[int] = frozenset()) -> Iterator[Crossings]:
         """Crossing points with room for the tube, without, and on the mission's own mesh, as far as there are any.
 
         They are made when they are first asked for.
 
         Args:
             automaton: What is searched with. What it never reads is kept out of like what is restricted.
+            unfit: Letters that are kept out of as well.
         """
         never = (automaton.whole.targets == DEAD).all(axis=0)
+        never[list(unfit)] = True
         never[self.labelling.letter_of[self.triangle]] = False
         for room, own in ((True, False), (False, False), (False, True)):
             key = (room, own, never.tobytes())

@@ -15,6 +15,8 @@ from mission.plan.proved_run import NoneProvedError, PassedOver, ProvedRun
 MOST_SEARCHES: Final = 6
 """Times that a triangle is closed and the map searched again."""
 
+_MOST_LISTED: Final = 8
+
 
 @dataclass(frozen=True)
 class Avoided:
@@ -115,4 +117,5 @@ def flown_run(
 
 def _listed(avoided: tuple[Avoided, ...]) -> str:
     several = "s" if len(avoided) > 1 else ""
-    return f"triangle{several} {', '.join(str(each.triangle) for each in avoided)}"
+    more = f" and {len(avoided) - _MOST_LISTED} more" if len(avoided) > _MOST_LISTED else ""
+    return f"triangle{several} {', '.join(str(each.triangle) for each in avoided[:_MOST_LISTED])}{more}"

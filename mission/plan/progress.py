@@ -30,9 +30,18 @@ from mission.steering.taut import Stretch
 
 
 class NoStagesError(MissionError):
-    """A run whose word cannot be cut into stages; the message says why."""
+    """A run whose word cannot be cut into stages; the message says why.
+
+    Attributes:
+        unfit: The letters into whose triangles the tube does not fit, where that is why.
+    """
 
     exit_code = 3
+
+    def __init__(self, message: str, unfit: frozenset[int] = frozenset()) -> None:
+        """Keep the letters."""
+        super().__init__(message)
+        self.unfit = unfit
 
 
 @dataclass(frozen=True, eq=False)
@@ -310,7 +319,7 @@ class StagesOfRuns:
             yield Stage(free, polygonal(shapely.intersection(free, last)))
         target = self._grounds.touching_only(ends)
         if target.is_empty:
-            raise NoStagesError(f"the tube does not fit into {name}")
+            raise NoStagesError(f"the tube does not fit into {name}", frozenset(ends))
         names = [self._grounds.labelling.letters[letter] for letter in ends]
         yield Stage(last, target, index=step.index, names=frozenset.intersection(*names))
 
@@ -319,7 +328,7 @@ class StagesOfRuns:
         allowed = self._staying(state, letter)
         target = self._grounds.touching_only(allowed)
         if target.is_empty:
-            raise NoStagesError(f"the tube does not fit into {self._named(letter)}")
+            raise NoStagesError(f"the tube does not fit into {self._named(letter)}", allowed)
         names = frozenset.intersection(*(self._grounds.labelling.letters[each] for each in allowed))
         if stages and shapely.covers(target, stages[-1].target):
             last = stages.pop()

@@ -45,7 +45,9 @@ class RunSearch:
     system: TransitionSystem
     maps: CrossingMaps
 
-    def best(self, specification: Specification, closed: Sequence[int] = ()) -> BestRuns:
+    def best(
+        self, specification: Specification, closed: Sequence[int] = (), unfit: frozenset[int] = frozenset()
+    ) -> BestRuns:
         """The best runs that keep out of some triangles: all with the fewest transitions, or one on a shortest way.
 
         Runs are searched in T where triangles are given to keep out of, for with these a run along a way was not
@@ -55,6 +57,7 @@ class RunSearch:
         Args:
             specification: What the flight must satisfy.
             closed: Triangles to keep out of.
+            unfit: Letters, of whose triangles all are kept out of.
 
         Raises:
             NoPlanError: If there is no run.
@@ -63,8 +66,14 @@ class RunSearch:
         """
         automaton = deterministic_of(specification.formula, specification.given, self.system.letters)
         in_plane = self._spec.search.cost is not Cost.TRANSITIONS and not closed
-        found = self._on_a_way(automaton) if in_plane else None
+        found = self._on_a_way(automaton, unfit) if in_plane else None
+        closed = [*closed, *self.of_letters(unfit)]
         return found or self._searched(self.system.without(closed), automaton, self.maps.triangle)
+
+    def of_letters(self, letters: frozenset[int]) -> list[int]:
+        """The triangles of some letters, ascending."""
+        found: list[int] = np.flatnonzero(np.isin(self.system.letter_of, list(letters))).tolist()
+        return found
 
     def homeward(self, laps: BestRuns, onward: Safety, goal: BoolArray, *, lap_triangle: int) -> Run | None:
         """The best run from where laps end into one of some triangles (M,), to stay there.
@@ -86,8 +95,8 @@ class RunSearch:
                 return run
         return way_in(self.system, onward, lap_triangle, goal)
 
-    def _on_a_way(self, automaton: Conjunction) -> BestRuns | None:
-        for ground in self.maps.each(automaton):
+    def _on_a_way(self, automaton: Conjunction, unfit: frozenset[int]) -> BestRuns | None:
+        for ground in self.maps.each(automaton, unfit):
             try:
                 found = self._searched(ground.system, automaton, ground.start)
             except (NoPlanError, SearchSizeError):

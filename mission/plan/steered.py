@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from functools import partial
 
-from mission.errors import NoPlanError
+from mission.errors import MissionError, NoPlanError, SearchSizeError
 from mission.geometry.arrays import BoolArray
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
@@ -94,7 +94,9 @@ class Steering:
             try:
                 return self._in_corridor()
             except (NoStagesError, NoWayError, NoPlanError) as error:
-                instead = str(error)
+                instead, roomier = str(error), self._roomier(error)
+            if roomier is not None:
+                return roomier
         try:
             return self._by_fields(instead)
         except NoPlanError as error:
@@ -139,6 +141,22 @@ class Steering:
             stops=with_passing_stops(flown.stops, curve, proofs, (of.partition, of.labelling), of.spec.regions),
             covers=flown.covers,
         )
+
+    def _roomier(self, refused: MissionError) -> Steered | None:
+        """A path in the corridor of a run that keeps out of where the tube does not fit; None where none is found."""
+        here = int(self.planner.labelling.letter_of[self.search.maps.triangle])
+        error, unfit = refused, frozenset[int]()
+        while self.free and isinstance(error, NoStagesError) and not error.unfit <= unfit | {here}:
+            unfit |= error.unfit - {here}
+            try:
+                found = self.search.best(self.specification, unfit=unfit)
+                steered = replace(self, found=found, index=0)._in_corridor()
+            except (NoStagesError, NoWayError, NoPlanError, SearchSizeError) as again:
+                error = again
+                continue
+            avoided = (Avoided(triangle, str(refused)) for triangle in self.search.of_letters(unfit))
+            return replace(steered, passed_over=(PassedOver(self.index, str(refused)),), avoided=tuple(avoided))
+        return None
 
     def _by_fields(self, instead: str) -> Steered:
         planner, prover = self.planner, self._prover
