@@ -92,7 +92,7 @@ class Steering:
         instead = ""
         if self.planner.spec.smoothing == CORRIDOR:
             try:
-                return self._in_corridor()
+                return self._in_corridor(self.found, self.index)
             except (NoStagesError, NoWayError, NoPlanError) as error:
                 instead, roomier = str(error), self._roomier(error)
             if roomier is not None:
@@ -116,23 +116,23 @@ class Steering:
         refutation = compile_to_alphabet(self.specification.refutation, of.labelling.letters)
         return prover_of(of.spec, of.partition, of.labelling, refutation, self.restricted)
 
-    def _in_corridor(self) -> Steered:
-        of, automaton = self.planner, self.found.product.automaton
+    def _in_corridor(self, found: BestRuns, index: int) -> Steered:
+        of, automaton = self.planner, found.product.automaton
         planner = CorridorPlanner(of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering)
-        run = self.found.runs[self.index]
+        run = found.runs[index]
         flown = planner.path(run, self.start_m, partial(self._prover.certify, repeats=run.recurrent))
         path, curve, homeward = flown.planned, flown.curve, None
         if flown.lap is not None:
             # In T: the lap may begin elsewhere than the one that was searched.
-            onward = partial(self.search.homeward, replace(self.found, way=None))
+            onward = partial(self.search.homeward, replace(found, way=None))
             back = way_back_in_corridor(planner, onward, safety_of(automaton.whole), run, flown)
             if back is not None:
                 homeward, path, curve = back.homeward, path.then(back.planned), JoinedCurve((*curve.legs, back.curve))
         proofs = (flown.certificate, *((homeward.certificate,) if homeward else ()))
         return Steered(
             run=run,
-            run_index=self.index,
-            among=self.found,
+            run_index=index,
+            among=found,
             path=path,
             curve=curve,
             lap=flown.lap,
@@ -150,7 +150,7 @@ class Steering:
             unfit |= error.unfit - {here}
             try:
                 found = self.search.best(self.specification, unfit=unfit)
-                steered = replace(self, found=found, index=0)._in_corridor()
+                steered = self._in_corridor(found, 0)
             except (NoStagesError, NoWayError, NoPlanError, SearchSizeError) as again:
                 error = again
                 continue
