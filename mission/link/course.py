@@ -7,6 +7,7 @@ micrometre at 1 m/s^3.
 """
 
 import math
+from collections.abc import Callable
 from typing import Final, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -76,11 +77,13 @@ class Bounds(NamedTuple):
         tube_m: How far from the trajectory the vehicle may be on each axis; 0 where nothing is known of that.
         reach_m: How much of the tube is for corrections of the setpoints.
         lean_m_s2: The acceleration that the largest tilt gives.
+        acceleration_m_s2: What a change of plans may ask for.
     """
 
     tube_m: float = 0.0
     reach_m: float = 0.0
     lean_m_s2: float = math.inf
+    acceleration_m_s2: float = 1.0
 
 
 class Course:
@@ -91,6 +94,8 @@ class Course:
         yaw_rate_rad_s: How fast it changes.
         bounds: What its flight is to stay within.
         orders: What is gone by where the trajectory is not flown, but the field where the vehicle is; None else.
+        waits: Whether the vehicle waits at its end for another course, and the flight does not end there.
+        turned_s: Vehicle time for which the heading was asked; None before the first.
     """
 
     def __init__(
@@ -100,8 +105,22 @@ class Course:
         bounds: Bounds | None = None,
         nose: Nose | None = None,
         orders: FieldOrders | None = None,
+        *,
+        planned_s: Callable[[float], float | None] | None = None,
+        waits: bool = False,
     ) -> None:
-        """Begin with the heading that the vehicle has."""
+        """Begin with the heading that the vehicle has.
+
+        Args:
+            trajectory: What is flown.
+            heading_rad: Of the vehicle.
+            bounds: What the flight is to stay within.
+            nose: Where it looks.
+            orders: What is gone by where the trajectory is not flown.
+            planned_s: A time as one on the trajectory of the plan, None where nothing of it is flown; the same time by
+                default.
+            waits: Whether the vehicle waits at its end.
+        """
         self._trajectory = trajectory
         self._nose = nose or Nose()
         self.heading_rad = heading_rad
@@ -109,8 +128,15 @@ class Course:
         self._taken_up = False
         self.bounds = bounds or Bounds()
         self.orders = orders
-        self._turned_s: float | None = None
+        self.waits = waits
+        self._planned_s = planned_s
+        self.turned_s: float | None = None
         self._blocks: dict[int, list[list[float]]] = {}
+
+    @property
+    def trajectory(self) -> Flown:
+        """What is flown."""
+        return self._trajectory
 
     @property
     def duration_s(self) -> float:
@@ -119,8 +145,16 @@ class Course:
 
     @property
     def lasts_s(self) -> float:
-        """How long a flight may take that does not slow down: by the field, nobody knows."""
-        return self.duration_s if self.orders is None else math.inf
+        """How long a flight may take that does not slow down: by the field, or where it waits, nobody knows."""
+        return self.duration_s if self.orders is None and not self.waits else math.inf
+
+    def planned_s(self, t_s: float) -> float | None:
+        """A time as one on the trajectory of the plan; None where nothing of a plan is flown."""
+        return t_s if self._planned_s is None else self._planned_s(t_s)
+
+    def follow(self, before: "Course") -> None:
+        """Go on with the heading that another one came to."""
+        self.heading_rad, self.turned_s = before.heading_rad, before.turned_s
 
     @property
     def altitude_m(self) -> float:
@@ -170,8 +204,8 @@ class Course:
 
     def turn(self, reference: Reference, t_s: float, now_s: float) -> float:
         """The heading at ``now_s``, on the way to the one wanted at the time ``t_s``, where ``reference`` is."""
-        elapsed = 0.0 if self._turned_s is None else min(max(now_s - self._turned_s, 0.0), GAP_S)
-        self._turned_s = now_s
+        elapsed = 0.0 if self.turned_s is None else min(max(now_s - self.turned_s, 0.0), GAP_S)
+        self.turned_s = now_s
         wanted = self.wanted(reference, t_s)
         if wanted is None:
             self.yaw_rate_rad_s = 0.0

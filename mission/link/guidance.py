@@ -1,6 +1,8 @@
 """Setpoints along a course, at the vehicle's own time and in its own frame."""
 
 import math
+from collections import deque
+from dataclasses import dataclass
 from typing import Final
 
 from mission.link.correction import Correction
@@ -15,10 +17,20 @@ _AHEAD_S: Final = (0.0, 0.75, 1.5)
 """On the trajectory: where it is looked whether the vehicle can fly so fast."""
 
 _SHARE_OF_LEAN: Final = 0.9
+_MOST_LEGS: Final = 4
+
+
+@dataclass(frozen=True, eq=False)
+class _Leg:
+    """A course with the pace at which it is flown, from a vehicle time on."""
+
+    from_s: float
+    course: Course
+    pace: Pace
 
 
 class Guidance:
-    """Leads the vehicle: to the start of the course, along it, and at its end.
+    """Leads the vehicle: to the start of the course, along it, and at its end; or over to another course.
 
     The trajectory goes on while setpoints are sent. Where none was for a while, it goes on from where the last one
     stood: what was not asked for was not flown either, and a setpoint that leaps leads across what was not proved.
@@ -26,22 +38,26 @@ class Guidance:
     planned by a bounded ``correction``.
 
     Attributes:
-        course: What is flown.
         anchor: Ties the domain to the vehicle's local frame.
         correction: What is asked for beyond what is planned.
     """
 
     def __init__(self, course: Course, anchor: Anchor, period_s: float) -> None:
         """Ask for the start of the course, every ``period_s`` of vehicle time, until ``begin``."""
-        self.course = course
+        self._legs: deque[_Leg] = deque((_Leg(-math.inf, course, Pace(course.bounds.tube_m)),), maxlen=_MOST_LEGS)
+        self._flown = self._legs[0]
         self.anchor = anchor
         self._period_s = period_s
-        self._next_s = -math.inf
+        self._next_s = self._steady_until_s = -math.inf
         self.correction = Correction(course.bounds.reach_m)
-        self._pace = Pace(course.bounds.tube_m)
         self._until_s = math.inf
         self._sent_s = math.inf
         self._stillness = Stillness()
+
+    @property
+    def course(self) -> Course:
+        """What is flown now."""
+        return self._flown.course
 
     @property
     def next_s(self) -> float:
@@ -55,7 +71,31 @@ class Guidance:
 
     def begin(self, vehicle_s: float) -> None:
         """Let the trajectory begin now."""
-        self._pace.begin(vehicle_s)
+        self._legs[-1].pace.begin(vehicle_s)
+
+    def redirect(self, course: Course, at_s: float) -> None:
+        """Fly another course from a vehicle time on; what was to follow after that is not flown.
+
+        It is to begin with the position, velocity and acceleration that were promised for then (``promise``).
+        """
+        while len(self._legs) > 1 and self._legs[-1].from_s >= at_s:
+            self._legs.pop()
+        leg = _Leg(at_s, course, Pace(course.bounds.tube_m))
+        leg.pace.begin(at_s)
+        self._legs.append(leg)
+
+    def promise(self, at_s: float) -> Reference:
+        """What will be asked for at a vehicle time from now; up to then the pace stays as it is."""
+        pace = self._leg_at(at_s).pace
+        if math.isfinite(self._sent_s):
+            pace.keep(self._sent_s)
+        self._steady_until_s = at_s
+        return self.reference(at_s)
+
+    def pace_at(self, at_s: float) -> tuple[float, float]:
+        """Where the course is, by its own time, and the rate of that, at a vehicle time."""
+        pace = self._leg_at(at_s).pace
+        return self._elapsed_s(at_s), pace.beat(at_s).rate
 
     def end(self, vehicle_s: float) -> None:
         """Lead no further: the trajectory is given up."""
@@ -63,30 +103,55 @@ class Guidance:
 
     def end_laps(self, vehicle_s: float) -> bool:
         """Let the lap that is flown now be the last; False where none is."""
-        return vehicle_s <= self._until_s and self.course.end_laps(self._elapsed_s(vehicle_s))
+        if vehicle_s > self._until_s:
+            return False
+        ended = [leg.course.end_laps(leg.pace.elapsed_s(vehicle_s)) for leg in self._legs_from(vehicle_s)]
+        return ended[-1]
 
     def flown_s(self, at_s: float) -> float:
         """How much of the trajectory has been flown at a vehicle time; 0 before its start."""
-        return min(max(self._elapsed_s(at_s), 0.0), self.course.duration_s)
+        return self._leg_at(at_s).course.planned_s(self._within_s(at_s)) or 0.0
 
     def trajectory_s(self, at_s: float) -> float | None:
-        """Time on the trajectory at a vehicle time; None before its start and after its end."""
-        elapsed = self._elapsed_s(at_s)
-        flown = 0.0 <= elapsed <= self.course.duration_s and at_s <= self._until_s
-        return elapsed if flown else None
+        """Time on the trajectory at a vehicle time; None before its start, after its end, and where none is flown."""
+        elapsed, course = self._elapsed_s(at_s), self._leg_at(at_s).course
+        flown = 0.0 <= elapsed <= course.duration_s and at_s <= self._until_s
+        return course.planned_s(elapsed) if flown else None
 
     def left_s(self, at_s: float) -> float:
-        """What is left of the trajectory at a vehicle time."""
-        return self.course.duration_s - max(self._elapsed_s(at_s), 0.0)
+        """What is left of the trajectory at a vehicle time; infinite where it is known that another one follows."""
+        leg = self._leg_at(at_s)
+        if leg.course.waits or leg is not self._legs[-1]:
+            return math.inf
+        return leg.course.duration_s - max(self._elapsed_s(at_s), 0.0)
+
+    def _leg_at(self, at_s: float) -> _Leg:
+        """What is flown at a vehicle time, as far as that is remembered."""
+        at_s = self._counted_s(at_s)
+        return next((leg for leg in reversed(self._legs) if leg.from_s <= at_s), self._legs[0])
+
+    def _legs_from(self, at_s: float) -> list[_Leg]:
+        """What is flown at a vehicle time, and what is to follow."""
+        now = self._leg_at(at_s)
+        return [leg for leg in self._legs if leg.from_s >= now.from_s]
+
+    def _counted_s(self, at_s: float) -> float:
+        """A vehicle time as trajectories count it, which stand where no setpoint is sent."""
+        return self._sent_s if at_s - self._sent_s > GAP_S else at_s
 
     def _elapsed_s(self, at_s: float) -> float:
-        """Time on the trajectory, which stands where no setpoint is sent; negative before its start."""
-        return self._pace.elapsed_s(self._sent_s if at_s - self._sent_s > GAP_S else at_s)
+        """Time on the course that is flown; negative before its start."""
+        return self._leg_at(at_s).pace.elapsed_s(self._counted_s(at_s))
+
+    def _within_s(self, at_s: float) -> float:
+        """The same within the course."""
+        return min(max(self._elapsed_s(at_s), 0.0), self._leg_at(at_s).course.duration_s)
 
     def reference(self, at_s: float) -> Reference:
         """The point to be at, at a vehicle time, with velocity and acceleration by the pace at which it is passed."""
-        position, velocity, acceleration = self.course.reference(self.flown_s(at_s))
-        beat = self._pace.beat(at_s)
+        leg = self._leg_at(at_s)
+        position, velocity, acceleration = leg.course.reference(self._within_s(at_s))
+        beat = leg.pace.beat(at_s)
         if beat.rate == 1.0 and beat.growth_per_s == 0.0:
             return Reference(position, velocity, acceleration)
         square, growth = beat.rate**2, beat.growth_per_s
@@ -112,7 +177,7 @@ class Guidance:
             self.correction.rest()
         else:
             self.correction.observe(at_s, error, planned, velocity_m_s, attitude_rad)
-        facing = self.course.faces(None if attitude_rad is None else attitude_rad[2])
+        facing = self._leg_at(at_s).course.faces(None if attitude_rad is None else attitude_rad[2])
         self._stillness.observe(at_s, position_m, velocity_m_s, wanted, facing=facing)
         return planned
 
@@ -129,17 +194,21 @@ class Guidance:
             return None
         gap = self._pause_until(vehicle_s)
         self._sent_s = vehicle_s
+        before, self._flown = self._flown, self._leg_at(vehicle_s)
+        if before is not self._flown:
+            self.course.follow(before.course)
         self._next_s = max(self._next_s + self._period_s, vehicle_s + 0.5 * self._period_s)
-        if (trajectory_s := self.trajectory_s(vehicle_s)) is not None:
-            ahead = [self.course.reference(trajectory_s + later_s) for later_s in _AHEAD_S]
+        if vehicle_s > self._steady_until_s and self.trajectory_s(vehicle_s) is not None:
+            elapsed_s = self._elapsed_s(vehicle_s)
+            ahead = [self.course.reference(elapsed_s + later_s) for later_s in _AHEAD_S]
             lean_m_s2 = _SHARE_OF_LEAN * self.course.bounds.lean_m_s2
             most_rate = min(self.correction.rate_within(lean_m_s2, point) for point in ahead)
-            self._pace.adapt(vehicle_s, self.correction.behind_m, most_rate, ahead[0])
+            self._flown.pace.adapt(vehicle_s, self.correction.behind_m, most_rate, ahead[0])
         reference = self.reference(vehicle_s)
         led = self.reference(vehicle_s + self.correction.lead_s)
         place = self.reference(vehicle_s + self.correction.delay_s)
         asked = self.correction.corrected(led._replace(position_m=place.position_m))
-        yaw_rad = self.course.turn(reference, self.flown_s(vehicle_s), vehicle_s)
+        yaw_rad = self.course.turn(reference, self._within_s(vehicle_s), vehicle_s)
         setpoint = LocalSetpoint(
             time_boot_ms=round(vehicle_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),
@@ -152,8 +221,15 @@ class Guidance:
 
     def _pause_until(self, vehicle_s: float) -> Gap | None:
         """Let the trajectory go on from where the last setpoint stood, where that is too old."""
-        gap_s = vehicle_s - self._sent_s
-        if gap_s <= GAP_S or not 0.0 <= self._elapsed_s(self._sent_s) < self.course.duration_s:
+        gap_s, leg = vehicle_s - self._sent_s, self._leg_at(self._sent_s)
+        if gap_s <= GAP_S:
             return None
-        self._pace.pause(self._sent_s, vehicle_s)
+        later = self._legs_from(self._sent_s)[1:]
+        if not later and not 0.0 <= self._elapsed_s(self._sent_s) < leg.course.duration_s:
+            return None
+        leg.pace.pause(self._sent_s, vehicle_s)
+        for each in later:
+            self._legs.remove(each)
+        for each in later:
+            self.redirect(each.course, each.from_s + gap_s)
         return Gap(Missing.SETPOINT, self._sent_s, gap_s)

@@ -77,6 +77,12 @@ class Pace:
         self._beats.append(Beat(from_s, stood_s, 0.0, 0.0))
         self._beats.append(Beat(until_s, stood_s, before.rate, 0.0))
 
+    def keep(self, at_s: float) -> None:
+        """Go on from a vehicle time, not before the last beat, at the rate that holds there."""
+        beat = self.beat(at_s)
+        if beat.growth_per_s and math.isfinite(beat.from_s):
+            self._beats.append(Beat(at_s, self.elapsed_s(at_s), beat.rate, 0.0))
+
     def adapt(self, at_s: float, error_m: float, most_rate: float, own: Reference) -> None:
         """Go on from now at the rate that the error asks for.
 

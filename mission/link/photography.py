@@ -43,6 +43,10 @@ class Photography:
         self._offs_left = _MOST_OFF
         self._refusal = ""
 
+    def follow(self, stretches: tuple[Photographs, ...]) -> None:
+        """Photograph these stretches from now on, of another trajectory."""
+        self._stretches = stretches
+
     @property
     def unfinished(self) -> bool:
         """Whether the trigger may still be on, and there is hope of switching it off."""

@@ -35,6 +35,13 @@ class Procedure:
         self._unanswered = False
         self.entered = 0
 
+    def replace(self, steps: tuple[Step, ...], vehicle_s: float) -> None:
+        """Go on with other steps, the first of which begins anew without being asked for."""
+        self._channel.forget()
+        self._steps = list(steps)
+        self._started_s = vehicle_s
+        self._refused, self._unanswered = None, False
+
     @property
     def step(self) -> Step | None:
         """The present step; None after the last."""

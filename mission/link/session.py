@@ -17,6 +17,7 @@ from mission.link.course import Course
 from mission.link.ending import Ending
 from mission.link.events import Event, Held, StageEntered
 from mission.link.frames import Anchoring
+from mission.link.guidance import Guidance
 from mission.link.lead import Lead
 from mission.link.leading import Leader
 from mission.link.origin_watch import OriginWatch
@@ -162,6 +163,34 @@ class Session:
             *landing_steps(kind.land, kind.land_mode, offboard, course.altitude_m),
         )
         self._enter(Stage.MODE, self.vehicle.clock.newest_s)
+
+    @property
+    def redirectable(self) -> bool:
+        """Whether another course can be taken over: while the trajectory is flown, and nobody else flies."""
+        return self.stage is Stage.FLY and self._failure is None and not self.pilot.words
+
+    def redirect(self, course: Course, at_s: float, photographs: tuple[Photographs, ...] | None = None) -> None:
+        """Fly another course from a vehicle time on.
+
+        Args:
+            course: Begins as was promised for then (``Guidance.promise``).
+            at_s: Vehicle time, now or soon.
+            photographs: What is photographed of it; None for what was to be.
+
+        Raises:
+            RuntimeError: No trajectory is flown.
+        """
+        kind, guidance = self.contact.autopilot, self.guidance
+        if not self.redirectable or kind is None or not isinstance(guidance, Guidance):
+            raise RuntimeError(f"no other course can be flown while {self.stage}")
+        guidance.redirect(course, at_s)
+        self.lead.course = course
+        offboard = frozenset({kind.offboard_mode})
+        _, *onward = flight_steps(offboard, course.lasts_s)
+        landing = landing_steps(kind.land, kind.land_mode, offboard, course.altitude_m)
+        self._procedure.replace((*onward, *landing), at_s)
+        if photographs is not None:
+            self.contact.photography.follow(photographs)
 
     def stop(self, reason: str, now_s: float) -> None:
         """Give the mission up: hold, and land on the spot if wanted; on the ground, disarm. A landing goes on."""
