@@ -71,6 +71,8 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
         document["mission"]["automaton"] = spec.automaton.file
     if spec.tasks:
         document["tasks"] = [task_data(task) for task in spec.tasks]
+    if spec.battery is not None:
+        document["battery"] = {key: value for key, value in asdict(spec.battery).items() if value is not None}
     if spec.origin is not None:
         document["origin"] = {"latitude_deg": spec.origin.latitude_deg, "longitude_deg": spec.origin.longitude_deg}
     return document

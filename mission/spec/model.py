@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Final, Literal
 
 from mission.geometry.geodesy import LatLon
+from mission.spec.battery import Battery
 from mission.spec.heading import YAW_RATE_DEG_S, Heading
 from mission.spec.tube import NO_MARGINS, Margins, causes, disturbed_m, disturbed_m_s
 
@@ -395,3 +396,4 @@ class MissionSpec:
     search: Search = Search()
     tasks: tuple[Task, ...] = ()
     automaton: NamedAutomaton | None = None
+    battery: Battery | None = None

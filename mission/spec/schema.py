@@ -8,6 +8,7 @@ from copy import deepcopy
 from typing import Any, Final
 
 from mission.logic.formula.parser import MAX_LENGTH
+from mission.spec.battery import BATTERY_SCHEMA
 from mission.spec.cover_schema import COVER
 from mission.spec.heading import HEADING_SCHEMA, YAW_RATE_SCHEMA
 from mission.spec.model import (
@@ -359,6 +360,7 @@ _SCHEMA: Final[Schema] = {
         "search": _SEARCH,
         "smoothing": _SMOOTHING,
         "limits": _LIMITS,
+        "battery": BATTERY_SCHEMA,
     },
     **{
         # Without tasks there must be a formula or an automaton.

@@ -4,6 +4,7 @@ import math
 from typing import Any, Literal
 
 from mission.geometry.refinement import SMALLEST_ANGLE_DEG
+from mission.spec.battery import battery_of
 from mission.spec.covers import cover_of
 from mission.spec.heading import heading_of
 from mission.spec.model import (
@@ -84,6 +85,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
         ),
         tasks=tuple(task_of(task) for task in data.get("tasks", [])),
         automaton=automaton,
+        battery=battery_of(data.get("battery")),
     )
 
 
