@@ -12,8 +12,10 @@ from typing import Final
 import numpy as np
 
 from mission.errors import AutomatonSizeError
-from mission.logic.automata.automaton import CompiledAutomaton, IntArray
+from mission.logic.automata.automaton import CompiledAutomaton, GeneralisedBuchi, IntArray, MarkedEdge
+from mission.logic.automata.lettered import Alphabet
 from mission.logic.automata.rabin import DEAD, Rabin
+from mission.logic.formula.word import Letter
 
 MAX_STATES: Final = 4096
 """Sets of automaton states that are told apart."""
@@ -49,6 +51,22 @@ class Safety:
             initial=np.array([self.initial]),
             accepting=np.arange(states) == self.bad,
         )
+
+    def unviolated(self, letters: tuple[Letter, ...]) -> GeneralisedBuchi:
+        """An automaton of the words over ``letters`` without a bad prefix; with one, it has no run.
+
+        Raises:
+            ValueError: Nothing satisfies the formula.
+        """
+        if self.initial == self.bad:
+            raise ValueError("every word has a bad prefix")
+        alphabet = Alphabet.of(tuple(sorted(frozenset().union(*letters))), letters)
+        read: dict[tuple[int, int], list[int]] = {}
+        for (state, letter), after in np.ndenumerate(self.rows[: self.bad]):
+            if after != self.bad:
+                read.setdefault((state, int(after)), []).append(letter)
+        edges = tuple(MarkedEdge(q, alphabet.short_guard(read[q, after]), after, ()) for q, after in sorted(read))
+        return GeneralisedBuchi(alphabet.propositions, self.bad, (self.initial,), 0, edges)
 
     def watched(self) -> Rabin:
         """A deterministic automaton of all words, which moves on with what may still become of them."""

@@ -143,9 +143,23 @@ class Rewriter:
                 stays, rest = _parted(operand.operands, is_suspendable)
                 if stays:
                     return self.conjunction([*stays, self.eventually(self.conjunction(rest))])
+            case Operator.OR:
+                # F (a | b & F a) is F a: whatever comes by a part comes by the others too.
+                needed = self._needed_for(operand.operands)
+                if len(needed) < len(operand.operands):
+                    return self.eventually(self.disjunction(needed))
         if operand.operator in CONSTANTS or operand.eventuality:
             return operand
         return eventually(operand)
+
+    def _needed_for(self, parts: tuple[Formula, ...]) -> list[Formula]:
+        """Of the parts of a disjunction those of which none makes one of the others come."""
+        kept = list(parts)
+        for part in parts:
+            others = [other for other in kept if other is not part]
+            if any(self.implies(part, eventually(other)) for other in others):
+                kept = others
+        return kept
 
     def always(self, operand: Formula) -> Formula:  # noqa: PLR0911 - one return for each rule
         """``G operand``."""

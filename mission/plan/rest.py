@@ -1,0 +1,206 @@
+"""The rest of a flight: planned from where the vehicle is, with what of its mission is left to be done.
+
+The rest is a mission of its own: the one that was planned, its specification progressed by the word that was spelled
+(``mission.logic.formula.progression``), the laps that are left, and the present place as its start. So everything that
+takes missions and plans takes the rest's. The label of the present place was read when it was entered; the rest reads
+it once more, which what is left does not tell apart, or leaves its first letter out where it counts letters. What was
+entered, and not yet covered or stood in as its region asks, is due beside what is left.
+"""
+
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain, count
+from typing import Final
+
+import numpy as np
+import shapely
+
+from mission.errors import Fault, NoPlanError, SpecError
+from mission.geometry.location import OUTSIDE
+from mission.logic.automata.automaton import GeneralisedBuchi
+from mission.logic.automata.rabin import DEAD, everything
+from mission.logic.automata.remainder import delayed, remainder
+from mission.logic.automata.safety import safety_of
+from mission.logic.formula.progression import counts_letters, left_of
+from mission.logic.formula.syntax import (
+    FALSE,
+    TRUE,
+    Formula,
+    always,
+    conjunction,
+    disjunction,
+    eventually,
+    following,
+    proposition,
+)
+from mission.logic.formula.word import Letter
+from mission.logic.hoa.text import to_hoa
+from mission.plan.flight_plan import FlightPlan
+from mission.plan.specification import deterministic_of, generalised_of, of_mission
+from mission.plan.stages import plan_mission
+from mission.spec.model import (
+    UNTIL_STOPPED,
+    MissionSpec,
+    NamedAutomaton,
+    NodesDomain,
+    Point,
+    PointShape,
+    PolygonShape,
+    Region,
+    RegionKind,
+    Semantics,
+    Start,
+)
+
+_RETURN: Final = "return.hoa"
+_START: Final = "start"
+_ROOM: Final = 3.0  # tubes
+_LEAST_ROOM_M: Final = 0.5
+_LOST: Final = "what was flown so far violates the mission: nothing that is flown from here satisfies it"
+
+
+@dataclass(frozen=True)
+class Rest:
+    """What of a flight is behind it, and where the vehicle is.
+
+    Attributes:
+        word: The letters that the flight has spelled so far, as ``Monitor.word`` gives them.
+        place_m: Where the new plan begins, ENU in the domain.
+        velocity_m_s: With which it begins.
+        acceleration_m_s2: Likewise; both zero where it begins at rest.
+        flown_s: All of the old trajectory before this time was flown as it was planned, laps unfolded; None where
+            nothing of it was.
+        laps: How many rounds are over.
+    """
+
+    word: tuple[Letter, ...]
+    place_m: Point
+    velocity_m_s: Point = (0.0, 0.0)
+    acceleration_m_s2: Point = (0.0, 0.0)
+    flown_s: float | None = None
+    laps: int = 0
+
+
+def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) -> FlightPlan:
+    """Plan what is left of a flight.
+
+    Args:
+        plan: What was flown so far, or some of it.
+        rest: How far.
+        amended: The mission as it is from now on, in the same frame; the plan's own by default. If it asks for the same
+            (formula, tasks and automaton), what is left of that is planned. Anything else holds from now on.
+
+    Raises:
+        SpecError: The present place, or what was amended, cannot be used.
+        NoPlanError: Nothing that is flown from here satisfies the mission, or there is no proof.
+        AutomatonSizeError: What is left asks for too large an automaton.
+    """
+    spec = plan.spec if amended is None else amended
+    if spec.origin != plan.spec.origin:
+        raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
+    if not _asks_the_same(spec, plan.spec):
+        return plan_mission(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), start_m=rest.place_m)
+    return plan_mission(_begun_at(_left(plan, spec, rest, tuple(_due(plan, rest))), rest), start_m=rest.place_m)
+
+
+def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
+    """Plan a return in time: to where the flight may end, on a way on which nothing is violated that was not before.
+
+    Whatever else is left of the mission is left undone.
+
+    Raises:
+        SpecError: The present place cannot be used.
+        NoPlanError: No way back violates nothing, or there is no proof.
+        AutomatonSizeError: What must not be done asks for too large an automaton.
+    """
+    spec, letters = plan.spec, plan.labelling.letters
+    left, safety = spec, safety_of(everything(len(letters)))
+    with suppress(NoPlanError):
+        left = _left(plan, spec, rest, ())
+        required = of_mission(left, letters)
+        whole = deterministic_of(required.formula, required.given, letters).whole
+        if whole.initial != DEAD:
+            safety = safety_of(whole)
+    regions = [replace(region, loiter_s=0.0, cover=None) for region in spec.regions]
+    homes = [region.name for region in regions if region.kind is RegionKind.HOME]
+    if not homes:
+        regions.append(_start_region(spec, plan.start_m))
+        homes = [regions[-1].name]
+    goal = eventually(always(disjunction(*map(proposition, homes))))
+    asked = generalised_of(goal, _named(_RETURN, safety.unviolated(letters)))
+    back = replace(
+        left,
+        regions=tuple(regions),
+        formula="",
+        tasks=(),
+        automaton=_named(_RETURN, asked),
+    )
+    return plan_mission(_begun_at(back, rest), start_m=rest.place_m)
+
+
+def _start_region(spec: MissionSpec, start_m: Point) -> Region:
+    """A region about the start, in which the tube has room."""
+    names = {region.name for region in spec.regions}
+    name = next(name for name in chain((_START,), (f"{_START} {i}" for i in count(2))) if name not in names)
+    if isinstance(spec.domain, NodesDomain):
+        return Region(name, RegionKind.AREA, PointShape(start_m))
+    half_m = max(_LEAST_ROOM_M, _ROOM * spec.flight.tube_m)
+    box = shapely.box(*(c - half_m for c in start_m), *(c + half_m for c in start_m))
+    corners = tuple((float(x), float(y)) for x, y in shapely.get_coordinates(box)[:-1])
+    return Region(name, RegionKind.AREA, PolygonShape(corners))
+
+
+def _asks_the_same(one: MissionSpec, other: MissionSpec) -> bool:
+    return (one.formula, one.tasks, one.automaton) == (other.formula, other.tasks, other.automaton)
+
+
+def _begun_at(spec: MissionSpec, rest: Rest) -> MissionSpec:
+    return replace(spec, run=0, start=Start(rest.place_m))
+
+
+def _left(plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Iterable[str]) -> MissionSpec:
+    """The mission that is left, with a visit of some regions."""
+    flight = spec.flight
+    if plan.run.recurrent and flight.laps != UNTIL_STOPPED:
+        spec = replace(spec, flight=replace(flight, laps=max(1, flight.laps - rest.laps)))
+    if not rest.word:
+        return spec
+    triangle = int(plan.locator.triangle_at(np.array([rest.place_m]))[0])
+    known = triangle != OUTSIDE and plan.labelling.label(triangle) == rest.word[-1]
+    formula = left_of(plan.required.formula, rest.word)
+    if formula is FALSE:
+        raise NoPlanError(_LOST)
+    if known and counts_letters(formula):
+        formula = following(formula)
+    whole, automaton = conjunction(formula, *map(_visited, dict.fromkeys(regions))), None
+    if plan.required.given is not None:
+        left = remainder(plan.required.given.automaton, rest.word)
+        if left is None:
+            raise NoPlanError(_LOST)
+        automaton = _named(plan.required.given.file, delayed(left) if known else left)
+        automaton, whole = _named(automaton.file, generalised_of(whole, automaton)), TRUE
+    text = "" if automaton is not None else str(whole)
+    return replace(spec, formula=text, tasks=(), automaton=automaton, semantics=Semantics.STANDARD)
+
+
+def _visited(region: str) -> Formula:
+    return eventually(proposition(region))
+
+
+def _named(file: str, automaton: GeneralisedBuchi) -> NamedAutomaton:
+    return NamedAutomaton(file, to_hoa(automaton), automaton)
+
+
+def _due(plan: FlightPlan, rest: Rest) -> Iterator[str]:
+    """Regions that were entered, and are not yet covered, or stood in, as they ask to be."""
+    met = frozenset().union(*rest.word)
+    flown_s = 0.0 if rest.flown_s is None else plan.trajectory.first_lap_s(rest.flown_s)
+    for visit in plan.covers:
+        if visit.region in met and float(plan.trajectory.time_at(visit.lanes_s[-1, 1])[0]) > flown_s:
+            yield visit.region
+    loitering = [region.name for region in plan.spec.regions if region.loiter_s > 0.0 and region.name in met]
+    for s, _ in plan.stops:
+        if float(plan.trajectory.time_at(s, leaving=True)[0]) > flown_s:
+            place = shapely.Point(*plan.curve.position([s])[0])
+            yield from (name for name in loitering if shapely.intersects(plan.area_of(name), place))

@@ -1,0 +1,154 @@
+"""The rest of a flight: what was spelled and what is planned from there satisfy the mission together."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from mission.errors import NoPlanError, SpecError
+from mission.logic.formula.word import LassoWord
+from mission.monitor.flight import FlightMonitor
+from mission.monitor.stage import Stage
+from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json
+from mission.plan.rest import Rest, plan_rest, plan_return
+from mission.spec.loader import parse_mission
+from mission.spec.model import MissionSpec, PolygonShape, Region, RegionKind, Semantics
+from mission.verify.plans.checker import claims
+from tests.support.small_missions import FLOWN_BRISKLY
+
+HEAD = """\
+name: A rest
+domain:
+  boundary: [[0, 0], [60, 0], [60, 40], [0, 40]]
+regions:
+  home: {kind: home, polygon: [[4, 4], [14, 4], [14, 12], [4, 12]]}
+  a: {kind: survey, polygon: [[40, 4], [52, 4], [52, 14], [40, 14]], loiter_s: 3}
+  b: {kind: survey, polygon: [[42, 26], [54, 26], [54, 36], [42, 36]]}
+  c: {kind: area, polygon: [[6, 26], [16, 26], [16, 36], [6, 36]]}
+  pond: {kind: restricted, polygon: [[24, 12], [32, 12], [32, 26], [24, 26]]}
+"""
+TAIL = "start:\n  position_m: [9, 8]\n" + FLOWN_BRISKLY
+
+
+def mission(what: str) -> MissionSpec:
+    return parse_mission((HEAD + what + TAIL).encode())
+
+
+@cache
+def planned(what: str) -> FlightPlan:
+    return plan_mission(mission(what))
+
+
+def flown(plan: FlightPlan, until_s: float) -> Rest:
+    """What of a flight that keeps to its plan is behind it after some time."""
+    watched = FlightMonitor(plan)
+    times = np.arange(0.0, until_s, 0.1)
+    for t_s, (x, y) in zip(times.tolist(), plan.trajectory.position(times).tolist(), strict=True):
+        watched.report(Stage.FLY, t_s, (x, y))
+    x, y = plan.trajectory.position(times[-1:])[0].tolist()
+    return Rest(watched.monitor.word, (x, y), flown_s=until_s, laps=watched.monitor.laps)
+
+
+def spelled(plan: FlightPlan) -> tuple[frozenset[str], ...]:
+    """What a flight spells that keeps to its plan, its first label included."""
+    return flown(plan, plan.trajectory.duration_s + 0.1).word
+
+
+def faults(plan: FlightPlan) -> list[str]:
+    return [f"{claim.name}: {claim.fault}" for claim in claims(plan_to_json(plan)) if claim.fault]
+
+
+ORDERED = "mission:\n  formula: F (a & F (b & F home)) & F c\n"
+PAPER = "mission:\n  formula: F (a & F (b & F home)) & F c\n  semantics: paper\n"
+TASKS = "mission: {}\ntasks:\n  - ordered_visit: [c, b, a]\n  - visit: [home]\n"
+GUARDED = "mission:\n  formula: F b & (!c U b) & F c & F G home\n"
+
+
+@pytest.mark.parametrize("what", [ORDERED, PAPER, TASKS, GUARDED])
+@pytest.mark.parametrize("share", [0.1, 0.35, 0.6, 0.9])
+def test_what_was_spelled_and_what_is_planned_then_satisfy_the_mission(what: str, share: float) -> None:
+    plan = planned(what)
+    rest = flown(plan, share * plan.trajectory.duration_s)
+    left = plan_rest(plan, rest)
+    assert left.certificate.holds
+    assert faults(left) == []
+    assert plan_to_json(plan_from_json(plan_to_json(left))) == plan_to_json(left)
+    onward = spelled(left)
+    assert plan.required.satisfied_by(LassoWord(rest.word + onward, onward[-1:]))
+    assert left.trajectory.duration_s < plan.trajectory.duration_s * (1.0 - share) + 6.0
+
+
+@pytest.mark.parametrize("what", [ORDERED, PAPER])
+def test_before_anything_is_flown_the_rest_is_the_plan(what: str) -> None:
+    plan = planned(what)
+    assert plan_to_json(plan_rest(plan, Rest((), plan.start_m))) == plan_to_json(plan)
+
+
+def test_a_stay_that_was_begun_is_due() -> None:
+    plan = planned(ORDERED)
+    begin_s = float(plan.trajectory.time_at(plan.stops[0][0])[0])
+    begun = plan_rest(plan, flown(plan, begin_s + 1.0))
+    over = plan_rest(plan, flown(plan, begin_s + 3.5))
+    assert "F a" in begun.spec.formula
+    assert "a" not in {name for letter in spelled(over)[1:] for name in letter} | set(over.spec.formula.split())
+
+
+def test_what_was_violated_is_said() -> None:
+    plan = planned(GUARDED)
+    with pytest.raises(NoPlanError, match="what was flown so far violates the mission"):
+        plan_rest(plan, Rest((frozenset(("home",)), frozenset(), frozenset("c")), (20.0, 30.0)))
+
+
+def test_a_place_in_what_is_restricted_is_refused() -> None:
+    plan = planned(ORDERED)
+    with pytest.raises(SpecError, match="restricted region"):
+        plan_rest(plan, Rest((frozenset(("home",)), frozenset()), (28.0, 18.0)))
+
+
+def test_another_formula_holds_from_now_on() -> None:
+    plan = planned(PAPER)
+    rest = flown(plan, 0.4 * plan.trajectory.duration_s)
+    other = plan_rest(plan, rest, replace(plan.spec, formula="F c"))
+    assert other.spec.semantics is Semantics.STANDARD
+    assert other.start_m == rest.place_m
+    assert frozenset("c") in spelled(other)
+
+
+def test_a_region_that_pops_up_is_kept_out_of() -> None:
+    plan = planned(ORDERED)
+    rest = flown(plan, 0.1 * plan.trajectory.duration_s)
+    box = PolygonShape(((30.0, 2.0), (36.0, 2.0), (36.0, 8.0), (30.0, 8.0)))
+    amended = replace(plan.spec, regions=(*plan.spec.regions, Region("crane", RegionKind.RESTRICTED, box)))
+    left = plan_rest(plan, rest, amended)
+    assert faults(left) == []
+    assert not any("crane" in letter for letter in spelled(left))
+    assert "crane" in {name for letter in left.labelling.letters for name in letter}
+
+
+def test_another_origin_is_refused() -> None:
+    plan = planned(ORDERED)
+    placed = parse_mission(("origin: {latitude_deg: 47, longitude_deg: 8}\n" + HEAD + ORDERED + TAIL).encode())
+    with pytest.raises(SpecError, match="another origin"):
+        plan_rest(plan, flown(plan, 3.0), placed)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5])
+def test_a_return_violates_nothing_and_ends_at_home(share: float) -> None:
+    plan = planned(GUARDED)
+    rest = flown(plan, share * plan.trajectory.duration_s)
+    back = plan_return(plan, rest)
+    assert back.certificate.holds
+    assert faults(back) == []
+    onward = spelled(back)
+    assert onward[-1] == frozenset(("home",))
+    if frozenset("b") not in rest.word:
+        assert frozenset("c") not in onward
+    assert back.stops == ()
+
+
+def test_without_a_home_the_return_ends_where_the_flight_began() -> None:
+    head = HEAD.replace("home: {kind: home,", "home: {kind: area,")
+    plan = plan_mission(parse_mission((head + ORDERED + TAIL).encode()))
+    back = plan_return(plan, flown(plan, 8.0))
+    assert float(np.abs(back.trajectory.position([back.trajectory.duration_s])[0] - plan.start_m).max()) < 2.0
