@@ -228,6 +228,6 @@ def _add_export(export: argparse.ArgumentParser) -> None:
         "--flavour",
         choices=("ardupilot", "px4"),
         default="ardupilot",
-        help="what a .plan is for (default: %(default)s)",
+        help="what a .plan or .waypoints is for (default: %(default)s)",
     )
     export.add_argument("--force", action="store_true", help="write over a file that is there")

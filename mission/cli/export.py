@@ -15,6 +15,7 @@ from mission.geometry.geodesy import LatLon
 from mission.interchange.autopilot_plan import EVER_AGAIN, AutopilotPlan, Command
 from mission.plan import FlightPlan
 from mission.printable import printable
+from mission.spec.heading import heading_text
 
 _MANY_ITEMS = 700
 """What an autopilot with little memory keeps; ArduPilot's boards without a card have room for about so many."""
@@ -37,7 +38,7 @@ def run(arguments: Namespace) -> int:
         )
     placed = placed_plan(plan, _origin(plan, arguments), tolerance_m)
     write_named("--to", file, writer(placed, plan.spec.name, arguments.flavour))
-    _say(placed, file)
+    _say(placed, file, arguments.flavour)
     return 0
 
 
@@ -57,7 +58,7 @@ def _fault(option: str, message: str, hint: str) -> SpecError:
     return SpecError((Fault(0, 0, option, message, hint),))
 
 
-def _say(placed: PlacedPlan, file: Path) -> None:
+def _say(placed: PlacedPlan, file: Path, firmware: str) -> None:
     """What was written, in figures."""
     route, tube_m = placed.route, placed.plan.certificate.tube_m
     _print(f"Exported       {printable(str(file))}")
@@ -75,7 +76,7 @@ def _say(placed: PlacedPlan, file: Path) -> None:
             f"vehicle exactly on them"
         )
     if file.suffix.lower() in UPLOADED:
-        upload = autopilot_plan(placed)
+        upload = autopilot_plan(placed, firmware)
         _say_uploaded(placed, upload, fenced=file.suffix.lower() == FENCED)
         if len(upload.items) > _MANY_ITEMS:
             warnings.append(
@@ -93,6 +94,11 @@ def _say_uploaded(placed: PlacedPlan, upload: AutopilotPlan, *, fenced: bool) ->
             again = int(item.params[1])
             laps = f"until item {number + 1} is chosen" if again == EVER_AGAIN else count(again + 1, "time")
             _print(f"               from item {item.params[0] + 1:.0f} the lap, {laps}")
+    slow = {item.params[1] for item in upload.items if item.command is Command.CHANGE_SPEED} - {upload.speed_m_s}
+    if slow:
+        _print(f"               {', '.join(f'{each:g}' for each in sorted(slow))} m/s where regions ask for it")
+    if heading := heading_text(placed.plan.spec.flight.heading):
+        _print(f"               the nose {heading}")
     lanes = sum(item.command is Command.TRIGGER_CAMERA and item.params[0] > 0.0 for item in upload.items)
     if lanes:
         _print(f"               images by distance in {count(lanes, 'lane')}")

@@ -15,6 +15,7 @@ from mission.interchange.map_features import DIGITS, Json, MapFeature, continuou
 from mission.report.palette import BLACK, KIND_COLOUR, MESH, PLANNED, QUIET, SMOOTHED
 from mission.spec.areas import Ground, boundary_ground, region_ground
 from mission.spec.covers import cover_data
+from mission.spec.heading import heading_data
 from mission.spec.model import CORRIDOR, BoundaryDomain, CircleShape, Cover, Point, RegionKind, StripShape
 
 REGIONS: Final = "Regions"
@@ -44,6 +45,7 @@ def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
                 height_m=plan.trajectory.altitude_m if region.kind is RegionKind.RESTRICTED else None,
                 properties={
                     **({"loiter_s": region.loiter_s} if region.loiter_s else {}),
+                    **({"speed_m_s": region.speed_m_s} if region.speed_m_s is not None else {}),
                     **_lanes(region.cover),
                     **_round(placed, region.shape),
                 },
@@ -118,6 +120,9 @@ def flight(placed: PlacedPlan) -> Iterator[MapFeature]:
     }
     if plan.spec.smoothing == CORRIDOR:
         told["smoothing"] = CORRIDOR
+    if heading := plan.spec.flight.heading:
+        data = heading_data(heading)
+        told["heading"] = data if isinstance(data, str) else ", ".join(f"{key}: {value}" for key, value in data.items())
     if route.lap is not None:
         told["laps"] = "until stopped" if route.laps is None else route.laps
     legs = _on_earth(placed, shapely.LineString(line))

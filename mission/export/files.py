@@ -15,8 +15,8 @@ Writer = Callable[[PlacedPlan, str, str], bytes]
 """From a plan, its name and the autopilot that it is for to the content of a file."""
 
 WRITERS: Final[Mapping[str, Writer]] = {
-    ".plan": lambda placed, _, firmware: qgroundcontrol_plan(autopilot_plan(placed), firmware=firmware),
-    ".waypoints": lambda placed, _, __: waypoint_table(autopilot_plan(placed)),
+    ".plan": lambda placed, _, firmware: qgroundcontrol_plan(autopilot_plan(placed, firmware), firmware=firmware),
+    ".waypoints": lambda placed, _, firmware: waypoint_table(autopilot_plan(placed, firmware)),
     ".geojson": lambda placed, name, _: geojson(name, [*areas(placed), *triangles(placed), *flight(placed)]),
     ".kml": lambda placed, name, _: kml(name, [*areas(placed), *flight(placed)]),
     ".kmz": lambda placed, name, _: kmz(name, [*areas(placed), *flight(placed)]),

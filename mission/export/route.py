@@ -1,5 +1,6 @@
 """The path of a plan as straight legs between waypoints, for autopilots that fly such missions by themselves."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -8,7 +9,9 @@ import numpy as np
 from mission.geometry.arrays import FloatArray
 from mission.geometry.straightening import straightened
 from mission.plan.flight_plan import FlightPlan
+from mission.plan.slow_parts import slow_parts
 from mission.spec.model import Point
+from mission.steering.grid import Slow
 from mission.steering.joined import Curve
 
 LEAST_TOLERANCE_M = 0.01
@@ -28,11 +31,13 @@ class Waypoint:
         place_m: ENU in the domain.
         hold_s: How long to stand still.
         trigger_m: The distance between images from there on, 0 for no more; None where nothing is changed.
+        speed_m_s: How fast it may be flown to at most, where a region on the way there asks for less than elsewhere.
     """
 
     place_m: Point
     hold_s: float = 0.0
     trigger_m: float | None = None
+    speed_m_s: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -74,9 +79,9 @@ def route_of(plan: FlightPlan, tolerance_m: float) -> Route:
         plan: The plan.
         tolerance_m: How far the legs may be from the smooth path, ``LEAST_TOLERANCE_M`` or more.
     """
-    parts, deviation_m = [], 0.0
+    parts, deviation_m, slow = [], 0.0, _slow(plan)
     for number, curve in enumerate(plan.curve.legs):
-        part, apart_m = _part(curve, _events(plan, number), tolerance_m)
+        part, apart_m = _part(curve, _events(plan, number, slow), tolerance_m)
         parts.append(part)
         deviation_m = max(deviation_m, apart_m)
     trajectory = plan.trajectory
@@ -85,15 +90,45 @@ def route_of(plan: FlightPlan, tolerance_m: float) -> Route:
 
 @dataclass(frozen=True)
 class _Events:
-    """What happens on a leg of the curve, by its own parameter: seconds to stand still, distances between images."""
+    """What happens on a leg of the curve, by its own parameter: seconds to stand still, distances between images.
+
+    ``slow`` are the parts of it with a largest speed.
+    """
 
     holds_s: dict[float, float]
     triggers_m: dict[float, float]
+    slow: tuple[Slow, ...]
+
+    @property
+    def places_s(self) -> list[float]:
+        """Where something happens."""
+        return [*self.holds_s, *self.triggers_m, *(end for part in self.slow for end in (part.begin_s, part.end_s))]
 
 
-def _events(plan: FlightPlan, number: int) -> _Events:
+def _slow(plan: FlightPlan) -> tuple[Slow, ...]:
+    """The parts of the curve with a largest speed, each with the way on which to brake ahead of it."""
+    parts = slow_parts(plan.spec, plan.partition, plan.labelling, plan.curve)
+    if not parts:
+        return ()
+    knots, points, _, _ = plan.curve.sampled(_FEWEST_CELLS)
+    along_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    fastest_m_s = min(plan.spec.flight.speed_m_s, plan.spec.limits.speed_m_s)
+
+    def braked(part: Slow) -> float:
+        way_m = max(0.0, fastest_m_s**2 - part.speed_m_s**2) / (2.0 * plan.spec.limits.acceleration_m_s2)
+        return float(np.interp(np.interp(part.begin_s, knots, along_m) - way_m, along_m, knots))
+
+    return tuple(part._replace(begin_s=braked(part)) for part in parts)
+
+
+def _events(plan: FlightPlan, number: int, slow: tuple[Slow, ...]) -> _Events:
     begin_s, end_s = plan.curve.starts_s[number : number + 2].tolist()
-    events = _Events({}, {})
+    own = (
+        part._replace(begin_s=max(part.begin_s - begin_s, 0.0), end_s=min(part.end_s, end_s) - begin_s)
+        for part in slow
+        if part.begin_s < end_s and part.end_s > begin_s
+    )
+    events = _Events({}, {}, tuple(own))
     triggers = [
         (s, trigger_m)
         for visit in plan.covers
@@ -113,7 +148,7 @@ def _events(plan: FlightPlan, number: int) -> _Events:
 def _part(curve: Curve, events: _Events, tolerance_m: float) -> tuple[tuple[Waypoint, ...], float]:
     """One curve as waypoints, and the bound of their deviation."""
     s, sampling_m = _samples(curve, tolerance_m * _SHARE_OF_SAMPLING)
-    eventful = [*events.holds_s, *events.triggers_m]
+    eventful = np.clip(events.places_s, 0.0, curve.duration_s)
     s = np.union1d(s, eventful)
     points = curve.position(s)
     fixed = sorted({0, len(s) - 1, *np.searchsorted(s, eventful).tolist()})
@@ -122,9 +157,14 @@ def _part(curve: Curve, events: _Events, tolerance_m: float) -> tuple[tuple[Wayp
         corners, apart_m = straightened(points[first : last + 1], tolerance_m - sampling_m)
         kept += (first + corners[1:]).tolist()
         worst_m = max(worst_m, apart_m)
+    legs = np.stack((s[kept[:-1]], s[kept[1:]]), axis=1).tolist()
+    speeds = [math.inf] + [
+        min((part.speed_m_s for part in events.slow if part.begin_s < end and part.end_s > begin), default=math.inf)
+        for begin, end in legs
+    ]
     waypoints = (
-        Waypoint((float(x), float(y)), events.holds_s.get(where, 0.0), events.triggers_m.get(where))
-        for where, (x, y) in zip(s[kept].tolist(), points[kept].tolist(), strict=True)
+        Waypoint((float(x), float(y)), events.holds_s.get(where, 0.0), events.triggers_m.get(where), speed)
+        for where, (x, y), speed in zip(s[kept].tolist(), points[kept].tolist(), speeds, strict=True)
     )
     return tuple(waypoints), worst_m + sampling_m
 

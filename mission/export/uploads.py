@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from mission.export.fence import Circle, Rim
+from mission.export.nose import nose_items
 from mission.export.placed_plan import PlacedPlan
 from mission.export.route import Waypoint
 from mission.interchange.autopilot_plan import (
@@ -25,13 +26,13 @@ _ACCEPT_M: Final = (0.5, 2.0)
 _SHORTEST_STOP_S: Final = 1.0
 
 
-def autopilot_plan(placed: PlacedPlan) -> AutopilotPlan:
-    """Everything that an autopilot needs to fly a plan by itself."""
+def autopilot_plan(placed: PlacedPlan, firmware: str) -> AutopilotPlan:
+    """Everything that an autopilot needs to fly a plan by itself; ``firmware`` is a key of ``FIRMWARE``."""
     plan = placed.plan
     rims = [(True, placed.fence.inclusion), *((False, rim) for rim in placed.fence.exclusions)]
     return AutopilotPlan(
         home=placed.places(np.array([plan.start_m]))[0],
-        items=_items(placed),
+        items=_items(placed, firmware),
         fence=tuple(_fenced(placed, rim, inclusion=inclusion) for inclusion, rim in rims),
         rally=tuple((place, plan.trajectory.altitude_m) for place in placed.places(placed.rally_m)),
         speed_m_s=speed_m_s(placed),
@@ -49,24 +50,35 @@ def _fenced(placed: PlacedPlan, rim: Rim, *, inclusion: bool) -> FencePolygon | 
     return FencePolygon(inclusion, tuple(placed.places(rim)))
 
 
-def _items(placed: PlacedPlan) -> tuple[Item, ...]:
+def _items(placed: PlacedPlan, firmware: str) -> tuple[Item, ...]:
     route, height_m = placed.route, placed.plan.trajectory.altitude_m
     start, end = placed.places(np.array([route.once[0].place_m, route.once[-1].place_m]))
+    usual_m_s, nose = speed_m_s(placed), nose_items(placed, firmware)
     items = [
         Item(Command.TAKEOFF, (0.0, 0.0, 0.0, AS_IT_IS), start, height_m),
-        Item(Command.CHANGE_SPEED, (_OVER_GROUND, speed_m_s(placed), _SAME_THROTTLE, 0.0)),
+        _speed(usual_m_s),
     ]
     for number, part in enumerate(route.parts):
-        begins = len(items)
+        begins, flown_m_s, imaging, imaged = len(items), usual_m_s, False, None
         # Each part begins where the vehicle is: at the take-off, or at the end of the part before.
         places = placed.places(np.array([waypoint.place_m for waypoint in part[1:]]))
         for waypoint, place, held in zip(part[1:], places, _held(placed, part), strict=True):
-            params = (held, _accept_m(placed), 0.0, AS_IT_IS)
+            asked_m_s = min(usual_m_s, waypoint.speed_m_s)
+            items += [*[_speed(asked_m_s)] * (asked_m_s != flown_m_s), *nose.before(imaging=imaging, imaged=imaged)]
+            params = (held, _accept_m(placed), 0.0, AS_IT_IS if imaging else nose.heading_deg)
             items += [Item(Command.WAYPOINT, params, place, height_m), *_images(waypoint)]
+            flown_m_s, imaged = asked_m_s, imaging
+            imaging = imaging if waypoint.trigger_m is None else waypoint.trigger_m > 0.0
+        # What comes next begins with the usual speed, another lap too.
+        items += [_speed(usual_m_s)] * (flown_m_s != usual_m_s)
         if number == route.lap and route.laps != 1:
             again = EVER_AGAIN if route.laps is None else route.laps - 1
             items.append(Item(Command.JUMP, (float(begins), float(again), 0.0, 0.0)))
-    return (*items, Item(Command.LAND, (0.0, 0.0, 0.0, AS_IT_IS), end, 0.0))
+    return (*items, *nose.after(), Item(Command.LAND, (0.0, 0.0, 0.0, AS_IT_IS), end, 0.0))
+
+
+def _speed(speed: float) -> Item:
+    return Item(Command.CHANGE_SPEED, (_OVER_GROUND, speed, _SAME_THROTTLE, 0.0))
 
 
 def _images(waypoint: Waypoint) -> tuple[Item, ...]:

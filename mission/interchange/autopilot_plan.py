@@ -24,8 +24,11 @@ class Command(IntEnum):
     WAYPOINT = commands.WAYPOINT
     LAND = 21
     TAKEOFF = commands.TAKEOFF
+    TURN = 115
     JUMP = 177
     CHANGE_SPEED = commands.SPEED
+    LOOK_AT = 195
+    LOOK_AHEAD = 197
     TRIGGER_CAMERA = 206
 
 

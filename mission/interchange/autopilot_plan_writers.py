@@ -16,7 +16,6 @@ FIRMWARE: Final = {"ardupilot": 3, "px4": 12}
 
 _MULTICOPTER: Final = 2
 _RELATIVE: Final = 1
-_AIRSPEED_M_S: Final = 15.0  # a figure for aeroplanes, which the format demands
 _DIGITS: Final = 9
 _HOME_ITEMS: Final = 1
 """Items are counted from 1 in both formats: number 0 is home."""
@@ -46,7 +45,7 @@ def qgroundcontrol_plan(plan: AutopilotPlan, *, firmware: str) -> bytes:
         },
         "groundStation": "QGroundControl",
         "mission": {
-            "cruiseSpeed": _AIRSPEED_M_S,
+            "cruiseSpeed": plan.speed_m_s,
             "firmwareType": FIRMWARE[firmware],
             "globalPlanAltitudeMode": _RELATIVE,
             "hoverSpeed": plan.speed_m_s,

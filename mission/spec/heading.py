@@ -82,3 +82,13 @@ def heading_data(heading: Heading) -> str | Data:
     if heading.look is Look.FIXED:
         return {Look.FIXED.value: math.degrees(heading.fixed_rad)}
     return {Look.TOWARD.value: heading.region} if heading.look is Look.TOWARD else heading.look.value
+
+
+def heading_text(heading: Heading | None) -> str:
+    """Where the nose looks, in words that go on from "the nose"; empty where the mission says nothing."""
+    if heading is None:
+        return ""
+    if heading.look is Look.FIXED:
+        return f"looks to {math.degrees(heading.fixed_rad) % 360.0:.6g} degrees from north"
+    ways = {Look.AHEAD: "looks ahead", Look.LANES: "looks along lanes, ahead elsewhere"}
+    return ways.get(heading.look, f"looks toward {heading.region}")

@@ -49,11 +49,15 @@ def exported(text: str) -> PlacedPlan:
 
 
 def flown(
-    placed: PlacedPlan, flavour: Flavour, within_s: float, images: list[tuple[float, float]] | None = None
+    placed: PlacedPlan,
+    flavour: Flavour,
+    within_s: float,
+    images: list[tuple[float, float]] | None = None,
+    noses: list[tuple[tuple[float, float], float]] | None = None,
 ) -> Monitor:
     """Upload the ``.plan`` to a vehicle that stands at its start, fly it with the fence on, and watch where it goes.
 
-    Where its camera took an image is added to ``images``, ENU.
+    Where its camera took an image is added to ``images``, ENU; where it was, and its heading in degrees, to ``noses``.
     """
     home = placed.places(placed.plan.curve.position([0.0]))[0]
     config = VehicleConfig(flavour=flavour, home_lat_deg=home.latitude_deg, home_lon_deg=home.longitude_deg)
@@ -76,6 +80,10 @@ def flown(
     for message in station.of("GLOBAL_POSITION_INT"):
         here = LatLon(message.lat / 1e7, message.lon / 1e7)
         monitor.observe(message.time_boot_ms / 1000.0, enu_offset_m(PLACE, here))
+    if noses is not None:
+        for message in station.of("GLOBAL_POSITION_INT"):
+            here = LatLon(message.lat / 1e7, message.lon / 1e7)
+            noses.append((enu_offset_m(PLACE, here), message.hdg / 100.0))
     if images is not None:
         told = station.of("CAMERA_FEEDBACK" if flavour is Flavour.ARDUPILOT else "CAMERA_IMAGE_CAPTURED")
         places = [(told_of.lat, told_of.lng if flavour is Flavour.ARDUPILOT else told_of.lon) for told_of in told]
@@ -106,6 +114,19 @@ def test_the_autopilot_spells_the_word_of_the_plan(flavour: Flavour) -> None:
     assert spelled(monitor) == placed.word == placed.plan.certificate.word
     outcome = monitor.verdict_at_end(stays=True)
     assert outcome.achieved, outcome.reason
+
+
+@BOTH
+@pytest.mark.parametrize("heading", ["{fixed: 200}", "{toward: pond}"])
+def test_the_nose_looks_where_the_mission_says(flavour: Flavour, heading: str) -> None:
+    noses: list[tuple[tuple[float, float], float]] = []
+    flown(exported(SMALL.replace("flight:", f"flight:\n  heading: {heading}")), flavour, within_s=120.0, noses=noses)
+    off_deg = []
+    for (east, north), heading_deg in noses:
+        due = 200.0 if "fixed" in heading else np.degrees(np.arctan2(9.0 - east, 25.0 - north))
+        off_deg.append(abs((heading_deg - due + 180.0) % 360.0 - 180.0))
+    # The first turn takes a while, and what comes after the last waypoint is the autopilot's.
+    assert np.quantile(off_deg, 0.7) < 15.0
 
 
 def test_laps_are_flown_as_often_as_the_plan_says() -> None:

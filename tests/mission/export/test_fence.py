@@ -124,7 +124,7 @@ def test_circles_stay_circles_with_their_clearance() -> None:
     nearest = min(float(rim.exterior.distance(line)) for rim in rims)
     assert fence.distance_m(line) == pytest.approx(nearest, abs=0.01)
     placed = placed_plan(plan, LatLon(47.0, 8.0), 0.1)
-    circles = [area for area in autopilot_plan(placed).fence if isinstance(area, FenceCircle)]
+    circles = [area for area in autopilot_plan(placed, "ardupilot").fence if isinstance(area, FenceCircle)]
     assert [(area.inclusion, area.radius_m) for area in circles] == [(True, 39.0), (False, 5.0)]
 
 

@@ -84,7 +84,7 @@ def test_what_the_legs_spell_is_the_word_of_the_plan(plan: FlightPlan) -> None:
 
 def test_the_vehicle_stops_where_it_would_cut_off_more_of_a_corner_than_the_tube_has_left() -> None:
     placed = placed_plan(plan_of(ROUNDS), PLACE, 0.2)
-    items = [item for item in autopilot_plan(placed).items if item.command is Command.WAYPOINT]
+    items = [item for item in autopilot_plan(placed, "ardupilot").items if item.command is Command.WAYPOINT]
     route = placed.route
     waypoints = [waypoint for part in route.parts for waypoint in part[1:]]
     legs = np.diff([route.once[0].place_m, *(waypoint.place_m for waypoint in waypoints)], axis=0)
