@@ -2,9 +2,12 @@
 
 All clearances are taken back together, in the same proportion, until there is a run. What it passes that is closed with
 a little more lies between two outlines, or is the rest of a region; the keys that set the clearances there are the ones
-to change. Where the others still close another place without these, that one is sought next.
+to change. Where the others still close another place without these, that one is sought next. Beside outlines the tube
+of the proof needs room as well: it is asked for like a clearance of everything, as much as it takes beside slanting
+ones. Where it closes the mission by itself, it is what is taken back.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -30,7 +33,7 @@ from mission.planning.recurrence import has_runs
 from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.areas import Ground, boundary_ground, region_ground
-from mission.spec.clearances import BOUNDARY_CLEARANCE, clearances, key_of, largest_m, with_clearances
+from mission.spec.clearances import BOUNDARY_CLEARANCE, clearances, key_of, largest_m, with_clearances, with_room
 from mission.spec.domain import build_domain, joined_m, restricted_triangles
 from mission.spec.finding import Path, dotted
 from mission.spec.model import BoundaryDomain, MissionSpec, Point, Refinement, RegionKind
@@ -38,36 +41,50 @@ from mission.spec.outlines import place
 
 _BESIDE_M: Final = 0.1
 """Clearances that end this near to a place that a centimetre more closes are what closes it."""
+_ROOM: Final[Path] = ("flight", "tube")
+"""Stands among the clearances for what the tube needs beside all outlines."""
 _COARSE: Final = Refinement(smallest_angle_deg=1.0, largest_m=np.inf)
 
 Values = dict[Path, float]
 
 
 def closed_by_clearances(error: NoPlanError, spec: MissionSpec, start_m: Point) -> NoPlanError:
-    """Say which clearances leave a mission without a plan, and the largest that do not.
+    """Say which clearances leave a mission without a plan, beside the tube where there is one, or that the tube does.
 
     Args:
-        error: What was said of the mission as it is: it has no run.
+        error: What was said of the mission as it is: it has no run, or none that is proved.
         spec: The mission.
         start_m: Where its flight begins.
 
     Returns:
-        ``error`` itself where there is none without clearances either, or the question is too large.
+        ``error`` itself where there is none without clearances and tube either, or it has one with them, or the
+        question is too large.
     """
-    given = clearances(spec)
-    question = _Question(spec, start_m)
     try:
-        if not given or not question.has_run(dict.fromkeys(given, 0.0)):
-            return error
-        narrows = question.narrows(given)
-        text = question.said(narrows, given)
+        text = _told(spec, start_m)
     except (AutomatonSizeError, SearchSizeError):
         return error
-    if not narrows:
+    if not text:
         return error
     return NoPlanError(
         text, cause=Cause.CLEARANCE, conjuncts=error.conjuncts, restricted=error.restricted, regions=error.regions
     )
+
+
+def _told(spec: MissionSpec, start_m: Point) -> str:
+    """What closes a mission; empty where nothing that is known of here does."""
+    given, room_m = clearances(spec), math.sqrt(2.0) * spec.flight.tube_m
+    none, tube = dict.fromkeys(given, 0.0), {_ROOM: room_m} if room_m else {}
+    question = _Question(spec, start_m)
+    if question.has_run(given | tube):
+        return ""
+    if given and question.has_run(none | tube):
+        return question.said(given, tube)
+    if tube and question.has_run(given):
+        return question.said(tube, given)
+    if given and question.has_run(none):
+        return question.said(given, {})
+    return ""
 
 
 @dataclass(frozen=True)
@@ -96,8 +113,8 @@ class _Question:
         return self._known[asked]
 
     def map_of(self, values: Values) -> "_Map | None":
-        """The map with other clearances; None where the flight cannot even begin."""
-        spec = with_clearances(self.spec, values)
+        """The map with other clearances, and room; None where the flight cannot even begin."""
+        spec = with_room(with_clearances(self.spec, values), values.get(_ROOM, 0.0))
         if not self._counts and isinstance(spec.domain, BoundaryDomain):
             # Which way is open does not depend on how thin triangles are.
             spec = replace(spec, domain=replace(spec.domain, refinement=_COARSE))
@@ -116,11 +133,11 @@ class _Question:
         system = TransitionSystem.from_partition(partition, labelling, restricted)
         return _Map(spec, self.start_m, partition, labelling, Product(system, automaton, start, spec.semantics))
 
-    def narrows(self, given: Values) -> list[_Narrow]:
-        """The places that must be opened, each by keys that no earlier one has."""
+    def narrows(self, given: Values, others: Values) -> list[_Narrow]:
+        """The places that must be opened beside some others, each by keys that no earlier one has."""
         found: list[_Narrow] = []
         while True:
-            opened = dict.fromkeys((key for narrow in found for key in narrow.keys), 0.0)
+            opened = others | dict.fromkeys((key for narrow in found for key in narrow.keys), 0.0)
             rest = {key: value for key, value in given.items() if key not in opened}
             if not rest or (found and self.has_run(opened)):
                 return found
@@ -132,20 +149,41 @@ class _Question:
                 return found
             found.append(_narrow(passed, closed, rest))
 
-    def said(self, narrows: list[_Narrow], given: Values) -> str:
-        """What is closed, how wide it is, and which clearances open it."""
-        opened = dict.fromkeys((key for narrow in narrows for key in narrow.keys), 0.0)
+    def said(self, given: Values, others: Values) -> str:
+        """What is closed, how wide it is, and which clearances, or which tube, open it; empty where that is not found.
+
+        Args:
+            given: The clearances that may be taken back, or the room for the tube.
+            others: What stays as it is.
+        """
+        narrows = self.narrows(given, others)
+        opened = others | dict.fromkeys((key for narrow in narrows for key in narrow.keys), 0.0)
         lines = []
         for narrow in narrows:
             own = {key: given[key] for key in narrow.keys}
             most = _scaled(own, self._largest_share(opened, own))
+            if _ROOM in own:
+                asked = " beside the clearances" * bool(others)
+                fits = f"{decimal(math.floor(100.0 * most[_ROOM] / math.sqrt(2.0)) / 100.0)} m"
+                lines.append(f"{narrow.text}; a tube of {fits} per axis surely has room there{asked}")
+                continue
             written = " and ".join(f"{dotted(key)}: {decimal(value)}" for key, value in most.items())
             instead = " and ".join(decimal(value) for value in own.values())
-            lines.append(f"{narrow.text}; with {written} at most, instead of {instead}, it is open")
-        if tube := self.spec.flight.tube_m:
-            reach = measure(np.sqrt(2.0) * tube)
-            lines.append(f"the tube of the proof needs up to {reach} m more on each side of the path")
-        head = "there is a plan without clearances, but not with these"
+            open_to = "it is open to the tube" if _ROOM in others else "it is open"
+            lines.append(f"{narrow.text}; with {written} at most, instead of {instead}, {open_to}")
+        if not lines:
+            return ""
+        tube_m, room = self.spec.flight.tube_m, measure(math.sqrt(2.0) * self.spec.flight.tube_m)
+        if _ROOM in given:
+            head = f"there is a plan without a tube, but not with this one of {measure(tube_m)} m per axis"
+            lines.append(f"it takes up to {room} m on each side of the path: see `flight.tube`")
+        else:
+            beside = " beside the tube" * (_ROOM in others)
+            head = f"there is a plan without clearances, but not with these{beside}"
+            if _ROOM in others:
+                lines.append(f"the tube of the proof takes up to {room} m on each side of the path")
+            elif tube_m:
+                lines.append(f"the tube of the proof needs up to {room} m more on each side of the path")
         return "\n".join((f"{head}:", *(f"    {line}" for line in lines)))
 
     def _largest_share(self, opened: Values, values: Values) -> float:
@@ -228,6 +266,8 @@ def _swallowed(passed: _Map, name: str, rest: Values) -> _Narrow:
     blamed = [each for each in beside if passed.keys[each] in rest] or [name]
     said = " and ".join("its own" if each == name else _of(each) for each in blamed)
     text = f"nothing is left of {name} outside of {said} clearance"
+    if _ROOM in rest:
+        return _Narrow((_ROOM,), f"the tube does not fit into {name}")
     return _Narrow(tuple(dict.fromkeys(passed.keys[each] for each in blamed)), text)
 
 

@@ -120,7 +120,7 @@ class PathPlanner:
                 first = MOST_FREQUENCIES if doubtful else 1 if covers else FEWEST_FREQUENCIES
                 return smooth_with_proof(legs, certify, extension=extension, first_frequencies=first, refuses=refuses)
             except UnprovedError as error:
-                advised = f"{error}; {_advice(self.spec)}"
+                advised = f"{error}; {tube_advice(self.spec)}"
                 raise UnprovedError(advised, counterexample=error.counterexample, where_s=error.where_s) from error
         frequencies = max(1, round(share * smoothing.frequencies))
         curve = fit_legs(legs, frequencies, extension)
@@ -130,7 +130,7 @@ class PathPlanner:
         if fault:
             raise UnprovedError(
                 f"the path smoothed with {frequencies} frequencies is not proved to satisfy the mission: "
-                f"{fault}; ask for more frequencies, or for `auto`; {_advice(self.spec)}",
+                f"{fault}; ask for more frequencies, or for `auto`; {tube_advice(self.spec)}",
                 counterexample=certificate.counterexample,
                 where_s=certificate.where_s,
             )
@@ -141,7 +141,7 @@ class PathPlanner:
         return loiter_stops(path, curve, self.partition, self.labelling, self.spec.regions)
 
 
-def _advice(spec: MissionSpec) -> str:
+def tube_advice(spec: MissionSpec) -> str:
     """What may help where no curve is proved."""
     tube_m = spec.flight.tube_m
     if tube_m == 0.0:

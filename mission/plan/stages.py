@@ -75,7 +75,7 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
                 f"by {spec.search.cost} there is one run, number 0; by `search: {{cost: transitions}}` there are more"
             )
         raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
-    flown = Steering(
+    steering = Steering(
         restricted=restricted,
         planner=planner,
         specification=specification,
@@ -84,7 +84,11 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         index=index,
         free=run is None and spec.run == 0,
         start_m=start,
-    ).steered()
+    )
+    try:
+        flown = steering.steered()
+    except NoPlanError as error:
+        raise closed_by_clearances(error, spec, start) from error
     slow = slow_parts(spec, partition, labelling, flown.curve)
     trajectory = trajectory_of(
         spec,

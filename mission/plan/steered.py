@@ -16,7 +16,7 @@ from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward
 from mission.plan.passing_stops import with_passing_stops
 from mission.plan.progress import NoStagesError
-from mission.plan.proved_path import PathPlanner
+from mission.plan.proved_path import PathPlanner, tube_advice
 from mission.plan.proved_run import PassedOver, ProvedRun, proved_run
 from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import Specification
@@ -143,15 +143,27 @@ class Steering:
         )
 
     def _roomier(self, refused: MissionError) -> Steered | None:
-        """A path in the corridor of a run that keeps out of where the tube does not fit; None where none is found."""
+        """A path in the corridor of a run that keeps out of where the tube does not fit; None where none is found.
+
+        Raises:
+            NoPlanError: There is no such run. As the tube touches something else at all times, words are possible in
+                which nothing of these is read, and the mission accepts none of them: no other path is proved either.
+        """
         here = int(self.planner.labelling.letter_of[self.search.maps.triangle])
         error, unfit = refused, frozenset[int]()
         while self.free and isinstance(error, NoStagesError) and not error.unfit <= unfit | {here}:
             unfit |= error.unfit - {here}
             try:
                 found = self.search.best(self.specification, unfit=unfit)
+            except SearchSizeError:
+                return None
+            except NoPlanError as none:
+                if here in error.unfit:
+                    return None
+                raise NoPlanError(f"{refused}; {tube_advice(self.planner.spec)}") from none
+            try:
                 steered = self._in_corridor(found, 0)
-            except (NoStagesError, NoWayError, NoPlanError, SearchSizeError) as again:
+            except (NoStagesError, NoWayError, NoPlanError) as again:
                 error = again
                 continue
             avoided = (Avoided(triangle, str(refused)) for triangle in self.search.of_letters(unfit))

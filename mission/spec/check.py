@@ -55,7 +55,7 @@ def _tube_of(data: Any, structural: list[Finding]) -> Tube:  # noqa: ANN401 - an
     flight, keys = data.get("flight", {}), ("disturbance_m_s2", "time_constant_s")
     if not all(is_clean(("flight", key), structural) for key in (*keys, "tube")):
         return NO_TUBE
-    others_m = margins_of(flight).sum_m if "tube" in flight else 0.0
+    others_m = margins_of(flight).sum_m
     disturbance_m_s2, time_constant_s = (float(flight.get(key, default_of("flight", key))) for key in keys)
     return Tube(disturbance_m_s2, time_constant_s, others_m)
 

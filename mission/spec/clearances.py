@@ -55,6 +55,24 @@ def with_clearances(spec: MissionSpec, values: Mapping[Path, float]) -> MissionS
     return replace(spec, domain=domain, regions=tuple(regions))
 
 
+def with_room(spec: MissionSpec, room_m: float) -> MissionSpec:
+    """The mission with so much more clearance of all that has an outline."""
+    if not isinstance(spec.domain, BoundaryDomain) or room_m == 0.0:
+        return spec
+    domain = replace(
+        spec.domain,
+        clearance_m=spec.domain.clearance_m + room_m,
+        restricted_clearance_m=spec.domain.restricted_clearance_m + room_m,
+    )
+    regions = (
+        region
+        if isinstance(region.shape, TriangleShape | PointShape) or key_of(region) == RESTRICTED_CLEARANCE
+        else replace(region, clearance_m=(region.clearance_m or 0.0) + room_m)
+        for region in spec.regions
+    )
+    return replace(spec, domain=domain, regions=tuple(regions))
+
+
 def largest_m(holds: Callable[[float], bool], below_m: float) -> float | None:
     """The largest whole number of centimetres below a value at which something holds that holds at all smaller ones.
 

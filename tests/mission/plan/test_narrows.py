@@ -161,6 +161,40 @@ def test_clearances_are_not_blamed_where_another_way_is_open_or_there_is_none_an
     assert refused.value.cause == "themselves"
 
 
-def test_the_tube_of_the_proof_is_told_of() -> None:
-    spec = site("restricted_clearance_m: 5", WALLS + "\nflight: {disturbance_m_s2: 0.5}")
-    assert said(spec)[-1] == "the tube of the proof needs up to 0.707 m more on each side of the path"
+TUBE = "\nflight: {disturbance_m_s2: 0.5}"
+
+
+def test_with_the_clearance_that_is_advised_there_is_room_for_the_tube() -> None:
+    """Half of 7.5 m, less the square root of 2 times half a metre."""
+    for asked in ("5", "3.5"):  # the first closes the passage, the second leaves half a metre
+        with pytest.raises(NoPlanError) as refused:
+            plan_mission(site(f"restricted_clearance_m: {asked}", WALLS + TUBE))
+        head, line, tube = str(refused.value).splitlines()
+        assert head == "there is a plan without clearances, but not with these beside the tube:"
+        assert line.strip().startswith("south and north are 7.5 m apart near (30, 18.8)")
+        assert line.endswith(f"instead of {asked}, it is open to the tube")
+        assert tube.strip() == "the tube of the proof takes up to 0.707 m on each side of the path"
+        most = values(line.strip())["restricted_clearance_m"]
+        assert 3.02 <= most <= 3.05
+    assert not plan_mission(site(f"restricted_clearance_m: {most}", WALLS + TUBE)).instead
+
+
+def test_a_passage_that_is_too_narrow_for_the_tube_is_named_with_its_width() -> None:
+    walls = f"{SOUTH % (18.0, 18.0, '')}\n  {NORTH % (18.9, 18.9, '')}{TUBE}"
+    for clearance, beside in (("clearance_m: 0", ""), ("clearance_m: 1", " beside the clearances")):
+        with pytest.raises(NoPlanError) as refused:
+            plan_mission(site(clearance, walls))
+        head, line, _ = str(refused.value).splitlines()
+        assert head == "there is a plan without a tube, but not with this one of 0.5 m per axis:"
+        assert line.strip().startswith("south and north are 0.9 m apart near (30, 18.4); a tube of 0.3")
+        assert line.endswith(f"surely has room there{beside}")
+    narrow = walls.replace("disturbance_m_s2: 0.5", "disturbance_m_s2: 0.3")
+    assert plan_mission(site("clearance_m: 0", narrow)).certificate.holds
+
+
+def test_a_clearance_that_closes_what_is_too_narrow_for_the_tube_anyway() -> None:
+    walls = f"{SOUTH % (18.0, 18.0, '')}\n  {NORTH % (18.9, 18.9, '')}{TUBE}"
+    passage, tube = said(site("restricted_clearance_m: 1", walls))
+    assert passage.startswith("south and north are 0.9 m apart near (30, 18.4); with ")
+    assert passage.endswith("domain.restricted_clearance_m: 0.44 at most, instead of 1, it is open")
+    assert tube == "the tube of the proof needs up to 0.707 m more on each side of the path"
