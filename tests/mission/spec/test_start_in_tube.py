@@ -78,5 +78,5 @@ def test_other_causes_of_the_tube_count_where_the_file_gives_them() -> None:
 
 def test_the_tube_of_a_mission_that_says_nothing_of_it_counts_as_well() -> None:
     text = TEXT.partition("flight:")[0].format(fence=0, barn=0, east=32.5)
-    with pytest.raises(SpecError, match="is 0.5 m from barn, within the tube of the proof, 0.6 m each way"):
+    with pytest.raises(SpecError, match=r"is 0\.5 m from barn, within the tube of the proof, 0\.6 m each way"):
         parse_mission(text.encode())
