@@ -8,6 +8,7 @@ from mission.cli.screen import count, err, out, print_error, print_warnings, tub
 from mission.decimals import decimal
 from mission.errors import MissionError
 from mission.printable import printable
+from mission.spec.model import FIELD
 
 
 def run(arguments: Namespace) -> int:
@@ -21,13 +22,14 @@ def run(arguments: Namespace) -> int:
             codes.append(error.exit_code)
             continue
         codes.append(0)
+        by_field = plan.spec.flight.guidance == FIELD
         out.print(
             f"{printable(name)}: sound; "
             f"{count(plan.partition.size, 'triangle')}, {count(plan.shortest_runs, 'shortest run')}, "
-            f"{extent(plan, 1)}, proved",
+            f"{extent(plan, 1)}, {'led by the field, without a proof of a tube' if by_field else 'proved'}",
             markup=False,
         )
-        if causes := tube_text(plan.spec.flight):
+        if not by_field and (causes := tube_text(plan.spec.flight)):
             out.print(f"  tube  {causes}", markup=False, highlight=False)
         if plan.spec.tasks or plan.spec.automaton:
             for kind, text in plan.written:

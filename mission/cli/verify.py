@@ -11,6 +11,7 @@ from mission.cli.screen import out
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.plan import FlightPlan, difference, plan_mission, plan_to_json
 from mission.printable import printable
+from mission.spec.model import FIELD
 from mission.verify.plans import JUDGED, Claim, claims
 
 _CHOSEN: Final = ("region", "heading_deg", "exact", "ways_m", "lanes_m", "planned_share")  # of lanes
@@ -26,7 +27,12 @@ def run(arguments: Namespace) -> int:
     judged = (*claims(text, arguments.plan), _choices(plan, json.loads(text)))
     fault = next((claim for claim in judged if claim.fault), None)
     if arguments.json:
-        document = {"plan": arguments.plan, "proved": fault is None, "claims": [claim._asdict() for claim in judged]}
+        document = {
+            "plan": arguments.plan,
+            "proved": fault is None,
+            "guidance": plan.spec.flight.guidance,
+            "claims": [claim._asdict() for claim in judged],
+        }
         out.out(json.dumps(document, ensure_ascii=False))
         return int(fault is not None)
     if fault:
@@ -36,6 +42,10 @@ def run(arguments: Namespace) -> int:
             f"{printable(arguments.plan)}: proved: every word within {plan.certificate.tube_m:g} m per axis of the "
             f"trajectory satisfies {plan.specification}",
             markup=False,
+        )
+    if plan.spec.flight.guidance == FIELD:
+        out.print(
+            "  the flight is led by the field, and not by this trajectory: nothing here is about it", markup=False
         )
     for claim in judged:
         said = f"wrong: {claim.fault}" if claim.fault else f"ok     {claim.figure}"

@@ -104,6 +104,30 @@ def flown_by_field(track: Track) -> Track:
     )
 
 
+def led_by_field(record: Record) -> Tracking:
+    """What was reported of such a flight, and the velocity that it was asked for; NaN for all else that was not asked.
+
+    Its time on a trajectory is that since its beginning.
+    """
+    track, setpoints = flown_by_field(record.track), record.setpoints
+    told = np.isfinite(setpoints.t_s) & np.isfinite(setpoints.velocity_m_s[:, :2]).all(axis=1)
+    nothing = np.full((len(track.t_s), 2), np.nan)
+    asked = nothing
+    if told.any():
+        east, north = setpoints.velocity_m_s[told, :2].T
+        asked = np.stack([np.interp(track.t_s, setpoints.t_s[told], axis) for axis in (east, north)], axis=-1)
+    return Tracking(
+        t_s=track.t_s,
+        trajectory_s=track.t_s - track.t_s[0] if len(track.t_s) else track.t_s,
+        position_m=track.position_m[:, :2],
+        asked_position_m=nothing,
+        velocity_m_s=track.velocity_m_s[:, :2],
+        asked_velocity_m_s=asked,
+        asked_acceleration_m_s2=nothing,
+        attitude_rad=track.attitude_rad,
+    )
+
+
 def distances_m(record: Record, shapes: Mapping[str, BaseGeometry]) -> dict[str, float]:
     """Smallest distance of the line through the reported positions to each shape; 0 where it meets it.
 

@@ -5,6 +5,7 @@ import json
 from dataclasses import replace
 from math import hypot
 
+import numpy as np
 import pytest
 from shapely import Point, Polygon
 
@@ -14,6 +15,8 @@ from mission.fly.result import Progress
 from mission.link.ending import Ending
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
+from mission.report.figures.histories import control_signals, tracked_states
+from mission.report.figures.paths import smoothed_path
 from mission.report.page import page as write_page
 from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
@@ -141,6 +144,23 @@ def test_the_report_tells_what_was_flown_and_of_no_tube(calm: Flown, round_the_w
     assert "no tube is proved" in page
     assert "BEYOND" not in page
     assert "within the tube" not in page
+
+
+def test_the_pictures_show_what_was_flown_and_no_tube(calm: Flown, round_the_wall: FlightPlan) -> None:
+    states, signals = (draw(round_the_wall, calm.read) for draw in (tracked_states, control_signals))
+    flown_s = calm.read.track.t_s[-1] - (calm.flying_from_s or 0.0)
+    for figure, asked in ((states, True), (signals, False)):
+        lines = {str(line.get_gid()) for axes in figure.axes for line in axes.lines}
+        assert not {"tube", "error"} & lines
+        (flown, *_) = (line for axes in figure.axes for line in axes.lines if line.get_gid() == "flown")
+        assert flown.get_xdata()[-1] > 0.8 * flown_s - 10.0  # and then it landed
+        velocities = [line.get_ydata() for axes in figure.axes for line in axes.lines if line.get_gid() == "asked"]
+        assert any(np.isfinite(each).any() for each in velocities) is asked
+    path = smoothed_path(round_the_wall)
+    assert not [patch for axes in path.axes for patch in axes.patches if patch.get_gid() == "tube"]
+    said = " ".join(text.get_text() for text in (*path.texts, *path.axes[0].texts))
+    assert "This path is not flown" in said
+    assert "roved for every path" not in said
 
 
 def test_gusts_across_three_triangles_cost_a_way_and_nothing_else(calm: Flown, round_the_wall: FlightPlan) -> None:

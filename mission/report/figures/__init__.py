@@ -1,7 +1,7 @@
 """The pictures of a plan and of its flight: the paper's Figures 2 to 10, for any mission."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -15,6 +15,7 @@ from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path
 from mission.report.figures.quotient import quotient
 from mission.report.reading import Record
+from mission.spec.model import FIELD
 from mission.whole_file import write_whole
 
 
@@ -26,11 +27,13 @@ class Picture:
         file: Its name there.
         title: What it is.
         caption: What is seen in it.
+        by_field: What is, of a flight that is led by the field; empty where that is the same.
     """
 
     file: str
     title: str
     caption: str
+    by_field: str = ""
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,8 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
             "07_smoothed_path.png",
             "Smoothed path",
             "The path that the vehicle is asked to track, in the tube that the certificate speaks of.",
+            "A path that does what the mission asks. It is not flown: at each moment the field leads on from where the "
+            "vehicle is, and no tube is proved.",
         ),
         smoothed_path,
     ),
@@ -112,6 +117,7 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
             "08_tracked_states.png",
             "Tracked states",
             "Position and velocity, asked for and reported, and the error of the position against the tube.",
+            "Position and velocity as they were reported, and the velocity that the field asked for.",
         ),
         tracked_states,
     ),
@@ -120,6 +126,7 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
             "09_control_signals.png",
             "Control signals",
             "The acceleration of the setpoints, and the one that follows from the attitude that the vehicle reported.",
+            "The acceleration that follows from the attitude that the vehicle reported, and the tilt.",
         ),
         control_signals,
     ),
@@ -128,6 +135,7 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
             "10_flown_path.png",
             "Flown path",
             "Where the vehicle reported to be, strong, over the trajectory that it was asked to fly, thin.",
+            "Where the vehicle reported to be, strong, over the path of the plan, thin, which it was not asked to fly.",
         ),
         flown_path,
     ),
@@ -164,4 +172,6 @@ def save_all(plan: FlightPlan, record: Record | None, folder: Path) -> tuple[Pic
             continue
         write_whole(folder / entry.picture.file, to_png(figure))
         drawn.append(entry.picture)
+    if plan.spec.flight.guidance == FIELD:
+        drawn = [replace(picture, caption=picture.by_field or picture.caption) for picture in drawn]
     return tuple(drawn)

@@ -14,7 +14,8 @@ from mission.plan import FlightPlan
 from mission.report.figures.canvas import drawing, new_figure, titled
 from mission.report.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
 from mission.report.reading import Record
-from mission.report.tracking import tracking_of
+from mission.report.tracking import Tracking, led_by_field, tracking_of
+from mission.spec.model import FIELD
 
 WIDTH_PT, ROW_PT = 700.0, 135.0
 SAMPLES = 2000
@@ -47,8 +48,12 @@ def time_histories(plan: FlightPlan) -> Figure:
 
 
 def tracked_states(plan: FlightPlan, record: Record) -> Figure:
-    """Figure 8: position and velocity asked for and reported, and the difference of the positions against the tube."""
-    tracking = tracking_of(record).thinned(MOST_DRAWN)
+    """Figure 8: position and velocity asked for and reported, and the difference of the positions against the tube.
+
+    A flight that is led by the field is asked for a velocity alone, and no tube is about it.
+    """
+    by_field = plan.spec.flight.guidance == FIELD
+    tracking = _tracking(plan, record)
     half_m = plan.certificate.tube_m
     rows = (
         ("position, m", tracking.position_m, tracking.asked_position_m),
@@ -58,16 +63,21 @@ def tracked_states(plan: FlightPlan, record: Record) -> Figure:
         legend: list[Artist] = [
             Line2D([], [], color=FLOWN, lw=2.4, label="reported"),
             Line2D([], [], color=PLANNED, lw=1.0, label="setpoint"),
-            Line2D([], [], color=VERMILLION, lw=1.0, label="error"),
-            Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"tube of the certificate, ±{half_m:.3g} m"),
         ]
-        figure, grid = _grid("Tracked states", 3, legend, "", "time on the trajectory, s")
+        if not by_field:
+            tube = f"tube of the certificate, ±{half_m:.3g} m"
+            legend.append(Line2D([], [], color=VERMILLION, lw=1.0, label="error"))
+            legend.append(Line2D([], [], color=QUIET, lw=1.2, ls="--", label=tube))
+        title, note = ("Flown states", _BY_FIELD) if by_field else ("Tracked states", "")
+        figure, grid = _grid(title, 2 if by_field else 3, legend, note, _time(plan))
         for column in range(2):
             for row, (name, flown, asked) in enumerate(rows):
                 axes = grid[row][column]
                 axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
                 axes.plot(tracking.trajectory_s, asked[:, column], color=PLANNED, lw=1.0, gid="asked")
                 _name(axes, AXIS_NAMES[column], name)
+            if by_field:
+                continue
             axes = grid[2][column]
             axes.plot(tracking.trajectory_s, tracking.error_m[:, column], color=VERMILLION, lw=1.0, gid="error")
             for bound in (-half_m, half_m):
@@ -78,17 +88,20 @@ def tracked_states(plan: FlightPlan, record: Record) -> Figure:
 
 def control_signals(plan: FlightPlan, record: Record) -> Figure:
     """Figure 9: acceleration asked for and the one that the reported attitude gives; the tilt against its limit."""
-    tracking = tracking_of(record).thinned(MOST_DRAWN)
+    tracking = _tracking(plan, record)
     flown = horizontal_acceleration(tracking.attitude_rad)
     limit_deg = float(np.rad2deg(plan.spec.limits.tilt_rad))
     with drawing():
+        setpoint = (
+            [] if plan.spec.flight.guidance == FIELD else [Line2D([], [], color=PLANNED, lw=1.0, label="setpoint")]
+        )
         legend: list[Artist] = [
             Line2D([], [], color=FLOWN, lw=2.4, label="from the reported attitude"),
-            Line2D([], [], color=PLANNED, lw=1.0, label="setpoint"),
+            *(setpoint if plan.spec.flight.guidance != FIELD else []),
             Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"limit of the tilt, {limit_deg:.3g}°"),
         ]
         note = "In hover, an attitude tilted by α accelerates by g tan α."
-        figure, grid = _grid("Control signals", 2, legend, note, "time on the trajectory, s", wide_last=True)
+        figure, grid = _grid("Control signals", 2, legend, note, _time(plan), wide_last=True)
         for column in range(2):
             axes = grid[0][column]
             axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
@@ -101,6 +114,18 @@ def control_signals(plan: FlightPlan, record: Record) -> Figure:
         _name(axes, "", "tilt, °")
         axes.set_ylim(bottom=0.0)
     return figure
+
+
+_BY_FIELD = "Led by the field: at each moment a velocity is asked for, and no position."
+
+
+def _tracking(plan: FlightPlan, record: Record) -> Tracking:
+    tracking = led_by_field(record) if plan.spec.flight.guidance == FIELD else tracking_of(record)
+    return tracking.thinned(MOST_DRAWN)
+
+
+def _time(plan: FlightPlan) -> str:
+    return "time since the flight began, s" if plan.spec.flight.guidance == FIELD else "time on the trajectory, s"
 
 
 def _grid(

@@ -21,6 +21,7 @@ from mission.report.figures.chart import Chart, chart_of, draw_names, name_sizes
 from mission.report.figures.fitting import place_names
 from mission.report.palette import BLACK, FLOWN, LOOP, PLANNED, QUIET, SMOOTHED, TUBE, WHITE
 from mission.report.reading import Record
+from mission.spec.model import FIELD
 from mission.steering.certificate import Certificate
 
 GeometryArray = NDArray[np.object_]
@@ -60,10 +61,11 @@ def planned_path(plan: FlightPlan) -> Figure:
 
 
 def smoothed_path(plan: FlightPlan) -> Figure:
-    """Figure 7: the smoothed path and the tube around it for which the certificate holds."""
+    """Figure 7: the smoothed path and the tube around it for which the certificate holds, where that is flown."""
     chart = chart_of(plan)
     position = plan.curve.position(_times(plan.curve.duration_s))
-    half_m = plan.certificate.tube_m
+    by_field = plan.spec.flight.guidance == FIELD
+    half_m = 0.0 if by_field else plan.certificate.tube_m
     tube = tube_pieces(position, half_m) if half_m > 0.0 else np.empty(0, dtype=np.object_)
     with drawing():
         legend: list[Artist] = [Line2D([], [], color=SMOOTHED, lw=1.8, label="smoothed path")]
@@ -71,9 +73,9 @@ def smoothed_path(plan: FlightPlan) -> Figure:
             label = f"tracking tube, ±{half_m:.3g} m"
             legend.append(Patch(facecolor=(TUBE, TUBE_ALPHA), edgecolor=SMOOTHED, lw=0.5, label=label))
         figure, axes = chart.figure(
-            "Smoothed path and its tube",
+            "Smoothed path" if by_field else "Smoothed path and its tube",
             legend=legend + _end_handles(),
-            note=_proof(plan.certificate, with_clearances=bool(chart.margins)),
+            note=_BY_FIELD if by_field else _proof(plan.certificate, with_clearances=bool(chart.margins)),
         )
         chart.draw_domain(axes)
         if len(tube):
@@ -85,6 +87,9 @@ def smoothed_path(plan: FlightPlan) -> Figure:
         _draw_ends(axes, position)
         draw_region_names(axes, chart, [position], tube=list(tube))
     return figure
+
+
+_BY_FIELD = "This path is not flown: the flight is led by the field, of which no tube is proved."
 
 
 def flown_path(plan: FlightPlan, record: Record) -> Figure:

@@ -58,6 +58,17 @@ def test_an_option_that_cannot_be_used(options: list[str], words: str, capsys: p
     assert words in capsys.readouterr().err
 
 
+def test_no_command_speaks_of_a_proof_where_the_field_leads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, plan = tmp_path / "field.yaml", tmp_path / "plan.json"
+    file.write_text(SMALL.replace("flight:", "flight:\n  guidance: field"), encoding="utf-8")
+    checked = ran(capsys, "check", str(file)).out
+    assert checked.endswith("led by the field, without a proof of a tube\n")
+    shown = ran(capsys, "plan", str(file), "--out", str(plan)).out
+    assert "no tube is proved" in shown
+    verified = ran(capsys, "verify", str(plan)).out
+    assert "this is about the plan alone: the flight is led by the field" in verified
+
+
 class TestCheck:
     def test_a_sound_file(self, capsys: pytest.CaptureFixture[str]) -> None:
         result = ran(capsys, "check", PAPER)
