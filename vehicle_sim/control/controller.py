@@ -22,6 +22,9 @@ acceleration, in product near ArduCopter's PSC_POSXY_P = 1.0 and PSC_VELXY_P = 2
 
 where the last two columns were seen in their own simulators, with the delays of a link, which count here as nothing.
 
+Neither autopilot limits the sum of what is asked for and what corrects by less than the tilt (``update_xy_controller``
+of ArduPilot's AC_PosControl, ``_accelerationControl`` of PX4's PositionControl); the limit of acceleration is for each.
+
 PX4 (MPC_XY_P and MPC_XY_VEL_P_ACC, _I_ACC, _D_ACC) has no observer. Its integral of the velocity error learns a lasting
 disturbance in seconds, and through drag, which is one that changes with the velocity, it follows late (``PX4_GAINS``).
 """
@@ -88,6 +91,11 @@ def approach_speed(distance_m: float, *, gain_per_s: float, braking_m_s2: float)
 
 def _clipped(value: float, most: float) -> float:
     return max(-most, min(value, most))
+
+
+def _shortened(north: float, east: float, most: float) -> tuple[float, float]:
+    size = hypot(north, east)
+    return (north, east) if size <= most else (north * most / size, east * most / size)
 
 
 def wrap(angle_rad: float) -> float:
@@ -189,15 +197,16 @@ class Controller:
         size = hypot(wanted_n, wanted_e)
         if size > limits.speed_m_s:
             wanted_n, wanted_e = wanted_n * limits.speed_m_s / size, wanted_e * limits.speed_m_s / size
-        u_n, u_e = push[0] or 0.0, push[1] or 0.0
         steered_n, steered_e = (place[i] is not None or speed[i] is not None for i in (0, 1))
-        if steered_n:
-            u_n += self._velocity_per_s * (wanted_n - going[0])
-        if steered_e:
-            u_e += self._velocity_per_s * (wanted_e - going[1])
-        size = hypot(u_n, u_e)
-        if size > limits.acceleration_m_s2:
-            u_n, u_e = u_n * limits.acceleration_m_s2 / size, u_e * limits.acceleration_m_s2 / size
+        most = limits.acceleration_m_s2
+        u_n, u_e = _shortened(
+            self._velocity_per_s * (wanted_n - going[0]) if steered_n else 0.0,
+            self._velocity_per_s * (wanted_e - going[1]) if steered_e else 0.0,
+            most,
+        )
+        # What is asked for is limited, and what corrects the vehicle's errors comes on top of it, up to the tilt.
+        push_n, push_e = _shortened(push[0] or 0.0, push[1] or 0.0, most)
+        u_n, u_e = u_n + push_n, u_e + push_e
         # An axis that nothing is asked of stays level, and drifts with the wind.
         asked_n, asked_e = steered_n or push[0] is not None, steered_e or push[1] is not None
         if self._integral_per_step:
