@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from mission.errors import LinkError, MissionError, VehicleError
+from mission.link.arrival import Arrival
 from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.inbox import Inbox
@@ -32,6 +33,7 @@ from mission.link.values import (
     ParameterValue,
     Ping,
     Received,
+    TimeAnswer,
     Version,
 )
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
@@ -68,7 +70,7 @@ class LinkOptions:
     connect_s: float = 30.0
     lost_s: float = 5.0
     ready_s: float = 180.0
-    setpoint_s: float = 1.0 / 30.0
+    setpoint_s: float = 1.0 / 50.0
     vehicle_id: int = 0
     signatures: Signatures | None = None
 
@@ -83,6 +85,7 @@ class Contact:
         waiting_for: What is waited for before the vehicle can be flown, in plain words; empty where nothing is.
         events: What has happened, oldest first; whoever reads it empties it.
         inbox: What has arrived and was not handled yet.
+        arrival: When what is sent arrives.
         photography: Switches the camera.
         pictures: What was told of its pictures; None where they do not count.
         parameters: What is asked of its parameters, and what has come.
@@ -94,6 +97,7 @@ class Contact:
         """Wait for a vehicle; ``needs_origin``: one that knows where on Earth it is."""
         self.options = options
         self.vehicle = VehicleState()
+        self.arrival = Arrival(self.vehicle.clock)
         self.autopilot: Autopilot | None = None
         self.waiting_for = "no heartbeat yet"
         self.events: deque[Event] = deque()
@@ -166,6 +170,9 @@ class Contact:
         if isinstance(body, ParameterValue):
             self.parameters.take(body)
             return None
+        if isinstance(body, TimeAnswer):
+            self.arrival.take(body, now_s)
+            return None
         if isinstance(body, Image):
             if self.pictures is not None:
                 self.pictures.take(body, self._vehicle_s(now_s))
@@ -191,6 +198,10 @@ class Contact:
             if now_s - self._began_s > self.options.connect_s:
                 raise LinkError(f"{self._unheard()} within {self.options.connect_s:.0f} s")
             return None
+        self.channel.speed = self.photography.channel.speed = max(self.vehicle.clock.rate, 1.0)
+        asked_ns = self.arrival.due(now_s)
+        if asked_ns is not None:
+            self.out.append(self._codec.time_request(asked_ns))
         answer = self.channel.unanswered(now_s)
         if answer is not None:
             self._note_answer(answer, now_s)

@@ -17,6 +17,9 @@ trajectory accelerates or brakes, -e' a* / |a*|^2 per second, and falls where it
 ahead by the delay of the link, which shows in how far the vehicle is behind on the whole, since autopilots let no
 lasting error stand. Both are leads in time, on the path itself, so they take nothing of the tube.
 
+What is seen shows what was asked for a round trip of the link before. A loop of the gain k with the dead time D stays
+calm while k D is small, so all gains fall by the same factor where D is long (``calm``).
+
 All of it is frozen where nothing is flown, across gaps, and while the vehicle is farther off than ``_FARTHEST_M``.
 """
 
@@ -37,6 +40,9 @@ FADING_S: Final = 30.0
 MOST_LEAD_S: Final = 0.4
 _DELAY_PER_S: Final = 0.1
 _GENTLE_M2_S4: Final = 0.5
+
+_CALM: Final = 0.3
+"""The longest round trip at which the gains are whole, s."""
 
 _PULL_PER_S: Final = 0.8
 _MOST_PULL_M_S: Final = 1.0
@@ -59,6 +65,7 @@ class Correction:
         lead_s: How much ahead of their time velocity and acceleration are asked for.
         delay_s: How much ahead of its time the position is.
         drag_per_s: What is multiplied by the planned velocity and added to the acceleration.
+        calm: Factor of all gains, from 0 to 1.
         error_m: The error of the last report that counted.
         behind_m: The same without what the vehicle is ahead of the trajectory, the larger of both axes.
     """
@@ -71,10 +78,15 @@ class Correction:
         self.delay_s = 0.0
         self.error_m = (0.0, 0.0)
         self.behind_m = 0.0
+        self.calm = 1.0
         self._reach_m = reach_m
         self._drag = DragEstimate()
         self._share = 1.0
         self._seen_s = math.inf
+
+    def know_delay(self, dead_s: float) -> None:
+        """Reckon with so long a round trip of the link."""
+        self.calm = min(1.0, _CALM / max(dead_s, _CALM))
 
     def observe(
         self,
@@ -106,17 +118,18 @@ class Correction:
         if not 0.0 < passed_s <= GAP_S:
             return
         east, north = (
-            _clipped(c - passed_s * (e / OFFSET_S + c / FADING_S), self._reach_m)
+            _clipped(c - passed_s * (self.calm * e / OFFSET_S + c / FADING_S), self._reach_m)
             for c, e in zip(self.offset_m, error_m, strict=True)
         )
         self.offset_m = (east, north)
-        self._share = min(max(self._share - passed_s * _SHARE_PER_S2 * along / (square + _SLOW_M2_S2), 0.0), 1.0)
+        learnt_s = self.calm * passed_s
+        self._share = min(max(self._share - learnt_s * _SHARE_PER_S2 * along / (square + _SLOW_M2_S2), 0.0), 1.0)
         behind = -_DELAY_PER_S * along / (square + _SLOW_M2_S2)
-        self.delay_s = min(max(self.delay_s + passed_s * behind, 0.0), MOST_LEAD_S)
+        self.delay_s = min(max(self.delay_s + learnt_s * behind, 0.0), MOST_LEAD_S)
         gained = planned.acceleration_m_s2
         late = sum((v - f) * a for v, f, a in zip(planned_m_s[:2], flown_m_s[:2], gained[:2], strict=True))
         sharp = _SHARE_PER_S2 * late / (gained[0] ** 2 + gained[1] ** 2 + _GENTLE_M2_S4)
-        self.lead_s = min(max(self.lead_s + passed_s * sharp, 0.0), MOST_LEAD_S)
+        self.lead_s = min(max(self.lead_s + learnt_s * sharp, 0.0), MOST_LEAD_S)
         if attitude_rad is not None:
             self._drag.observe(t_s, flown_m_s, attitude_rad)
         growth = _DRAG_GROWTH_PER_S2 * passed_s
@@ -126,7 +139,7 @@ class Correction:
     def corrected(self, planned: Reference) -> Reference:
         """What to ask for instead of a planned point."""
         (x, y, z), (vx, vy, vz), (ax, ay, az) = planned
-        pull_x, pull_y = (_clipped(-_PULL_PER_S * e, _MOST_PULL_M_S) for e in self.error_m)
+        pull_x, pull_y = (_clipped(-self.calm * _PULL_PER_S * e, _MOST_PULL_M_S) for e in self.error_m)
         push_x, push_y = (_clipped(self.drag_per_s * v, _MOST_PUSH_M_S2) for v in (vx, vy))
         return Reference(
             (x + self.offset_m[0], y + self.offset_m[1], z),

@@ -10,12 +10,14 @@ from typing import Final
 import numpy as np
 
 from mission.geometry.arrays import FloatArray
+from mission.link.arrival import Arrival
 from mission.link.course import Course, Reference
 from mission.link.errand import Order
 from mission.link.field_orders import FieldOrders
 from mission.link.frames import Anchor, Vector, ned_from_enu
 from mission.link.stillness import Stillness
 from mission.link.values import LocalSetpoint
+from mission.link.vehicle_clock import VehicleClock
 from mission.monitor.gaps import GAP_S, Gap
 from mission.monitor.monitor import Whereabouts
 
@@ -34,9 +36,15 @@ class FieldGuidance:
         anchor: Ties the domain to the vehicle's local frame.
     """
 
-    def __init__(self, course: Course, orders: FieldOrders, anchor: Anchor, period_s: float) -> None:
-        """Ask for the start of the course, every ``period_s`` of vehicle time, until ``begin``."""
+    def __init__(
+        self, course: Course, orders: FieldOrders, anchor: Anchor, period_s: float, arrival: Arrival | None = None
+    ) -> None:
+        """Ask for the start of the course, every ``period_s`` of vehicle time, until ``begin``.
+
+        What is sent arrives at once where no ``arrival`` says when.
+        """
         self.course, self.anchor = course, anchor
+        self._arrival = arrival or Arrival(VehicleClock())
         self._orders, self._period_s = orders, period_s
         self._next_s = -math.inf
         self._begun_s = self._until_s = math.inf
@@ -51,6 +59,11 @@ class FieldGuidance:
     def next_s(self) -> float:
         """Vehicle time of the next setpoint."""
         return self._next_s
+
+    @property
+    def arrives_s(self) -> float:
+        """Vehicle time at which it has the last setpoint."""
+        return self._asked_s + self._arrival.delay_s
 
     @property
     def off_m(self) -> float:
@@ -119,6 +132,7 @@ class FieldGuidance:
         if vehicle_s < self._next_s or vehicle_s > self._until_s:
             return None
         self._next_s = max(self._next_s + self._period_s, vehicle_s + 0.5 * self._period_s)
+        self._arrival.settle()
         if vehicle_s >= self._begun_s:
             self._asked = self._wanted(vehicle_s)
         self._asked_s = vehicle_s
@@ -140,7 +154,8 @@ class FieldGuidance:
             return self._at_rest(self._asked.position_m[:2])
         reported_s, (x, y, _), (vx, vy, _) = report
         velocity = np.array([vx, vy])
-        position = np.array([x, y]) + max(vehicle_s - reported_s, 0.0) * velocity
+        ahead_s = max(vehicle_s - reported_s, 0.0) + self._arrival.delay_s
+        position = np.array([x, y]) + ahead_s * velocity
         errand = self._orders.errand
         stands = self.off_m <= _STANDS_M and math.hypot(vx, vy) <= _STANDS_M_S and not any(self._asked.velocity_m_s)
         order = errand.order(where, vehicle_s, stands=stands)

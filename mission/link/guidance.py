@@ -5,12 +5,14 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
+from mission.link.arrival import Arrival
 from mission.link.correction import Correction
 from mission.link.course import Course, Reference
 from mission.link.frames import Anchor, Vector, ned_from_enu
 from mission.link.pace import Pace
 from mission.link.stillness import Stillness
 from mission.link.values import LocalSetpoint
+from mission.link.vehicle_clock import VehicleClock
 from mission.monitor.gaps import GAP_S, Gap, Missing
 
 _AHEAD_S: Final = (0.0, 0.75, 1.5)
@@ -35,15 +37,19 @@ class Guidance:
     The trajectory goes on while setpoints are sent. Where none was for a while, it goes on from where the last one
     stood: what was not asked for was not flown either, and a setpoint that leaps leads across what was not proved.
     Where the vehicle does not keep up, it goes on more slowly (``pace``), and what is asked for differs from what is
-    planned by a bounded ``correction``.
+    planned by a bounded ``correction``. A setpoint is for when it arrives: all times here are the vehicle's at which
+    it has one, or was where it reports to be.
 
     Attributes:
         anchor: Ties the domain to the vehicle's local frame.
         correction: What is asked for beyond what is planned.
     """
 
-    def __init__(self, course: Course, anchor: Anchor, period_s: float) -> None:
-        """Ask for the start of the course, every ``period_s`` of vehicle time, until ``begin``."""
+    def __init__(self, course: Course, anchor: Anchor, period_s: float, arrival: Arrival | None = None) -> None:
+        """Ask for the start of the course, every ``period_s`` of vehicle time, until ``begin``.
+
+        What is sent arrives at once where no ``arrival`` says when.
+        """
         self._legs: deque[_Leg] = deque((_Leg(-math.inf, course, Pace(course.bounds.tube_m)),), maxlen=_MOST_LEGS)
         self._flown = self._legs[0]
         self.anchor = anchor
@@ -52,6 +58,7 @@ class Guidance:
         self.correction = Correction(course.bounds.reach_m)
         self._until_s = math.inf
         self._sent_s = math.inf
+        self._arrival = arrival or Arrival(VehicleClock())
         self._stillness = Stillness()
 
     @property
@@ -65,13 +72,18 @@ class Guidance:
         return self._next_s
 
     @property
+    def arrives_s(self) -> float:
+        """Vehicle time at which it has the last setpoint."""
+        return self._sent_s
+
+    @property
     def off_m(self) -> float:
         """Horizontal distance of the last report from the setpoint; infinite before the first."""
         return self._stillness.off_m
 
     def begin(self, vehicle_s: float) -> None:
-        """Let the trajectory begin now."""
-        self._legs[-1].pace.begin(vehicle_s)
+        """Let the trajectory begin with the next setpoint, now."""
+        self._legs[-1].pace.begin(vehicle_s + self._arrival.settle())
 
     def redirect(self, course: Course, at_s: float) -> None:
         """Fly another course from a vehicle time on; what was to follow after that is not flown.
@@ -85,7 +97,10 @@ class Guidance:
         self._legs.append(leg)
 
     def promise(self, at_s: float) -> Reference:
-        """What will be asked for at a vehicle time from now; up to then the pace stays as it is."""
+        """What will be asked for at a vehicle time; up to then the pace stays as it is.
+
+        Not before ``arrives_s``: what was sent is not called back.
+        """
         pace = self._leg_at(at_s).pace
         if math.isfinite(self._sent_s):
             pace.keep(self._sent_s)
@@ -105,7 +120,8 @@ class Guidance:
         """Let the lap that is flown now be the last; False where none is."""
         if vehicle_s > self._until_s:
             return False
-        ended = [leg.course.end_laps(leg.pace.elapsed_s(vehicle_s)) for leg in self._legs_from(vehicle_s)]
+        asked_s = max(vehicle_s, self._sent_s) if math.isfinite(self._sent_s) else vehicle_s
+        ended = [leg.course.end_laps(leg.pace.elapsed_s(asked_s)) for leg in self._legs_from(asked_s)]
         return ended[-1]
 
     def flown_s(self, at_s: float) -> float:
@@ -192,25 +208,27 @@ class Guidance:
         """
         if vehicle_s < self._next_s or vehicle_s > self._until_s:
             return None
-        gap = self._pause_until(vehicle_s)
-        self._sent_s = vehicle_s
-        before, self._flown = self._flown, self._leg_at(vehicle_s)
+        arrives_s = vehicle_s + self._arrival.follow(vehicle_s)
+        gap = self._pause_until(arrives_s)
+        self._sent_s = arrives_s
+        before, self._flown = self._flown, self._leg_at(arrives_s)
         if before is not self._flown:
             self.course.follow(before.course)
         self._next_s = max(self._next_s + self._period_s, vehicle_s + 0.5 * self._period_s)
-        if vehicle_s > self._steady_until_s and self.trajectory_s(vehicle_s) is not None:
-            elapsed_s = self._elapsed_s(vehicle_s)
+        self.correction.know_delay(self._arrival.delay_s)
+        if arrives_s > self._steady_until_s and self.trajectory_s(arrives_s) is not None:
+            elapsed_s = self._elapsed_s(arrives_s)
             ahead = [self.course.reference(elapsed_s + later_s) for later_s in _AHEAD_S]
             lean_m_s2 = _SHARE_OF_LEAN * self.course.bounds.lean_m_s2
             most_rate = min(self.correction.rate_within(lean_m_s2, point) for point in ahead)
-            self._flown.pace.adapt(vehicle_s, self.correction.behind_m, most_rate, ahead[0])
-        reference = self.reference(vehicle_s)
-        led = self.reference(vehicle_s + self.correction.lead_s)
-        place = self.reference(vehicle_s + self.correction.delay_s)
+            self._flown.pace.adapt(arrives_s, self.correction.behind_m, most_rate, ahead[0], self.correction.calm)
+        reference = self.reference(arrives_s)
+        led = self.reference(arrives_s + self.correction.lead_s)
+        place = self.reference(arrives_s + self.correction.delay_s)
         asked = self.correction.corrected(led._replace(position_m=place.position_m))
-        yaw_rad = self.course.turn(reference, self._within_s(vehicle_s), vehicle_s)
+        yaw_rad = self.course.turn(reference, self._within_s(arrives_s), arrives_s)
         setpoint = LocalSetpoint(
-            time_boot_ms=round(vehicle_s * 1000.0),
+            time_boot_ms=round(arrives_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),
             velocity_ned_m_s=ned_from_enu(asked.velocity_m_s),
             acceleration_ned_m_s2=ned_from_enu(asked.acceleration_m_s2),
@@ -219,15 +237,15 @@ class Guidance:
         )
         return reference, setpoint, gap
 
-    def _pause_until(self, vehicle_s: float) -> Gap | None:
+    def _pause_until(self, arrives_s: float) -> Gap | None:
         """Let the trajectory go on from where the last setpoint stood, where that is too old."""
-        gap_s, leg = vehicle_s - self._sent_s, self._leg_at(self._sent_s)
+        gap_s, leg = arrives_s - self._sent_s, self._leg_at(self._sent_s)
         if gap_s <= GAP_S:
             return None
         later = self._legs_from(self._sent_s)[1:]
         if not later and not 0.0 <= self._elapsed_s(self._sent_s) < leg.course.duration_s:
             return None
-        leg.pace.pause(self._sent_s, vehicle_s)
+        leg.pace.pause(self._sent_s, arrives_s)
         for each in later:
             self._legs.remove(each)
         for each in later:

@@ -2,6 +2,7 @@
 
 import math
 
+from mission.link.arrival import Arrival
 from mission.link.course import Course
 from mission.link.events import Anchored, Moved, SetpointSent
 from mission.link.frames import Anchoring, enu_from_ned
@@ -20,13 +21,13 @@ class Lead:
         ground_down_m: The down coordinate of the take-off point in the vehicle's frame; None before it is armed.
     """
 
-    def __init__(self, vehicle: VehicleState, period_s: float) -> None:
-        """Lead nothing yet; a setpoint is sent every ``period_s`` of vehicle time."""
+    def __init__(self, vehicle: VehicleState, period_s: float, arrival: Arrival) -> None:
+        """Lead nothing yet; a setpoint is sent every ``period_s`` of vehicle time, and comes by ``arrival``."""
         self.course: Course | None = None
         self.guidance: Leader | None = None
         self.ground_down_m: float | None = None
         self._anchoring: Anchoring | None = None
-        self._vehicle, self._period_s = vehicle, period_s
+        self._vehicle, self._period_s, self._arrival = vehicle, period_s, arrival
 
     @property
     def altitude_m(self) -> float:
@@ -50,7 +51,7 @@ class Lead:
         if not waits or position is None or self.course is None or self._anchoring is None:
             return None
         self.ground_down_m = position.position_ned_m[2]
-        self.guidance = leader(self.course, self._anchoring(position.position_ned_m), self._period_s)
+        self.guidance = leader(self.course, self._anchoring(position.position_ned_m), self._period_s, self._arrival)
         return Anchored(self._vehicle.position_at_s, self.guidance.anchor.origin_ned_m)
 
     def moved(self, report: LocalPosition) -> Moved | None:
@@ -70,13 +71,13 @@ class Lead:
         if self.guidance is None or due is None:
             return None
         reference, setpoint, gap = due
-        return setpoint, SetpointSent(
-            vehicle_s, reference, setpoint.yaw_rad, self.guidance.trajectory_s(vehicle_s), gap
-        )
+        at_s = self.guidance.arrives_s
+        return setpoint, SetpointSent(at_s, reference, setpoint.yaw_rad, self.guidance.trajectory_s(at_s), gap)
 
     def photographed_s(self, vehicle_s: float) -> float | None:
-        """Time on the trajectory, of laps in the first one; None where it is not flown."""
-        trajectory_s = None if self.guidance is None else self.guidance.trajectory_s(vehicle_s)
+        """Time on the trajectory at which what is sent now arrives, of laps in the first one; None off it."""
+        at_s = vehicle_s + self._arrival.delay_s
+        trajectory_s = None if self.guidance is None else self.guidance.trajectory_s(at_s)
         if self.guidance is None or trajectory_s is None:
             return None
         return self.guidance.course.first_lap_s(trajectory_s)

@@ -39,6 +39,7 @@ from mission.link.values import (
     Received,
     Result,
     Sensors,
+    TimeAnswer,
     Version,
     Wind,
     Words,
@@ -160,6 +161,7 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "CAMERA_IMAGE_CAPTURED": _captured,
     "CAMERA_TRIGGER": _released,
     "PING": lambda m: Ping(m.time_usec, m.seq, m.target_system),
+    "TIMESYNC": lambda m: TimeAnswer(m.tc1, m.ts1),
     "AUTOPILOT_VERSION": lambda m: Version(
         (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
     ),
@@ -242,6 +244,10 @@ class Codec:
         return self._packed(
             mavlink.MAVLink_ping_message(ping.time_us, ping.number, asked.system_id, asked.component_id)
         )
+
+    def time_request(self, asked_ns: int) -> bytes:
+        """A TIMESYNC that asks for the vehicle's time, with one of ours that is not 0."""
+        return self._packed(mavlink.MAVLink_timesync_message(0, asked_ns))
 
     def command(self, target_system: int, command: Command, attempt: int) -> bytes:
         """A COMMAND_LONG to the autopilot of a system; ``attempt`` counts from 0."""

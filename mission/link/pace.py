@@ -83,7 +83,7 @@ class Pace:
         if beat.growth_per_s and math.isfinite(beat.from_s):
             self._beats.append(Beat(at_s, self.elapsed_s(at_s), beat.rate, 0.0))
 
-    def adapt(self, at_s: float, error_m: float, most_rate: float, own: Reference) -> None:
+    def adapt(self, at_s: float, error_m: float, most_rate: float, own: Reference, calm: float = 1.0) -> None:
         """Go on from now at the rate that the error asks for.
 
         Args:
@@ -91,6 +91,7 @@ class Pace:
             error_m: The larger of the distances on the axes, as it was reported last, less what is ahead.
             most_rate: The rate at which the vehicle can fly what comes next.
             own: The point of the trajectory at its own pace.
+            calm: Less than 1 where the error is that of long ago: the rate follows it more slowly by this factor.
         """
         passed_s = min(max(at_s - self._adapted_s, 0.0), GAP_S)
         self._adapted_s = at_s
@@ -102,7 +103,7 @@ class Pace:
         speed_m_s = max(math.hypot(*own.velocity_m_s), _SLOWEST_M_S)
         gained_m_s2 = sum(v * a for v, a in zip(own.velocity_m_s, own.acceleration_m_s2, strict=True)) / speed_m_s
         up, down = _BRAKING_M_S2, _BRAKING_M_S2 + max(beat.rate**2 * gained_m_s2, 0.0)
-        growth = max(-down / speed_m_s, min((wanted - beat.rate) / _RESPONSE_S, up / speed_m_s))
+        growth = max(-down / speed_m_s, min(calm * (wanted - beat.rate) / _RESPONSE_S, up / speed_m_s))
         rate = beat.rate + growth * passed_s
         rate, growth = (1.0, 0.0) if rate > 1.0 - 1e-3 and wanted == 1.0 else (max(rate, LEAST_RATE), growth)
         self._beats.append(Beat(at_s, self.elapsed_s(at_s), rate, growth))

@@ -10,9 +10,10 @@ from typing import Final
 from mission.link.values import Acknowledgement, Command, Result
 
 ANSWER_WITHIN_S: Final = 0.5
-"""Time for one answer, on the clock here."""
+"""Time for one answer, on the faster one of both clocks."""
 
 ATTEMPTS: Final = 6
+"""So often a command is sent to a vehicle whose time passes as it does here."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +26,17 @@ class Answer:
 
 
 class RequestChannel:
-    """Keeps at most one command under way; times are of the clock here."""
+    """Keeps at most one command under way; times are of the clock here.
+
+    Attributes:
+        speed: Vehicle seconds in each second here, where that is more than one: a command is repeated as often as the
+            vehicle's failsafes, which go by its time, ask for, and is given up by the time here.
+    """
 
     def __init__(self, system_id: int, component_id: int) -> None:
         """Take answers that are addressed to these ids, or to nobody in particular."""
         self._own = (system_id, component_id)
+        self.speed = 1.0
         self._command: Command | None = None
         self._asked_s = 0.0
         self._sent_s = 0.0
@@ -55,7 +62,7 @@ class RequestChannel:
 
     def due(self, now_s: float) -> tuple[Command, int] | None:
         """The command to send now, with the number of the attempt; None where there is nothing to send."""
-        if self._command is None or self._attempt >= ATTEMPTS or now_s < self._next_s:
+        if self._command is None or self._attempt >= self._attempts or now_s < self._next_s:
             return None
         attempt, self._attempt = self._attempt, self._attempt + 1
         self._sent_s = now_s
@@ -63,7 +70,7 @@ class RequestChannel:
 
     def unanswered(self, now_s: float) -> Answer | None:
         """The end of a command that was sent as often as it is worth; None while there is hope."""
-        if self._command is None or self._attempt < ATTEMPTS or now_s < self._next_s:
+        if self._command is None or self._attempt < self._attempts or now_s < self._next_s:
             return None
         return self._ended(None)
 
@@ -88,7 +95,11 @@ class RequestChannel:
     @property
     def _next_s(self) -> float:
         patience = 10.0 if self._working else 1.0
-        return self._sent_s + patience * ANSWER_WITHIN_S
+        return self._sent_s + patience * ANSWER_WITHIN_S / self.speed
+
+    @property
+    def _attempts(self) -> int:
+        return round(ATTEMPTS * self.speed)
 
     def _ended(self, result: Result | None) -> Answer:
         command = self._command

@@ -64,7 +64,7 @@ class Session:
         self.ending: Ending | None = None
         self.ending_reason = ""
         self.pilot = Takeover()
-        self.lead = Lead(self.contact.vehicle, self.contact.options.setpoint_s)
+        self.lead = Lead(self.contact.vehicle, self.contact.options.setpoint_s, self.contact.arrival)
         self._origin = OriginWatch(None)
         self._procedure = self._procedure_of()
         self._disarmed_from_s = math.inf

@@ -236,6 +236,14 @@ class Version:
 
 
 @dataclass(frozen=True, slots=True)
+class TimeAnswer:
+    """TIMESYNC: the vehicle's time and that of the request that it answers; of a request of its own, 0 and its time."""
+
+    told_ns: int
+    asked_ns: int
+
+
+@dataclass(frozen=True, slots=True)
 class Ping:
     """PING: a request that is for all, of target 0, or what one system was answered; the time is the asker's."""
 
@@ -303,6 +311,7 @@ Body = (
     | Landing
     | Version
     | Ping
+    | TimeAnswer
     | Fix
     | Image
 )

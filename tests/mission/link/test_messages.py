@@ -168,7 +168,7 @@ def test_what_nobody_needs_is_passed_over_and_does_not_stand_in_the_way() -> Non
     others = [
         mavlink.MAVLink_attitude_quaternion_message(1, 1, 0, 0, 0, 0, 0, 0),
         mavlink.MAVLink_vfr_hud_message(1, 1, 90, 50, 10, 0),
-        mavlink.MAVLink_timesync_message(0, 2),
+        mavlink.MAVLink_system_time_message(0, 2),
     ]
     wanted = mavlink.MAVLink_heartbeat_message(2, 3, 81, 4, 3, 3)
     frames = b"".join(
