@@ -6,11 +6,14 @@ too. So the air is moved such that its drag is the push that is chosen, of at mo
 
 import random
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from tests.support.lockstep import LockstepVehicle
-from vehicle_sim.dynamics.airframe import Airframe
-from vehicle_sim.signals import Command, Motion, Vector
-from vehicle_sim.vehicle import Vehicle
+
+if TYPE_CHECKING:
+    from vehicle_sim.dynamics.airframe import Airframe
+    from vehicle_sim.signals import Command, Motion, Vector
+    from vehicle_sim.vehicle import Vehicle
 
 Sign = Callable[[float, float, float], float]
 """Where to push on an axis, by the time and the errors of position and velocity on it: -1 to 1."""
@@ -50,7 +53,7 @@ def _sign(value: float) -> float:
 class PushedAirframe:
     """An airframe in air that pushes by a choice of the adversary while setpoints are flown, and is calm before."""
 
-    def __init__(self, vehicle: Vehicle, bound_m_s2: float, signs: tuple[Sign, Sign]) -> None:
+    def __init__(self, vehicle: "Vehicle", bound_m_s2: float, signs: tuple[Sign, Sign]) -> None:
         """Push with at most so much on each axis, north and east."""
         self._own: Airframe = vehicle.airframe
         self._vehicle, self._bound_m_s2, self._signs = vehicle, bound_m_s2, signs
@@ -58,7 +61,7 @@ class PushedAirframe:
     def __getattr__(self, name: str) -> object:
         return getattr(self._own, name)
 
-    def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
+    def step(self, command: "Command", wind_ned_m_s: "Vector") -> "Motion":
         vehicle, truth = self._vehicle, self._own.motion
         setpoint = vehicle.autopilot.guidance.setpoint
         moved = list(wind_ned_m_s)
