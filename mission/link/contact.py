@@ -156,6 +156,9 @@ class Contact:
         if not known or received.component_id != AUTOPILOT_COMPONENT:
             return None
         self._heard_s = now_s
+        if isinstance(received.body, TimeAnswer):
+            self.arrival.take(received.body, now_s)
+            return None
         return received.body
 
     def take(self, body: Body, now_s: float) -> Answer | None:
@@ -169,9 +172,6 @@ class Contact:
             return answer
         if isinstance(body, ParameterValue):
             self.parameters.take(body)
-            return None
-        if isinstance(body, TimeAnswer):
-            self.arrival.take(body, now_s)
             return None
         if isinstance(body, Image):
             if self.pictures is not None:
