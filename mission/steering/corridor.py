@@ -24,7 +24,7 @@ import scipy.sparse as sp
 import shapely
 
 from mission.errors import UnprovedError
-from mission.geometry.arrays import FloatArray
+from mission.geometry.arrays import FloatArray, IntArray
 from mission.steering.bezier import DEGREE, BezierCurve, derivative_points
 from mission.steering.cells import Cell, borders_of, cell_round
 
@@ -39,6 +39,7 @@ _MOST_PIECES: Final = 4  # of a stretch
 _STRAIGHT: Final = 1e-9  # how little a direction changes where there is no bend
 _ROUNDS: Final = 100  # of the solver, at most
 _POINTS: Final = DEGREE + 1
+_UPPER: Final = np.array(np.triu_indices(2 * _POINTS))  # rows and columns of a piece's own block
 
 
 @dataclass(frozen=True)
@@ -211,6 +212,27 @@ def _gram(order: int) -> FloatArray:
     return np.asarray(differences.T @ bernstein @ differences)
 
 
+class _Pattern:
+    """Where a sparse matrix has entries, each once; what they are differs from time to time.
+
+    Args:
+        rows: Of the entries, in any order.
+        columns: Beside them.
+        shape: Of the matrix.
+    """
+
+    def __init__(self, rows: IntArray, columns: IntArray, shape: tuple[int, int]) -> None:
+        rows, columns = np.ravel(rows), np.ravel(columns)
+        self._order = np.lexsort((rows, columns))
+        self._rows = rows[self._order].astype(np.int32)
+        self._begins = np.searchsorted(columns[self._order], np.arange(shape[1] + 1)).astype(np.int32)
+        self._shape = shape
+
+    def filled(self, entries: FloatArray) -> sp.csc_matrix:
+        """The matrix with these entries, in the order in which the places were given."""
+        return sp.csc_matrix((entries.ravel()[self._order], self._rows, self._begins), shape=self._shape)
+
+
 class _Programme:
     """The quadratic programme of a row of pieces; what does not depend on their durations is built once."""
 
@@ -234,10 +256,14 @@ class _Programme:
             offsets.append(np.tile(cell.offsets_m, len(firsts)))
             height += len(firsts) * sides
         size = 2 * _POINTS * self._count
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        self._inside = sp.csc_matrix(entries, shape=(height, size))
+        self._sides, places = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         shift = np.tile(start_m, _POINTS * self._count)
-        self._limits = np.concatenate(offsets) - self._inside @ shift
+        self._limits = np.concatenate(offsets) - sp.csc_matrix((self._sides, places), shape=(height, size)) @ shift
+        joints, joined, _, given = self._joints(np.ones(self._count), 1.0)
+        self._matrix = _Pattern(
+            np.append(joints, places[0] + given.size), np.append(joined, places[1]), (given.size + height, size)
+        )
+        self._cost = _Pattern(*(2 * _POINTS * np.arange(self._count)[:, None] + _UPPER[:, None]), (size, size))
 
     def solved(self, lasts_s: FloatArray, ease: float) -> FloatArray | None:
         """The control points of the best spline, shape (K, 6, 2), for pieces of these durations; None if there is none.
@@ -252,22 +278,25 @@ class _Programme:
         )
         # The solver's tolerances are absolute: numbers about 1.
         blocks = np.asarray(blocks) / np.median(np.abs(blocks).max(axis=(1, 2)))
-        cost = sp.block_diag([sp.kron(block, sp.eye(2)) for block in blocks], format="csc")
-        joints, values = self._joints(lasts_s, unit)
-        matrix = sp.vstack((joints, self._inside), format="csc")
-        offsets = np.concatenate((values, self._limits / unit))
-        cones = [clarabel.ZeroConeT(len(values)), clarabel.NonnegativeConeT(len(self._limits))]
-        solver = clarabel.DefaultSolver(
-            sp.triu(cost, format="csc"), np.zeros(cost.shape[0]), matrix, offsets, cones, _settings()
-        )
+        # Both axes cost the same, and neither has to do with the other: zeros, which the solver is given as such.
+        cost = self._cost.filled(np.kron(blocks, np.eye(2))[:, *_UPPER])
+        _, _, entries, values = self._joints(lasts_s, unit)
+        matrix = self._matrix.filled(np.append(entries, self._sides))
+        offsets = np.append(values, self._limits / unit)
+        cones = [clarabel.ZeroConeT(values.size), clarabel.NonnegativeConeT(len(self._limits))]
+        solver = clarabel.DefaultSolver(cost, np.zeros(cost.shape[0]), matrix, offsets, cones, _settings())
         solution = solver.solve()
         if str(solution.status) not in ("Solved", "AlmostSolved"):
             return None
         controls = np.array(solution.x).reshape(self._count, _POINTS, 2) * unit + self._ends.start_m
         return self._exactly_joined(controls, lasts_s)
 
-    def _joints(self, lasts_s: FloatArray, unit: float) -> tuple[sp.csc_matrix, FloatArray]:
-        """What must be equal: where the curve begins and ends, and up to the second derivative at the joints."""
+    def _joints(self, lasts_s: FloatArray, unit: float) -> tuple[IntArray, IntArray, FloatArray, FloatArray]:
+        """What must be equal: where the curve begins and ends, and up to the second derivative at the joints.
+
+        Returns:
+            Rows, columns and values of a matrix's entries, and what each row comes to.
+        """
         count = self._count
         pairs = [(k, k + 1) for k in range(count - 1)]
         if self._closing is not None:
@@ -297,8 +326,9 @@ class _Programme:
             ends.append(([row] * len(factors), point + np.arange(len(factors)), factors))
         values = np.concatenate((np.zeros((height, 2)), np.array([value for *_, value in given]) / unit))
         rows, columns, entries = (np.concatenate(part) for part in zip(*ends, strict=True))
-        matrix = sp.csc_matrix((entries, (rows, columns)), shape=(len(values), count * _POINTS))
-        return sp.kron(matrix, sp.eye(2), format="csc"), values.ravel()
+        axes = np.arange(2)
+        of_both = (2 * rows[:, None] + axes).ravel(), (2 * columns[:, None] + axes).ravel(), np.repeat(entries, 2)
+        return *of_both, values.ravel()
 
     def _exactly_joined(self, controls: FloatArray, lasts_s: FloatArray) -> FloatArray:
         """The same without the jumps that the solver's tolerance left: each piece ends as the next one begins."""
