@@ -18,7 +18,8 @@ What comes out is a proposal; ``mission.steering.strain`` bounds what it really 
 """
 
 from dataclasses import dataclass, field
-from typing import Final
+from functools import cached_property
+from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.linalg import solveh_banded
@@ -36,6 +37,29 @@ _HALVINGS: Final = 30
 _ENOUGH: Final = 0.1  # of what the gradient promises
 _POWER: Final = 4.0 / 3.0
 _NEAR: Final = 0.05
+_OWN: Final = np.array([[0.0], [1.0], [0.0]])  # of three values of b, the one of the knot itself
+
+
+class _AtKnots(NamedTuple):
+    """What limits are made of at inner knots, each axis by itself.
+
+    Attributes:
+        bends: Shape (2, n - 1), r''.
+        half_slopes: Shape (2, n - 1), r' / 2.
+        long_bends: Shape (2, n - 1), 3/2 r''.
+        pulls: Shape (2, 3, n - 1), the derivatives of the acceleration by the three values of b about each knot.
+        shakes: Shape (2, 3, n - 1), the same of the jerk over sigma'.
+        pulled_by: Shape (3, 3, n - 1), the second derivatives of the square of the acceleration.
+        shaken_by: Shape (3, 3, n - 1), the same of the jerk over sigma'.
+    """
+
+    bends: FloatArray
+    half_slopes: FloatArray
+    long_bends: FloatArray
+    pulls: FloatArray
+    shakes: FloatArray
+    pulled_by: FloatArray
+    shaken_by: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,52 +118,61 @@ class PacingProblem:
         roots = np.sqrt(squares)
         return float((2.0 * np.diff(self.knots_s) / (roots[1:] + roots[:-1])).sum())
 
-    def slacks(self, inner: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    @cached_property
+    def _at_knots(self) -> _AtKnots:
+        """What does not depend on b; of each constraint the derivatives by the three values of b."""
+        bends, half_slopes = self.bends[1:-1].T.copy(), 0.5 * self.slopes[1:-1].T
+        long_bends = 1.5 * bends
+        first, second = self._stencils
+        pulls = half_slopes[:, None] * first + _OWN * bends[:, None]
+        shakes = long_bends[:, None] * first + half_slopes[:, None] * second
+        by_axes = (2.0 * np.einsum("kin,kjn->ijn", each, each) for each in (pulls, shakes))
+        return _AtKnots(bends, half_slopes, long_bends, pulls, shakes, *by_axes)
+
+    def _strained(self, squares: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Acceleration, and jerk over sigma', at the inner knots: shape (2, n - 1) each."""
+        slope, bend = (_differences(stencil, squares) for stencil in self._stencils)
+        at = self._at_knots
+        return at.bends * squares[1:-1] + at.half_slopes * slope, at.long_bends * slope + at.half_slopes * bend
+
+    def _slacks(
+        self, inner: FloatArray, pulled: FloatArray, shaken: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What is left of the three limits; all positive inside."""
-        squares = self.squares(inner)
-        slope, bend = (_differences(stencil, squares)[:, None] for stencil in self._stencils)
-        bends, slopes = self.bends[1:-1], self.slopes[1:-1]
-        pulled = bends * inner[:, None] + 0.5 * slopes * slope
-        shaken = 1.5 * bends * slope + 0.5 * slopes * bend
         room = self.jerks[1:-1] - self.third[1:-1] * inner**1.5
         return (
             self.ceilings[1:-1] - inner,
-            self.accelerations[1:-1] ** 2 - (pulled**2).sum(axis=1),
-            np.where(room > 0.0, room**2 - inner * (shaken**2).sum(axis=1), -1.0),
+            self.accelerations[1:-1] ** 2 - _squared(pulled),
+            np.where(room > 0.0, room**2 - inner * _squared(shaken), -1.0),
         )
 
     def barrier(self, inner: FloatArray, weight: float) -> float:
         """The time, weighed, with the logarithmic barrier of the limits; infinite outside of them."""
         if not (inner > 0.0).all():
             return np.inf
-        slacks = self.slacks(inner)
+        squares = self.squares(inner)
+        slacks = self._slacks(inner, *self._strained(squares))
         if not all((slack > 0.0).all() for slack in slacks):
             return np.inf
-        return weight * self.duration_s(self.squares(inner)) - sum(float(np.log(slack).sum()) for slack in slacks)
+        return weight * self.duration_s(squares) - sum(float(np.log(slack).sum()) for slack in slacks)
 
     def newton(self, inner: FloatArray, weight: float) -> tuple[FloatArray, float]:
         """Newton's step from a point inside, and what the barrier should lose by it."""
-        squares = self.squares(inner)
-        slope, bend = (_differences(stencil, squares)[:, None] for stencil in self._stencils)
-        bends, slopes = self.bends[1:-1], self.slopes[1:-1]
-        count = len(inner)
-        # Of each constraint: its value at the knot, and the derivatives by the three values of b, (3, n - 1, 2).
-        first, second = (stencil[:, :, None] for stencil in self._stencils)
-        own = np.array([0.0, 1.0, 0.0])[:, None]
-        pulled = bends * inner[:, None] + 0.5 * slopes * slope
-        pulls = 0.5 * slopes * first + own[:, :, None] * bends
-        shaken = 1.5 * bends * slope + 0.5 * slopes * bend
-        shakes = 1.5 * bends * first + 0.5 * slopes * second
-        ceiling, pull_slack, _ = self.slacks(inner)
+        squares, at, count = self.squares(inner), self._at_knots, len(inner)
+        pulled, shaken = self._strained(squares)
+        ceiling, pull_slack, _ = self._slacks(inner, pulled, shaken)
         room = self.jerks[1:-1] / np.sqrt(inner) - self.third[1:-1] * inner
         lost = -0.5 * self.jerks[1:-1] * inner**-1.5 - self.third[1:-1]
-        shake_slack = room**2 - (shaken**2).sum(axis=1)
-        by_pull = 2.0 * (pulls * pulled).sum(axis=2) / pull_slack
-        by_shake = 2.0 * ((shakes * shaken).sum(axis=2) - own * room * lost) / shake_slack
-        local = by_pull + by_shake + own * (1.0 / ceiling - 1.0 / inner)
-        blocks = np.einsum("in,jn->ijn", by_pull, by_pull) + np.einsum("in,jn->ijn", by_shake, by_shake)
-        blocks += 2.0 * np.einsum("ink,jnk->ijn", pulls, pulls) / pull_slack
-        blocks += 2.0 * np.einsum("ink,jnk->ijn", shakes, shakes) / shake_slack
+        shake_slack = room**2 - _squared(shaken)
+        pulling, shaking = (
+            by[0] * now[0] + by[1] * now[1] for by, now in ((at.pulls, pulled), (at.shakes, shaken))
+        )
+        by_pull = 2.0 * pulling / pull_slack
+        by_shake = 2.0 * (shaking - _OWN * room * lost) / shake_slack
+        local = by_pull + by_shake + _OWN * (1.0 / ceiling - 1.0 / inner)
+        blocks = by_pull[:, None] * by_pull + by_shake[:, None] * by_shake
+        blocks += at.pulled_by / pull_slack
+        blocks += at.shaken_by / shake_slack
         blocks[1, 1] += 1.0 / ceiling**2 + 1.0 / inner**2 - 2.0 * lost**2 / shake_slack
         gradient, bands = np.zeros(count + 2), np.zeros((3, count + 2))
         for i in range(3):
@@ -199,6 +232,11 @@ def fastest_squares(problem: PacingProblem, inner: FloatArray, *, rough: bool = 
         if last:
             return inner
         weight *= _SHARPEN
+
+
+def _squared(vectors: FloatArray) -> FloatArray:
+    """The square of the length of vectors (2, n)."""
+    return np.asarray(vectors[0] ** 2 + vectors[1] ** 2)
 
 
 def _differences(stencil: FloatArray, values: FloatArray) -> FloatArray:
