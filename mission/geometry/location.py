@@ -66,8 +66,17 @@ class Locator:
 
     def triangles_touching(self, point_m: Place) -> IntArray:
         """All triangles that a point lies in, on the edge of or at a corner of, ascending; within ``closeness_m``."""
-        found = self.tree.query(shapely.Point(point_m), predicate="dwithin", distance=self.closeness_m)
-        return np.sort(np.asarray(found, dtype=np.int64))
+        lowest, highest = self._boxes
+        near = (lowest <= np.add(point_m, self.closeness_m)) & (highest >= np.subtract(point_m, self.closeness_m))
+        found = np.flatnonzero(near.all(axis=1))
+        triangles = shapely.polygons(self.partition.corners_m[found])
+        return found[shapely.dwithin(triangles, shapely.Point(point_m), self.closeness_m)]
+
+    @cached_property
+    def _boxes(self) -> tuple[FloatArray, FloatArray]:
+        """The lowest and highest coordinates of each triangle, (M, 2): for few points less work than a tree."""
+        corners = self.partition.corners_m
+        return corners.min(axis=1), corners.max(axis=1)
 
     def meeting(self, area: shapely.Geometry) -> IntArray:
         """The triangles that have a point in common with an area, ascending."""

@@ -90,7 +90,8 @@ def crossings(
         tolls: Shape (letters, letters), what it costs to come from one letter to another, at least 1.
     """
     rims = _Rims.of(mesh, spacing)
-    state_of, letter_here = _sectors(mesh, rims, letter_of)
+    sides = _shared(mesh, rims)
+    state_of, letter_here = _sectors(rims, sides, letter_of)
     places = np.append(_first_of(state_of, rims), [len(rims.points_m)])
     every = np.concatenate((rims.points_m, [start_m]))[places]
     letter_here = np.append(letter_here, letter_of[beginnings[0]])
@@ -100,18 +101,26 @@ def crossings(
     state_of, start = number[state_of], int(number[-1])
     points, letter_here = every[order], letter_here[order]
 
-    within = _straight_ways(rims, state_of)
-    across = _changes(mesh, rims, state_of, letter_of)
     near = rims.incidences[beginnings]
     reached = np.unique(state_of[near[near >= 0]])
     begin = np.stack((np.full_like(reached, start), reached))
-    moves = np.concatenate((within, begin, begin[::-1]), axis=1)
-    lengths = np.linalg.norm(points[moves[0]] - points[moves[1]], axis=1)
-    weights = np.maximum(1, np.rint(lengths / unit_m)).astype(np.int64)
-    toll = tolls[letter_here[across[0]], letter_here[across[1]]]
-    moves, weights = np.concatenate((moves, across), axis=1), np.concatenate((weights, toll))
-    _, once = np.unique(moves[0] * len(points) + moves[1], return_index=True)
-    return Crossings(_system(moves[:, once], weights[once], letter_here, letters), points, start)
+    within = [*_straight_ways(rims, state_of), begin, begin[::-1]]
+    across = _changes(rims, sides, state_of, letter_of)
+    codes = [2 * _codes(way, len(points)) for way in within]
+    sorted_codes = np.sort(np.concatenate((*codes, 2 * _codes(across, len(points)) + 1)))
+    pairs, free = np.divmod(sorted_codes[np.diff(sorted_codes, prepend=-1) > 0], 2)
+    moves = np.stack(np.divmod(pairs, len(points)))
+    steps = points[moves[0]] - points[moves[1]]
+    weights = np.maximum(1, np.rint(np.linalg.norm(steps, axis=1) / unit_m)).astype(np.int64)
+    changes = free == 1
+    weights[changes] = tolls[letter_here[moves[0, changes]], letter_here[moves[1, changes]]]
+    return Crossings(_system(moves, weights, letter_here, letters), points, start)
+
+
+def _codes(moves: IntArray, size: int) -> IntArray:
+    """One number for each pair of states (2, N), in the order of sources and then of targets."""
+    codes: IntArray = moves[0] * size + moves[1]
+    return codes
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,9 +192,9 @@ def _shared(mesh: Partition, rims: _Rims) -> tuple[IntArray, IntArray]:
     return here, opposite
 
 
-def _sectors(mesh: Partition, rims: _Rims, letter_of: IntArray) -> tuple[IntArray, IntArray]:
+def _sectors(rims: _Rims, shared: tuple[IntArray, IntArray], letter_of: IntArray) -> tuple[IntArray, IntArray]:
     """The state of each incidence, shape (I,), and the letter of each state."""
-    here, opposite = _shared(mesh, rims)
+    here, opposite = shared
     letters = letter_of[rims.triangle_of]
     same = letters[here] == letters[opposite]
     count = len(rims.point_of)
@@ -203,28 +212,29 @@ def _first_of(state_of: IntArray, rims: _Rims) -> IntArray:
     return points
 
 
-def _straight_ways(rims: _Rims, state_of: IntArray) -> IntArray:
+def _straight_ways(rims: _Rims, state_of: IntArray) -> list[IntArray]:
     """Pairs of states, shape (2, N), between which a way leads straight through a triangle or along its rim."""
     slots = rims.incidences.shape[1]
     place = np.arange(slots)
     side, at_vertex = place // (rims.most + 1), place % (rims.most + 1) == 0
     on = np.stack([(side == number) | (at_vertex & (side == (number + 1) % 3)) for number in range(3)])
     first, second = np.nonzero(~(on[:, :, None] & on[:, None, :]).any(axis=0))
-    through = np.stack((rims.incidences[:, first].ravel(), rims.incidences[:, second].ravel()))
+    # Most slots are empty where edges are short: what is there is asked before numbers are fetched.
+    there = rims.incidences >= 0
+    rows, ways = np.nonzero(there[:, first] & there[:, second])
+    through = state_of[np.stack((rims.incidences[rows, first[ways]], rims.incidences[rows, second[ways]]))]
     # Along a side from each point to the next that there is.
     along = rims.sides(rims.incidences).reshape(-1, rims.most + 2)
     row, column = np.nonzero(along >= 0)
     onward = np.flatnonzero(row[1:] == row[:-1])
-    chain = along[row, column]
+    chain = state_of[along[row, column]]
     beside = np.stack((chain[onward], chain[onward + 1]))
-    pairs = np.concatenate((through[:, (through >= 0).all(axis=0)], beside, beside[::-1]), axis=1)
-    ways: IntArray = state_of[pairs]
-    return ways
+    return [through, beside, beside[::-1]]
 
 
-def _changes(mesh: Partition, rims: _Rims, state_of: IntArray, letter_of: IntArray) -> IntArray:
+def _changes(rims: _Rims, shared: tuple[IntArray, IntArray], state_of: IntArray, letter_of: IntArray) -> IntArray:
     """Pairs of states at one point on the edge between two letters, shape (2, N), both ways."""
-    here, opposite = _shared(mesh, rims)
+    here, opposite = shared
     differ: BoolArray = letter_of[rims.triangle_of[here]] != letter_of[rims.triangle_of[opposite]]
     over = state_of[np.stack((here[differ], opposite[differ]))]
     return np.concatenate((over, over[::-1]), axis=1)
