@@ -43,10 +43,11 @@ class Cell:
 
 def borders_of(free: shapely.Geometry) -> FloatArray:
     """The edges of an area, shape (E, 2, 2), each with the area on its left."""
-    polygons = [shapely.geometry.polygon.orient(part) for part in shapely.get_parts(free) if part.area > 0.0]
-    rings = [shapely.get_coordinates(ring) for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
-    edges = [np.stack((ring[:-1], ring[1:]), axis=1) for ring in rings]
-    return np.concatenate(edges) if edges else np.empty((0, 2, 2))
+    parts = shapely.get_parts(free)
+    rings = shapely.get_rings(shapely.orient_polygons(parts[shapely.area(parts) > 0.0]))
+    corners, ring = shapely.get_coordinates(rings, return_index=True)
+    edges: FloatArray = np.stack((corners[:-1], corners[1:]), axis=1)[ring[:-1] == ring[1:]]
+    return edges
 
 
 def cell_round(
@@ -76,14 +77,16 @@ def cell_round(
     if across is not None:
         normals.append(across)
         offsets.append(float(across @ begin_m))
-    whole, edges = borders_m, borders_m
+    whole = edges = _about(borders_m, begin_m, end_m, 2.0 * reach_m)
     for normal, offset in zip(normals, offsets, strict=True):
         whole, edges = _inside(whole, edges, normal, offset, touching)
     while len(edges):
         on_stretch, on_edge = _nearest(begin_m, end_m, edges)
         nearest = int(np.hypot(*(on_edge - on_stretch).T).argmin())
-        # What was cut off of an edge that touches the stretch does not move it away.
-        (start,), (stop,) = _nearest(begin_m, end_m, whole[nearest : nearest + 1])
+        start, stop = on_stretch[nearest], on_edge[nearest]
+        if (edges[nearest] != whole[nearest]).any():
+            # What was cut off of an edge that touches the stretch does not move it away.
+            (start,), (stop,) = _nearest(begin_m, end_m, whole[nearest : nearest + 1])
         if np.hypot(*(stop - start)) > touching:
             way = on_edge[nearest] - on_stretch[nearest]
             normal = way / np.hypot(*way)
@@ -96,6 +99,15 @@ def cell_round(
         rest = np.arange(len(edges)) != nearest
         whole, edges = _inside(whole[rest], edges[rest], normal, offset, touching)
     return Cell(np.array(normals), np.array(offsets))
+
+
+def _about(borders_m: FloatArray, begin_m: FloatArray, end_m: FloatArray, reach_m: float) -> FloatArray:
+    """The edges in whose boxes something is nearer than that to the box of a stretch: most are far from it."""
+    low, high = np.minimum(begin_m, end_m) - reach_m, np.maximum(begin_m, end_m) + reach_m
+    begins, ends = borders_m[:, 0], borders_m[:, 1]
+    near: BoolArray = (np.maximum(begins, ends) >= low) & (np.minimum(begins, ends) <= high)
+    about: FloatArray = borders_m[near.all(axis=1)]
+    return about
 
 
 def _away(side: FloatArray | None, ends_m: FloatArray, edge: FloatArray, touching: float) -> FloatArray:
@@ -144,25 +156,22 @@ def _inside(
 
 def _nearest(begin_m: FloatArray, end_m: FloatArray, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
     """The nearest points of a stretch and of each edge (E, 2, 2) that it does not cross, each (E, 2)."""
-    candidates_on_stretch, candidates_on_edge = [], []
-    for end in (0, 1):
-        point = edges[:, end]
-        candidates_on_edge.append(point)
-        candidates_on_stretch.append(_foot(point, begin_m[None], end_m[None]))
-    for point in (begin_m[None], end_m[None]):
-        candidates_on_stretch.append(np.broadcast_to(point, (len(edges), 2)))
-        candidates_on_edge.append(_foot(point, edges[:, 0], edges[:, 1]))
-    on_stretch, on_edge = np.stack(candidates_on_stretch), np.stack(candidates_on_edge)
-    best = np.linalg.norm(on_edge - on_stretch, axis=2).argmin(axis=0)
+    ends = np.stack((begin_m, end_m))
+    along, legs = end_m - begin_m, edges[:, None, 1] - edges[:, None, 0]
+    # Of both ends of each edge the nearest points of the stretch, and of both ends of the stretch those of each edge.
+    on_stretch = begin_m + _share(edges - begin_m, along)[..., None] * along
+    on_edge = edges[:, None, 0] + _share(ends - edges[:, None, 0], legs)[..., None] * legs
+    on_stretch = np.concatenate((on_stretch, np.broadcast_to(ends, edges.shape)), axis=1)
+    on_edge = np.concatenate((edges, on_edge), axis=1)
+    apart = on_edge - on_stretch
+    best = np.sqrt(apart[..., 0] ** 2 + apart[..., 1] ** 2).argmin(axis=1)
     index = np.arange(len(edges))
-    return on_stretch[best, index], on_edge[best, index]
+    return on_stretch[index, best], on_edge[index, best]
 
 
-def _foot(points: FloatArray, begins: FloatArray, ends: FloatArray) -> FloatArray:
-    """The nearest point of each stretch to each point; all broadcast to (E, 2)."""
-    along = ends - begins
-    squares = (along**2).sum(axis=1)
-    shares = np.divide(
-        ((points - begins) * along).sum(axis=1), squares, out=np.zeros(max(len(points), len(begins))), where=squares > 0
-    )
-    return np.asarray(begins + np.clip(shares, 0.0, 1.0)[:, None] * along)
+def _share(away: FloatArray, along: FloatArray) -> FloatArray:
+    """How far along stretches the feet of points lie, from 0 to 1; both as vectors from where the stretches begin."""
+    squares = along[..., 0] ** 2 + along[..., 1] ** 2
+    far = away[..., 0] * along[..., 0] + away[..., 1] * along[..., 1]
+    shares: FloatArray = np.clip(np.divide(far, squares, out=np.zeros_like(far), where=squares > 0.0), 0.0, 1.0)
+    return shares
