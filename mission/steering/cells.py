@@ -106,7 +106,7 @@ def _about(borders_m: FloatArray, begin_m: FloatArray, end_m: FloatArray, reach_
     low, high = np.minimum(begin_m, end_m) - reach_m, np.maximum(begin_m, end_m) + reach_m
     begins, ends = borders_m[:, 0], borders_m[:, 1]
     near: BoolArray = (np.maximum(begins, ends) >= low) & (np.minimum(begins, ends) <= high)
-    about: FloatArray = borders_m[near.all(axis=1)]
+    about: FloatArray = borders_m[near[:, 0] & near[:, 1]]
     return about
 
 
@@ -140,9 +140,9 @@ def _inside(
 ) -> tuple[FloatArray, FloatArray]:
     """The edges (E, 2, 2) that reach deeper than ``touching`` into a half plane, whole and what of them does."""
     heights = edges @ normal - (offset - touching)
-    kept = heights.min(axis=1) < 0.0
+    kept = np.minimum(heights[:, 0], heights[:, 1]) < 0.0
     whole, edges, heights = whole[kept], edges[kept], heights[kept]
-    crossing = heights.max(axis=1) > 0.0
+    crossing = np.maximum(heights[:, 0], heights[:, 1]) > 0.0
     if crossing.any():
         edges = edges.copy()
         low, high = heights[crossing, 0], heights[crossing, 1]
