@@ -16,9 +16,12 @@ def lattice(domain: shapely.Geometry, spacing_m: float) -> FloatArray:
     ends = np.stack(
         (np.broadcast_to([left, right], (len(heights), 2)), np.repeat(heights[:, None], 2, axis=1)), axis=-1
     )
-    parts, row = shapely.get_parts(shapely.intersection(shapely.linestrings(ends), domain), return_index=True)
-    # Between islands there are rows without a part.
-    parts, row = parts[~shapely.is_empty(parts)], row[~shapely.is_empty(parts)]
+    # All rows at once: each by itself would go over the whole domain.
+    parts = shapely.get_parts(shapely.intersection(shapely.multilinestrings(shapely.linestrings(ends)), domain))
+    parts = parts[shapely.get_dimensions(parts) == 1]
+    row = np.rint((shapely.bounds(parts)[:, 1] - low) / (spacing_m * np.sqrt(0.75))).astype(np.int64)
+    order = np.lexsort((shapely.bounds(parts)[:, 0], row))
+    parts, row = parts[order], row[order]
     begins, _, finishes, _ = shapely.bounds(parts).T
     shift = left + np.where(row % 2, spacing_m / 2.0, 0.0)
     first = np.ceil((begins - shift) / spacing_m)

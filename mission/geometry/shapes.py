@@ -148,7 +148,11 @@ def edges_of(areas: Iterable[Area]) -> FloatArray:
 
 def edges_within(edges_m: FloatArray, area: Area) -> FloatArray:
     """The parts of edges, shape (E, 2, 2), that lie within an area, shape (P, 2, 2)."""
-    parts = shapely.get_parts(shapely.intersection(shapely.linestrings(edges_m), area))
+    whole = shapely.linestrings(edges_m)
+    shapely.prepare(area)
+    cut = ~shapely.contains_properly(area, whole)
+    whole[cut] = shapely.intersection(whole[cut], area)
+    parts = shapely.get_parts(whole)
     lines = parts[(shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING) & (shapely.length(parts) > 0.0)]
     ends: FloatArray = shapely.get_coordinates(lines).reshape(-1, 2, 2)
     return ends
