@@ -114,22 +114,21 @@ def narrowed(area: Area, by_m: float) -> Area:
 
 def without_straight_corners(area: Area, tolerance_m: float) -> Area:
     """An area without the corners that lie on the line of their neighbours."""
-
-    def kept(ring: FloatArray) -> FloatArray:
-        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-        along = after - before
-        offset = ring - before
-        apart = np.abs(along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0])
-        forward = (offset * (after - ring)).sum(axis=1) > 0.0
-        straight = forward & (apart <= tolerance_m * np.hypot(*along.T))
-        corners: FloatArray = ring[~straight]
-        return corners
-
-    parts = []
-    for part in shapely.get_parts(area):
-        rim, *holes = (kept(ring) for ring in rings_of(part))
-        parts.append(shapely.Polygon(rim, holes))
-    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+    rings, part_of = shapely.get_rings(shapely.get_parts(area), return_index=True)
+    corners, ring = shapely.get_coordinates(rings, return_index=True)
+    once = np.append(ring[1:] == ring[:-1], False)  # the last corner of a ring is its first
+    corners, ring = corners[once], ring[once]
+    first = np.searchsorted(ring, np.arange(len(rings)))
+    last = np.append(first[1:], len(ring)) - 1
+    following, preceding = np.arange(len(ring)) + 1, np.arange(len(ring)) - 1
+    following[last], preceding[first] = first, last
+    before, after = corners[preceding], corners[following]
+    along, offset = after - before, corners - before
+    apart = np.abs(along[:, 0] * offset[:, 1] - along[:, 1] * offset[:, 0])
+    forward = (offset * (after - corners)).sum(axis=1) > 0.0
+    kept = ~(forward & (apart <= tolerance_m * np.hypot(*along.T)))
+    bent = shapely.linearrings(corners[kept], indices=ring[kept])
+    return _joined_parts(shapely.polygons(bent, indices=part_of))
 
 
 def rings_of(area: Area) -> list[FloatArray]:
@@ -160,12 +159,17 @@ def edges_within(edges_m: FloatArray, area: Area) -> FloatArray:
 
 def polygonal(shape: shapely.Geometry) -> Area:
     """What of a shape is an area, without the parts and holes that rounding leaves."""
-    parts = [
-        shapely.Polygon(part.exterior, [hole for hole in part.interiors if shapely.Polygon(hole).area > _NOTHING_M2])
-        for part in shapely.get_parts(shape)
-        if isinstance(part, shapely.Polygon) and part.area > _NOTHING_M2
-    ]
-    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(parts)
+    parts = shapely.get_parts(shape)
+    parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
+    parts = parts[shapely.area(parts) > _NOTHING_M2]
+    rings, part_of = shapely.get_rings(parts, return_index=True)
+    is_hole = np.append(False, part_of[1:] == part_of[:-1])  # a part's first ring is its outside
+    kept = ~is_hole | (shapely.area(shapely.polygons(rings)) > _NOTHING_M2)
+    return _joined_parts(parts if kept.all() else shapely.polygons(rings[kept], indices=part_of[kept]))
+
+
+def _joined_parts(parts: FloatArray) -> Area:
+    return parts[0] if len(parts) == 1 else shapely.MultiPolygon(list(parts))
 
 
 def _bordered(area: Area, by_m: float) -> FloatArray:

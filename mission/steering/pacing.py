@@ -164,9 +164,7 @@ class PacingProblem:
         room = self.jerks[1:-1] / np.sqrt(inner) - self.third[1:-1] * inner
         lost = -0.5 * self.jerks[1:-1] * inner**-1.5 - self.third[1:-1]
         shake_slack = room**2 - _squared(shaken)
-        pulling, shaking = (
-            by[0] * now[0] + by[1] * now[1] for by, now in ((at.pulls, pulled), (at.shakes, shaken))
-        )
+        pulling, shaking = (by[0] * now[0] + by[1] * now[1] for by, now in ((at.pulls, pulled), (at.shakes, shaken)))
         by_pull = 2.0 * pulling / pull_slack
         by_shake = 2.0 * (shaking - _OWN * room * lost) / shake_slack
         local = by_pull + by_shake + _OWN * (1.0 / ceiling - 1.0 / inner)
