@@ -70,7 +70,8 @@ class Locator:
         near = (lowest <= np.add(point_m, self.closeness_m)) & (highest >= np.subtract(point_m, self.closeness_m))
         found = np.flatnonzero(near.all(axis=1))
         triangles = shapely.polygons(self.partition.corners_m[found])
-        return found[shapely.dwithin(triangles, shapely.Point(point_m), self.closeness_m)]
+        touching: IntArray = found[shapely.dwithin(triangles, shapely.Point(point_m), self.closeness_m)]
+        return touching
 
     @cached_property
     def _boxes(self) -> tuple[FloatArray, FloatArray]:

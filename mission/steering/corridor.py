@@ -263,7 +263,8 @@ class _Programme:
         self._matrix = _Pattern(
             np.append(joints, places[0] + given.size), np.append(joined, places[1]), (given.size + height, size)
         )
-        self._cost = _Pattern(*(2 * _POINTS * np.arange(self._count)[:, None] + _UPPER[:, None]), (size, size))
+        upper, right = 2 * _POINTS * np.arange(self._count)[:, None] + _UPPER[:, None]
+        self._cost = _Pattern(upper, right, (size, size))
 
     def solved(self, lasts_s: FloatArray, ease: float) -> FloatArray | None:
         """The control points of the best spline, shape (K, 6, 2), for pieces of these durations; None if there is none.
