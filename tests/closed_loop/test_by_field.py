@@ -154,7 +154,9 @@ def test_the_pictures_show_what_was_flown_and_no_tube(calm: Flown, round_the_wal
         assert not {"tube", "error"} & lines
         (flown, *_) = (line for axes in figure.axes for line in axes.lines if line.get_gid() == "flown")
         assert np.asarray(flown.get_xdata())[-1] > 0.8 * flown_s - 10.0  # and then it landed
-        velocities = [line.get_ydata() for axes in figure.axes for line in axes.lines if line.get_gid() == "asked"]
+        velocities = [
+            np.asarray(line.get_ydata()) for axes in figure.axes for line in axes.lines if line.get_gid() == "asked"
+        ]
         assert any(np.isfinite(each).any() for each in velocities) is asked
     path = smoothed_path(round_the_wall)
     assert not [patch for axes in path.axes for patch in axes.patches if patch.get_gid() == "tube"]
