@@ -140,7 +140,11 @@ def build_parser() -> argparse.ArgumentParser:
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")
     add_run(plan)
     plan.add_argument("--runs", type=positive_whole, metavar="N", help="list the first N of the shortest runs")
-    plan.add_argument("--transitions", action="store_true", help="print the full transition maps of T and A")
+    plan.add_argument(
+        "--transitions",
+        action="store_true",
+        help="print the triangles, the run, and the full transition maps of T and A",
+    )
     plan.add_argument("--out", metavar="PLAN.json", help="write the whole plan to a file")
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
     plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")

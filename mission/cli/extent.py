@@ -13,8 +13,17 @@ def extent(plan: FlightPlan, digits: int = 0) -> str:
     if trajectory.laps is None:
         return f"laps of {each} each, until Ctrl-C"
     laps = "1 lap" if trajectory.laps == 1 else f"{trajectory.laps:,} laps"
-    length_m = plan.curve.length_m + (trajectory.laps - 1) * lap.length_m
-    return f"{laps} of {each}, all in all {length_m:.{digits}f} m in {trajectory.duration_s:.0f} s"
+    return f"{laps} of {each}, all in all {length_m(plan):.{digits}f} m in {trajectory.duration_s:.0f} s"
+
+
+def length_m(plan: FlightPlan) -> float | None:
+    """The length of all that is flown; None while nobody has said how many laps there are."""
+    trajectory = plan.trajectory
+    if trajectory.lap is None:
+        return plan.curve.length_m
+    if trajectory.laps is None:
+        return None
+    return plan.curve.length_m + (trajectory.laps - 1) * plan.curve.legs[trajectory.lap].length_m
 
 
 def without(plan: FlightPlan) -> str:

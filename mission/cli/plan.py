@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.cli.extent import extent, length_m
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach, tube_costs
 from mission.decimals import decimal
@@ -24,7 +25,6 @@ from mission.spec.model import CORRIDOR, FIELD, Cost
 from mission.spec.tasks import task_text
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
-from mission.steering.trajectory import Trajectory
 
 
 def run(arguments: Namespace) -> int:
@@ -38,8 +38,8 @@ def run(arguments: Namespace) -> int:
         out.out(json.dumps(_asked_for(plan, arguments)))
         return 0
     _print_plan(plan)
-    print_warnings(plan.warnings)
     if arguments.transitions:
+        _print_tables(plan)
         _print_transitions(plan)
     if arguments.runs:
         _print_runs(plan, arguments.runs)
@@ -110,6 +110,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "controls": list(plan.run.controls),
         "length_m": plan.path.length_m,
         "curve_length_m": plan.curve.length_m,
+        "flight_length_m": length_m(plan),
         "duration_s": plan.path.duration_s,
         "flight_duration_s": plan.trajectory.duration_s if math.isfinite(plan.trajectory.duration_s) else None,
         "laps": None if plan.trajectory.lap is None else plan.spec.flight.laps,
@@ -152,27 +153,30 @@ def _print_mission(plan: FlightPlan) -> None:
 
 
 def _print_plan(plan: FlightPlan) -> None:
-    spec = plan.spec
-    _print(printable(spec.name))
+    """What is flown and what is proved of it; then what was searched."""
+    _print(printable(plan.spec.name))
     _print_mission(plan)
     _print()
-    size = plan.partition.size
-    listed = range(size) if size <= _MOST_LISTED else sorted(set(plan.run.states))
-    which = "the partition" if size <= _MOST_LISTED else "the run"
-    _print(f"Triangles of {which} (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")
-    _print(f"  {'T':>6}  {'vertices':<20}{'neighbours 1 2 3':<22}label")
-    for i in listed:
-        corners, neighbours = plan.partition.triangles[i].tolist(), plan.partition.neighbours[i].tolist()
-        across = " ".join("-" if n < 0 else str(n) for n in neighbours)
-        _print(f"  {i:>6}  {' '.join(map(str, corners)):<20}{across:<22}{_label(plan, i)}")
+    _print(f"Flight         {extent(plan, 1)}{_stays(plan)}")
+    for visit in plan.covers:
+        _print(f"Covered        {_lanes(visit)}")
+    _print_certificate(plan)
+    if plan.spec.flight.guidance == FIELD:
+        _print_guidance(plan)
+    print_warnings(plan.warnings)
+    _print()
+    _print(f"Path           {_path(plan)}{_one_lap(plan)}")
+    _print(f"Smoothing      {_smoothing(plan)}{_one_lap(plan)}")
+    _print_mesh(plan.partition)
+    if clearances_m := clearances_by_name(plan.spec):
+        _print(f"Clearances     {', '.join(f'{name} {decimal(metres)} m' for name, metres in clearances_m.items())}")
+    _print_search(plan)
+
+
+def _print_search(plan: FlightPlan) -> None:
     automaton, parts = plan.shown_automaton, plan.shown_parts
     kind = "deterministic" if all(part.deterministic for part in plan.required.shown) else "nondeterministic"
     beside = "" if parts == 1 else f"{parts} automata side by side, all of which must accept: "
-    _print()
-    _print_mesh(plan.partition)
-    if clearances_m := clearances_by_name(spec):
-        _print(f"Clearances     {', '.join(f'{name} {decimal(metres)} m' for name, metres in clearances_m.items())}")
-    _print()
     _print(f"T  {count(plan.partition.size, 'state')}")
     _print(f"A  {beside}{count(automaton.size, 'state')}, {count(automaton.edge_count, 'edge')}, {kind}")
     searched = plan.product_states // plan.partition.size
@@ -180,24 +184,38 @@ def _print_plan(plan: FlightPlan) -> None:
     several = "" if same else f" (with deterministic automata of its parts, {count(searched, 'state')} together)"
     _print(f"P  {count(plan.product_states, 'state')}, {plan.product_states_reachable:,} of them reachable{several}")
     _print(f"Best runs      {plan.shortest_runs:,}{_costs(plan)}")
+    _print(f"Run {plan.run_index:<11}{_lasso(plan.run)}")
+    if plan.homeward is not None:
+        _print(f"Way back       {' '.join(map(str, plan.homeward.run.states))}")
+
+
+def _print_tables(plan: FlightPlan) -> None:
+    """The triangles, and the run with its controls."""
+    size = plan.partition.size
+    listed = range(size) if size <= _MOST_LISTED else sorted(set(plan.run.states))
+    which = "the partition" if size <= _MOST_LISTED else "the run"
+    _print()
+    _print(f"Triangles of {which} (vertices counter-clockwise; u_j leaves through the facet opposite vertex j)")
+    _print(f"  {'T':>6}  {'vertices':<20}{'neighbours 1 2 3':<22}label")
+    for i in listed:
+        corners, neighbours = plan.partition.triangles[i].tolist(), plan.partition.neighbours[i].tolist()
+        across = " ".join("-" if n < 0 else str(n) for n in neighbours)
+        _print(f"  {i:>6}  {' '.join(map(str, corners)):<20}{across:<22}{_label(plan, i)}")
     _print()
     _print(f"Run {plan.run_index}: state, label, control")
     for i, (state, control) in enumerate(zip(plan.run.states, plan.run.controls, strict=True)):
         loop = "   <- the loop begins" if i == len(plan.run.prefix) and plan.run.recurrent else ""
         _print(f"  {state:>6}  {_label(plan, state):<20}u{control}{loop}")
-    _print()
-    if plan.homeward is not None:
-        _print(f"Way back       {' '.join(map(str, plan.homeward.run.states))}")
-    _print(f"Path           {_path(plan)}")
-    for visit in plan.covers:
-        _print(f"Covered        {_lanes(visit)}")
+
+
+def _stays(plan: FlightPlan) -> str:
     held = sum(hold for _, hold in plan.stops)
-    loiter = f", {held:g} s of loitering included" if held else ""
-    _print(f"Trajectory     {_duration(plan.trajectory)}{loiter}")
-    _print(f"Smoothing      {_smoothing(plan)}")
-    _print_certificate(plan)
-    if plan.spec.flight.guidance == FIELD:
-        _print_guidance(plan)
+    return f", {held:g} s of stays included{_one_lap(plan)}" if held else ""
+
+
+def _one_lap(plan: FlightPlan) -> str:
+    """That a figure counts the lap once."""
+    return "" if plan.trajectory.lap is None else ", with one lap"
 
 
 def _path(plan: FlightPlan) -> str:
@@ -240,19 +258,10 @@ def _costs(plan: FlightPlan) -> str:
     return f" by {cost}: {found}\n               ({MEASURED[cost]}; what is flown is the path below)"
 
 
-def _duration(trajectory: Trajectory) -> str:
-    if trajectory.lap is None:
-        return f"{trajectory.duration_s:.1f} s"
-    lap_s = trajectory.legs[trajectory.lap].duration_s
-    if trajectory.laps is None:
-        return f"laps of {lap_s:.1f} s each, until it is told to return"
-    return f"{trajectory.duration_s:.1f} s with {count(trajectory.laps, 'lap')} of {lap_s:.1f} s"
-
-
 def _print_guidance(plan: FlightPlan) -> None:
     """What is flown instead of the trajectory, and what is known of it."""
     possible = policy_of(plan).possible[:, ~plan.restricted]
-    _print("Guidance       field: the path and its certificate above are not what is flown; no tube is proved")
+    _print("Guidance       field: the path and its certificate are not what is flown; no tube is proved")
     _print("               at each moment control to the facet that leads on, by the estimated position: undisturbed,")
     _print("               each triangle is left through that facet and no other")
     _print(
@@ -275,7 +284,7 @@ def _print_certificate(plan: FlightPlan) -> None:
     if plan.homeward is not None:
         _print("               on the way back from the laps nothing is violated")
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for letter in certificate.word)
-    _print(f"               the flight spells {word}")
+    _print(f"               the flight surely spells {word}")
 
 
 def _print_transitions(plan: FlightPlan) -> None:

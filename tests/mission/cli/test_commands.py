@@ -188,6 +188,19 @@ class TestPlan:
         assert "     0  0 8 11 12 4 5 7 3 1 5 4 12 (10)*" in lines
         assert "  0, u0 -> 0   0, u1 -> 8   0, u2 -> -1   0, u3 -> 2" in lines
 
+    def test_what_is_flown_and_proved_comes_first_and_tables_on_request(
+        self, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        lines = ran(capsys, "plan", str(MISSIONS / "patrol.yaml")).out.splitlines()
+        figures = [line for line in lines if line and line[0] != " "][1:]
+        assert figures[0].startswith("Flight         2 laps of ")
+        assert figures[1].startswith("Certificate    holds within 0.5 m")
+        assert len(lines) < 30
+        assert all(line.endswith(", with one lap") for line in lines if line.startswith(("Path ", "Smoothing ")))
+        plan = json.loads(ran(capsys, "plan", str(MISSIONS / "patrol.yaml"), "--json").out)
+        assert plan["flight_length_m"] > 1.5 * plan["curve_length_m"]
+        assert f"{plan['flight_length_m']:.1f} m in" in figures[0]
+
     def test_another_run_by_its_number(self, capsys: pytest.CaptureFixture[str]) -> None:
         plan = json.loads(ran(capsys, "plan", PAPER, "--json", "--run", "3").out)
         assert plan["run_index"] == 3

@@ -100,7 +100,7 @@ def test_a_plan_of_laps_is_shown(laps: str, file: Path, capsys: pytest.CaptureFi
     assert (shown.code, shown.err) == (0, "")
     assert "Way back" in shown.out
     assert "on the way back from the laps nothing is violated" in shown.out
-    assert ("until it is told to return" in shown.out) == (laps == "until_stopped")
+    assert ("each, until Ctrl-C" in shown.out) == (laps == "until_stopped")
     numbers = json.loads(ran(capsys, "plan", str(file), "--json").out)
     assert str(numbers["laps"]) == laps
     assert (numbers["flight_duration_s"] is None) == (laps == "until_stopped")
