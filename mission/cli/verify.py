@@ -44,9 +44,8 @@ def run(arguments: Namespace) -> int:
             markup=False,
         )
     if plan.spec.flight.guidance == FIELD:
-        out.print(
-            "  the flight is led by the field, and not by this trajectory: nothing here is about it", markup=False
-        )
+        about = "this is about the plan alone: the flight is led by the field, of which no tube is proved"
+        out.print(f"  {about}", markup=False)
     for claim in judged:
         said = f"wrong: {claim.fault}" if claim.fault else f"ok     {claim.figure}"
         out.print(f"  {claim.name:<12}  {said.rstrip()}", markup=False)
