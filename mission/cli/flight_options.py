@@ -58,6 +58,13 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     )
     fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
+    fly.add_argument(
+        "--fence",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="let the vehicle's own geofence guard the flight, set before arming (default: it does)",
+    )
+    fly.add_argument("--keep-fence", action="store_true", help="leave it there; else what was there before is put back")
     _add_vehicle(fly)
 
 

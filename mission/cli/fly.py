@@ -16,7 +16,7 @@ from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_option
 from mission.clock import WallClock
 from mission.errors import LinkError, MissionError, reason
 from mission.fly import FlightOptions, FlightResult, StopSignals, fly
-from mission.link.contact import LinkOptions
+from mission.link.identity import LinkOptions
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
@@ -86,7 +86,12 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                 transport,
                 clock,
                 record,
-                options=FlightOptions(link=link, land_when_stopped=vehicle is not None),
+                options=FlightOptions(
+                    link=link,
+                    land_when_stopped=vehicle is not None,
+                    fence=arguments.fence,
+                    keep_fence=arguments.keep_fence,
+                ),
                 run=arguments.run,
                 on_progress=display.show,
                 vehicle_failure=None if vehicle is None else vehicle.failure,

@@ -12,7 +12,7 @@ from mission.clock import Clock, WallClock
 from mission.errors import Fault, LinkError, SpecError, reason
 from mission.fly import BundledVehicle, VehicleOptions, home_for
 from mission.link.address import parse_address
-from mission.link.contact import LinkOptions
+from mission.link.identity import LinkOptions
 from mission.link.key_file import open_signatures
 from mission.link.lockstep import LockstepLink
 from mission.link.transport import Transport, open_transport

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 import shapely
 
-from mission.export.fence import domain_shape, region_shape
 from mission.export.placed_plan import PlacedPlan
 from mission.geometry.arrays import FloatArray
 from mission.geometry.places import places_at_offsets
 from mission.interchange.map_features import DIGITS, Json, MapFeature, continuous
+from mission.plan.fence import domain_shape, region_shape
 from mission.report.palette import BLACK, KIND_COLOUR, MESH, PLANNED, QUIET, SMOOTHED
 from mission.spec.areas import Ground, boundary_ground, region_ground
 from mission.spec.covers import cover_data

@@ -7,7 +7,6 @@ import numpy as np
 import shapely
 
 from mission.errors import Fault, SpecError
-from mission.export.fence import Fence, fence_of, rally_points
 from mission.export.route import Route, route_of
 from mission.geometry.arrays import FloatArray
 from mission.geometry.geodesy import LatLon
@@ -15,6 +14,7 @@ from mission.geometry.places import places_at_offsets
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
+from mission.plan.fence import Fence, fence_of, rally_points
 
 _HINT = "give `--tolerance` less, so that the legs come nearer to the path that is proved"
 

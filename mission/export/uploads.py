@@ -4,7 +4,6 @@ from typing import Final
 
 import numpy as np
 
-from mission.export.fence import Circle, Rim
 from mission.export.nose import nose_items
 from mission.export.placed_plan import PlacedPlan
 from mission.export.route import Waypoint
@@ -13,10 +12,9 @@ from mission.interchange.autopilot_plan import (
     EVER_AGAIN,
     AutopilotPlan,
     Command,
-    FenceCircle,
-    FencePolygon,
     Item,
 )
+from mission.plan.fence import placed as on_earth
 
 _OVER_GROUND: Final = 1.0
 _SAME_THROTTLE: Final = -1.0
@@ -29,11 +27,10 @@ _SHORTEST_STOP_S: Final = 1.0
 def autopilot_plan(placed: PlacedPlan, firmware: str) -> AutopilotPlan:
     """Everything that an autopilot needs to fly a plan by itself; ``firmware`` is a key of ``FIRMWARE``."""
     plan = placed.plan
-    rims = [(True, placed.fence.inclusion), *((False, rim) for rim in placed.fence.exclusions)]
     return AutopilotPlan(
         home=placed.places(np.array([plan.start_m]))[0],
         items=_items(placed, firmware),
-        fence=tuple(_fenced(placed, rim, inclusion=inclusion) for inclusion, rim in rims),
+        fence=on_earth(placed.fence, placed.origin),
         rally=tuple((place, plan.trajectory.altitude_m) for place in placed.places(placed.rally_m)),
         speed_m_s=speed_m_s(placed),
     )
@@ -42,12 +39,6 @@ def autopilot_plan(placed: PlacedPlan, firmware: str) -> AutopilotPlan:
 def speed_m_s(placed: PlacedPlan) -> float:
     """The speed over ground that is asked of the autopilot: the plan's reference speed, within the vehicle's limit."""
     return min(placed.plan.spec.flight.speed_m_s, placed.plan.spec.limits.speed_m_s)
-
-
-def _fenced(placed: PlacedPlan, rim: Rim, *, inclusion: bool) -> FencePolygon | FenceCircle:
-    if isinstance(rim, Circle):
-        return FenceCircle(inclusion, placed.places(np.array([rim.centre_m]))[0], rim.radius_m)
-    return FencePolygon(inclusion, tuple(placed.places(rim)))
 
 
 def _items(placed: PlacedPlan, firmware: str) -> tuple[Item, ...]:

@@ -59,7 +59,9 @@ def shortcomings(session: Session, watch: FlightWatch, lost_text: str) -> tuple[
     """What is wrong with the flight, or known of it alone, whatever its end; empty words where nothing is."""
     trouble = session.contact.photography.trouble
     pictures = pictures_text(watch.pictures, watch.plan.planned_pictures, trouble)
-    return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), pictures, lost_text
+    guard = session.contact.fence
+    fence = "" if guard is None else guard.trouble
+    return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), pictures, fence, lost_text
 
 
 def joined(*parts: str) -> str:

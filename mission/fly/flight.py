@@ -3,21 +3,22 @@
 import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from traceback import format_exception
 
 from mission.clock import Clock
 from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.by_field import field_orders, is_sealed
 from mission.fly.conclusion import concluded, joined, shortcomings
+from mission.fly.fencing import guarded
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
 from mission.fly.recording import Recording
 from mission.fly.result import FlightResult
-from mission.fly.retreat import retreat, speak, switch_off_camera
+from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
-from mission.link.contact import LinkOptions
+from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
@@ -38,11 +39,16 @@ class FlightOptions:
         link: Ids and patience on the link.
         land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot. Otherwise the
             vehicle is left holding, for its pilot to decide: what lies under a real one is not known here.
+        fence: Whether the vehicle's own geofence is set to keep it where the plan allows it to be, and put back at the
+            end. Nothing of the vehicle is changed unless that is asked for.
+        keep_fence: Whether that fence stays after the flight.
         stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
     """
 
     link: LinkOptions = field(default_factory=LinkOptions)
     land_when_stopped: bool = False
+    fence: bool = False
+    keep_fence: bool = False
     stray_m: float = _STRAY_M
 
 
@@ -59,7 +65,7 @@ class Flight:
     ) -> None:
         self.plan, self.clock, self.record, self.options = plan, clock, record, options
         self.session = Session(
-            needs_origin=plan.spec.origin is not None,
+            needs_origin=plan.spec.origin is not None or options.fence,
             options=options.link,
             land_when_stopped=options.land_when_stopped,
         )
@@ -69,7 +75,7 @@ class Flight:
         self._planner = planner
         self._trusted_s = self._near_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, clock)
-        self._told_behind = self._warned_behind = self._warned_trouble = False
+        self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
 
     @property
     def newest_s(self) -> float | None:
@@ -90,6 +96,7 @@ class Flight:
             self.take_events()
             self.tell_pace()
             self.tell_trouble()
+            self.tell_fence()
             if session.stage is Stage.STANDBY:
                 self.depart()
             self.look_after()
@@ -125,6 +132,24 @@ class Flight:
             self._warned_trouble = True
             self.record.warn(f"{trouble}; the flight goes on")
 
+    def tell_fence(self) -> None:
+        """Write down what the vehicle's geofence was, before anything of it is changed, and what it is to be."""
+        guard = self.session.contact.fence
+        if guard is None or guard.before is None or self._told_fence:
+            return
+        self._told_fence = True
+        if theirs := len(guard.before.items):
+            self.record.warn(f"the vehicle's own geofence, of {theirs} items, gives way to that of this mission")
+        self.record.write(
+            "event",
+            self.newest_s,
+            name="geofence",
+            parameters_before=guard.before.parameters,
+            items_before=[asdict(item) for item in guard.before.items],
+            parameters=guard.parameters,
+            items=[asdict(item) for item in guard.items],
+        )
+
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
         for event in self.session.events():
@@ -152,6 +177,9 @@ class Flight:
         )
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
         course = course_of(self.plan, heading, field_orders(self.plan, self.watch.monitor))
+        contact = self.session.contact
+        if self.options.fence:
+            contact.fence, anchoring = guarded(self.plan, anchoring, contact, keep=self.options.keep_fence)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 
@@ -228,6 +256,9 @@ class Flight:
             self.stop(INTERRUPTED.reason)
         with contextlib.suppress(Exception):
             speak(self.session, transport, self.clock)
+        fence = self.session.contact.fence
+        if fence is not None and fence.unfinished:
+            self.record.warn("the geofence of this flight stays on the vehicle; what was there before is in the record")
 
     def failed(self, error: BaseException, transport: Transport, gone: Callable[[], str]) -> BaseException:
         """What the flight fails with, once the vehicle was told to hold, or to land; how it is left is part of it."""
@@ -240,7 +271,7 @@ class Flight:
         if not gone():
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
-            switch_off_camera(self.session, transport, self.clock, gone)
+            put_back(self.session, transport, self.clock, gone)
         self._take_what_can_be_taken()
         reason = joined(str(why), left, *shortcomings(self.session, self.watch, self.record.lost_text))
         with contextlib.suppress(Exception):

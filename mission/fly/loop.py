@@ -101,7 +101,7 @@ def _loop(
     while True:
         try:
             flight.turn(transport, stop_request)
-            if flight.session.ending is not None and not flight.session.contact.photography.unfinished:
+            if flight.session.ending is not None and not flight.session.contact.unfinished:
                 return flight.result()
             if failure := vehicle_failure():
                 raise LinkError(failure)

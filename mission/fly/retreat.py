@@ -54,11 +54,11 @@ def retreat(
                     transport.send(frame)
 
 
-def switch_off_camera(session: Session, transport: Transport, clock: Clock, gone: Callable[[], str]) -> None:
-    """Go on asking that the camera's trigger be off, until it is confirmed or in vain."""
+def put_back(session: Session, transport: Transport, clock: Clock, gone: Callable[[], str]) -> None:
+    """Switch the camera's trigger off, and let the vehicle have the geofence that it had, or find that in vain."""
     with contextlib.suppress(Exception):
-        while session.contact.photography.unfinished and not gone():
-            session.switch_camera(clock.now_s())
+        while session.contact.unfinished and not gone():
+            session.tend(clock.now_s(), over=True)
             for frame in session.outgoing():
                 transport.send(frame)
             for data in transport.receive(session.wait_s(clock.now_s())):

@@ -81,6 +81,13 @@ def place_at_offset(from_place: LatLon, east_m: float, north_m: float) -> LatLon
     return LatLon(math.degrees(math.atan2(stretch * z, math.hypot(x, y))), math.degrees(math.atan2(y, x)))
 
 
+def curvature_radii_m(latitude_deg: float) -> tuple[float, float]:
+    """Radii of curvature of the ellipsoid at a latitude, along the meridian and across it."""
+    flat = 1.0 - ECCENTRICITY_SQUARED * math.sin(math.radians(latitude_deg)) ** 2
+    across = SEMI_MAJOR_AXIS_M / math.sqrt(flat)
+    return across * (1.0 - ECCENTRICITY_SQUARED) / flat, across
+
+
 def earth_centred(place: LatLon) -> Vector:
     """Earth-centred, Earth-fixed coordinates in metres of a place at height 0."""
     latitude, longitude = math.radians(place.latitude_deg), math.radians(place.longitude_deg)

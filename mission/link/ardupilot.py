@@ -5,13 +5,16 @@ for some seconds after arming becomes possible, until the position is usable; se
 LOITER obeys the throttle stick, so without a pilot the mode that holds is BRAKE.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 from mission.link.autopilot import COMMON_ONCE, COMMON_RATES_HZ, Autopilot
+from mission.link.fence_rules import FenceRules
 from mission.link.messages import AUTOPILOT_ARDUPILOT, Stream, arm, change_mode, land, take_off
 from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
 from mission.link.values import Command
 from mission.monitor.stage import Stage
+from mission.plan.guarding import Room
 
 _GUIDED, _BRAKE, _LAND = 4, 17, 9
 _MODE_NAMES: Final = {
@@ -40,6 +43,10 @@ _MODE_NAMES: Final = {
     27: "AUTO_RTL",
 }
 _HERE = 0.0
+_BRAKES = 4.0
+_CEILING, _AREAS = 1, 4
+_LOCKS_MODE = 1
+_LEAST_CEILING_M = 10.0
 
 
 def _take_off(scene: Scene) -> Command:
@@ -68,6 +75,23 @@ def _departure(altitude_m: float) -> tuple[Step, ...]:
     )
 
 
+def _fence(before: Mapping[str, float], ceiling_m: float) -> Mapping[str, float]:
+    """What the geofence has to be (AC_Fence.cpp, ArduCopter/fence.cpp).
+
+    On a breach the vehicle brakes: a return would lead straight home, through whatever is in between. FENCE_OPTIONS
+    would keep the pilot from taking a vehicle that stands beyond the fence. FENCE_MARGIN is left alone: it slows down
+    setpoints of velocity alone, and those that have a place beyond the fence are refused whatever it is.
+    """
+    kinds = int(before["FENCE_TYPE"]) if before["FENCE_ENABLE"] > 0.0 else 0
+    ceiling_m = max(ceiling_m, _LEAST_CEILING_M)
+    return {
+        "FENCE_TYPE": float(kinds | _CEILING | _AREAS),
+        "FENCE_ACTION": _BRAKES,
+        "FENCE_ALT_MAX": min(ceiling_m, before["FENCE_ALT_MAX"]) if kinds & _CEILING else ceiling_m,
+        "FENCE_OPTIONS": float(int(before.get("FENCE_OPTIONS", 0.0)) & ~_LOCKS_MODE),
+    }
+
+
 ARDUPILOT: Final = Autopilot(
     name="ArduPilot",
     number=AUTOPILOT_ARDUPILOT,
@@ -80,5 +104,16 @@ ARDUPILOT: Final = Autopilot(
     rates_hz={**COMMON_RATES_HZ, Stream.EKF_STATUS_REPORT: 2.0},
     once=(*COMMON_ONCE, Stream.WIND),
     bytewise=False,
+    fence=FenceRules(
+        switch="FENCE_ENABLE",
+        off=0.0,
+        on=1.0,
+        parameters=("FENCE_TYPE", "FENCE_ACTION", "FENCE_ALT_MAX", "FENCE_OPTIONS"),
+        optional=frozenset({"FENCE_OPTIONS"}),
+        wanted=_fence,
+        # Bytes of the area of its storage on a board of 16 KiB or more, without its head and its end.
+        room=Room(total=555, area=2, corner=8, circle=13),
+        sphere_m=6_378_100.0,
+    ),
     departure=_departure,
 )

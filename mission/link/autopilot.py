@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from mission.link.fence_rules import FenceRules
 from mission.link.messages import Stream
 from mission.link.steps import Step
 from mission.link.values import Command
@@ -24,6 +25,7 @@ class Autopilot:
         rates_hz: The messages that it is asked for, and how often.
         once: The messages that it is asked for once.
         bytewise: Whether it sends the bytes of an integer parameter, and not its value.
+        fence: What it has to be told of its geofence.
         departure: The steps from disarmed on the ground to flying setpoints, for an altitude above the take-off point.
     """
 
@@ -38,6 +40,7 @@ class Autopilot:
     rates_hz: Mapping[Stream, float]
     once: tuple[Stream, ...]
     bytewise: bool
+    fence: FenceRules
     departure: Callable[[float], tuple[Step, ...]]
 
     def mode_name(self, mode: int) -> str:

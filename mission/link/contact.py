@@ -1,27 +1,22 @@
-"""The vehicle on the other side of a link: found, identified, listened to, asked, without I/O.
-
-We are a ground station (MAV_TYPE_GCS) with system id 255: ArduPilot's ground-station failsafe counts no other id, and
-PX4's counts the type, so a vehicle that is set to return when its ground station is lost does so when this program
-dies. The component id differs from those of QGroundControl and MAVProxy, which share 255, so that answers to one of
-us are not taken for answers to the other.
-"""
+"""The vehicle on the other side of a link: found, identified, listened to, asked, without I/O."""
 
 import math
 from collections import deque
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from mission.errors import LinkError, MissionError, VehicleError
 from mission.link.arrival import Arrival
 from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
+from mission.link.identity import LinkOptions
 from mission.link.inbox import Inbox
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, Stream, request_message, vehicle_type_name
 from mission.link.parameters import ParameterReading
 from mission.link.photography import Photography
 from mission.link.pictures import PictureBook
+from mission.link.plan_values import Partner, PlanBody
 from mission.link.requests import Answer, RequestChannel
-from mission.link.signing import Signatures
+from mission.link.services import parameter_request
 from mission.link.texts import Text
 from mission.link.values import (
     Acknowledgement,
@@ -42,37 +37,12 @@ from mission.plan.photographs import Photographs
 
 if TYPE_CHECKING:
     from mission.link.autopilot import Autopilot
+    from mission.link.fence_guard import FenceGuard
 
 _BEAT_S: Final = 1.0
 _ASK_AGAIN_S: Final = 2.0
 _RENEW_S: Final = 0.5
 _READY_FOR_S: Final = 1.0
-
-
-@dataclass(frozen=True)
-class LinkOptions:
-    """Who we are on the link and how patient.
-
-    Attributes:
-        system_id: Our MAVLink system id.
-        component_id: Our component id.
-        connect_s: How long to wait for a vehicle, on the clock here.
-        lost_s: After this long without a message from the vehicle, on the clock here, the link is lost; in flight
-            also after so long without its position.
-        ready_s: How long to wait for position and health, on the clock here.
-        setpoint_s: Vehicle time between two setpoints.
-        vehicle_id: System id of the vehicle to fly, where several share the link; 0 takes the first one heard.
-        signatures: Signs what is sent, and lets only what is signed be heard; None does neither.
-    """
-
-    system_id: int = 255
-    component_id: int = 191
-    connect_s: float = 30.0
-    lost_s: float = 5.0
-    ready_s: float = 180.0
-    setpoint_s: float = 1.0 / 50.0
-    vehicle_id: int = 0
-    signatures: Signatures | None = None
 
 
 class Contact:
@@ -89,6 +59,7 @@ class Contact:
         photography: Switches the camera.
         pictures: What was told of its pictures; None where they do not count.
         parameters: What is asked of its parameters, and what has come.
+        fence: Its geofence, where that is to guard the flight: whoever departs says so before.
         late_s: How long what was handled last had waited, on the clock here.
         out: Frames to send, likewise; answers to PINGs come after them.
     """
@@ -111,6 +82,7 @@ class Contact:
         self.photography = self._photography(())
         self.pictures: PictureBook | None = None
         self.parameters = ParameterReading()
+        self.fence: FenceGuard | None = None
         self._streams: StreamRequests | None = None
         self._system_id = 0
         self._others: set[int] = set()
@@ -170,8 +142,11 @@ class Contact:
             else:
                 self._take_from_camera(self.photography.channel.take(body, now_s), now_s)
             return answer
-        if isinstance(body, ParameterValue):
-            self.parameters.take(body)
+        if isinstance(body, ParameterValue | PlanBody):
+            if isinstance(body, ParameterValue):
+                self.parameters.take(body)
+            if self.fence is not None:
+                self.fence.take(body)
             return None
         if isinstance(body, Image):
             if self.pictures is not None:
@@ -205,7 +180,8 @@ class Contact:
         answer = self.channel.unanswered(now_s)
         if answer is not None:
             self._note_answer(answer, now_s)
-        self.out += [self._codec.parameter_request(self._system_id, name) for name in self.parameters.due(now_s)]
+        for name in self.parameters.due(now_s):
+            self.out.append(self._codec.packed(parameter_request(self._system_id, name)))
         return answer
 
     def trouble(self, now_s: float, *, departed: bool) -> MissionError | None:
@@ -291,13 +267,33 @@ class Contact:
         if self.pictures is not None:
             self.pictures.advance(self._vehicle_s(now_s))
 
+    @property
+    def own(self) -> Partner:
+        """Who we are."""
+        return Partner(self.options.system_id, self.options.component_id)
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether something of the vehicle is not as it was before, and there is hope of that."""
+        return self.photography.unfinished or (self.fence is not None and self.fence.unfinished)
+
+    def tend_fence(self, now_s: float, *, over: bool) -> None:
+        """Go on setting the vehicle's geofence, or putting back what it had, once the flight is over."""
+        guard = self.fence
+        if guard is None:
+            return
+        if over:
+            guard.put_back()
+        self.out.extend(map(self._codec.packed, guard.advance(self._system_id, now_s)))
+
     def send_command(self, now_s: float) -> None:
         """Send the command under way, if it is due for the first time or again."""
         self._send_due(self.channel, now_s)
 
     def wait_s(self, now_s: float) -> float:
         """How long until a command is to be sent or given up, on the clock here; infinite where none is under way."""
-        return min(self.channel.wait_s(now_s), self.photography.channel.wait_s(now_s))
+        fence_s = math.inf if self.fence is None else self.fence.wait_s(now_s)
+        return min(self.channel.wait_s(now_s), self.photography.channel.wait_s(now_s), fence_s)
 
     def _vehicle_s(self, now_s: float) -> float:
         return self.vehicle.clock.now_s(now_s) or 0.0

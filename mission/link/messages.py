@@ -1,4 +1,4 @@
-"""MAVLink in and out as typed values: with ``framing``, the only module of the planner that knows the dialect.
+"""MAVLink in and out as typed values: with ``framing`` and ``services``, all of the planner that knows the dialect.
 
 Message definitions: https://mavlink.io/en/messages/common.html and ardupilotmega.html; the latter contains the former,
 so one dialect serves every vehicle. Frames go out as MAVLink 2, and are understood in either version.
@@ -7,13 +7,14 @@ so one dialect serves every vehicle. Frames go out as MAVLink 2, and are underst
 import math
 from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
-from struct import pack, unpack
 from typing import Any, Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.link.frames import angles_of
 from mission.link.framing import Frame, split
+from mission.link.services import READERS as OF_SERVICES
+from mission.link.services import Message
 from mission.link.signing import Signatures
 from mission.link.values import (
     Acknowledgement,
@@ -34,7 +35,6 @@ from mission.link.values import (
     LocalPosition,
     LocalSetpoint,
     Origin,
-    ParameterValue,
     Ping,
     Received,
     Result,
@@ -50,7 +50,6 @@ _E7: Final = 1e-7
 _MM: Final = 1e-3
 _NO_COUNT: Final = 255
 _NO_DILUTION: Final = 65535
-_INTEGERS: Final = frozenset(range(mavlink.MAV_PARAM_TYPE_UINT8, mavlink.MAV_PARAM_TYPE_INT64 + 1))
 
 
 class Stream(IntEnum):
@@ -115,12 +114,6 @@ def _fix(m: Any) -> Fix:  # noqa: ANN401 - pymavlink ships no types
     )
 
 
-def _parameter(m: Any) -> ParameterValue:  # noqa: ANN401 - pymavlink ships no types
-    """PARAM_VALUE: PX4 lays an integer's bytes where the number is, ArduPilot sends the number."""
-    (as_bytes,) = unpack("<i", pack("<f", m.param_value))
-    return ParameterValue(str(m.param_id), m.param_value, as_bytes, m.param_type in _INTEGERS)
-
-
 def _estimator(flags: int, *ratios: float) -> EstimatorReport:
     """EKF_STATUS_REPORT or ESTIMATOR_STATUS; a ratio that is no number is none."""
     return EstimatorReport(Estimates(flags), max(filter(math.isfinite, ratios), default=0.0))
@@ -147,7 +140,6 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
         m.battery_remaining,
     ),
     "BATTERY_STATUS": lambda m: Battery(m.charge_state in _CRITICAL_CHARGES),
-    "PARAM_VALUE": _parameter,
     "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7),
     "WIND": lambda m: Wind(m.speed, m.direction % 360.0),
     "WIND_COV": lambda m: _wind_of(m.wind_x, m.wind_y),
@@ -165,6 +157,7 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "AUTOPILOT_VERSION": lambda m: Version(
         (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
     ),
+    **OF_SERVICES,
 }
 
 
@@ -233,7 +226,7 @@ class Codec:
 
     def heartbeat(self) -> bytes:
         """The HEARTBEAT of a ground station."""
-        return self._packed(
+        return self.packed(
             mavlink.MAVLink_heartbeat_message(
                 mavlink.MAV_TYPE_GCS, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
             )
@@ -241,32 +234,24 @@ class Codec:
 
     def answer(self, asked: Received, ping: Ping) -> bytes:
         """The answer to a PING: the same, to whoever sent it. https://mavlink.io/en/services/ping.html."""
-        return self._packed(
-            mavlink.MAVLink_ping_message(ping.time_us, ping.number, asked.system_id, asked.component_id)
-        )
+        return self.packed(mavlink.MAVLink_ping_message(ping.time_us, ping.number, asked.system_id, asked.component_id))
 
     def time_request(self, asked_ns: int) -> bytes:
         """A TIMESYNC that asks for the vehicle's time, with one of ours that is not 0."""
-        return self._packed(mavlink.MAVLink_timesync_message(0, asked_ns))
+        return self.packed(mavlink.MAVLink_timesync_message(0, asked_ns))
 
     def command(self, target_system: int, command: Command, attempt: int) -> bytes:
         """A COMMAND_LONG to the autopilot of a system; ``attempt`` counts from 0."""
         parameters = (*command.parameters, *(0.0,) * (7 - len(command.parameters)))
-        return self._packed(
+        return self.packed(
             mavlink.MAVLink_command_long_message(
                 target_system, AUTOPILOT_COMPONENT, command.number, min(attempt, 255), *parameters
             )
         )
 
-    def parameter_request(self, target_system: int, name: str) -> bytes:
-        """A PARAM_REQUEST_READ by name to the autopilot of a system."""
-        return self._packed(
-            mavlink.MAVLink_param_request_read_message(target_system, AUTOPILOT_COMPONENT, name.encode("ascii"), -1)
-        )
-
     def setpoint(self, target_system: int, setpoint: LocalSetpoint) -> bytes:
         """A SET_POSITION_TARGET_LOCAL_NED to the autopilot of a system."""
-        return self._packed(
+        return self.packed(
             mavlink.MAVLink_set_position_target_local_ned_message(
                 setpoint.time_boot_ms & 0xFFFFFFFF,
                 target_system,
@@ -281,7 +266,8 @@ class Codec:
             )
         )
 
-    def _packed(self, message: Any) -> bytes:  # noqa: ANN401 - pymavlink ships no types
+    def packed(self, message: Message) -> bytes:
+        """A frame of any message."""
         if self._signatures is not None:
             self._mav.signing.timestamp = self._signatures.stamp()
         frame = bytes(message.pack(self._mav))

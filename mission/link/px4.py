@@ -4,14 +4,17 @@ Observed on PX4 1.16: a take-off's height is above mean sea level; OFFBOARD with
 accepted and not entered; a stream that pauses for a second is a failure.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
 from mission.link.autopilot import COMMON_ONCE, COMMON_RATES_HZ, Autopilot
+from mission.link.fence_rules import FenceRules
 from mission.link.messages import AUTOPILOT_PX4, Stream, arm, change_mode, land, take_off
 from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
 from mission.link.values import Command
 from mission.monitor.stage import Stage
+from mission.plan.guarding import Room
 
 _AUTO, _MAIN_OFFBOARD = 4, 6
 _SUB_TAKEOFF, _SUB_HOLD, _SUB_LAND = 2, 3, 6
@@ -86,6 +89,21 @@ def _departure(altitude_m: float) -> tuple[Step, ...]:
     )
 
 
+def _fence(before: Mapping[str, float], ceiling_m: float) -> Mapping[str, float]:
+    """What the geofence has to be (navigator/geofence.cpp, commander's GF_ACTION).
+
+    On a breach the vehicle holds: a return would lead straight home, through whatever is in between. GF_PREDICT would
+    stop a vehicle that flies towards an outline and means to turn ahead of it.
+    """
+    watches = before["GF_ACTION"] > 0.0
+    ceiling, radius = before["GF_MAX_VER_DIST"], before["GF_MAX_HOR_DIST"]
+    return {
+        "GF_MAX_VER_DIST": min(ceiling_m, ceiling) if watches and ceiling > 0.0 else ceiling_m,
+        "GF_MAX_HOR_DIST": radius if watches else 0.0,
+        "GF_PREDICT": 0.0,
+    }
+
+
 PX4: Final = Autopilot(
     name="PX4",
     number=AUTOPILOT_PX4,
@@ -98,5 +116,15 @@ PX4: Final = Autopilot(
     rates_hz={**COMMON_RATES_HZ, Stream.ESTIMATOR_STATUS: 2.0},
     once=(*COMMON_ONCE, Stream.WIND_COV),
     bytewise=True,
+    fence=FenceRules(
+        switch="GF_ACTION",
+        off=0.0,
+        on=2.0,
+        parameters=("GF_MAX_VER_DIST", "GF_MAX_HOR_DIST", "GF_PREDICT"),
+        optional=frozenset({"GF_PREDICT"}),
+        wanted=_fence,
+        room=Room(total=64, area=0, corner=1, circle=1),  # DM_KEY_FENCE_POINTS_MAX
+        sphere_m=6_371_000.0,
+    ),
     departure=_departure,
 )

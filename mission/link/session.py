@@ -12,17 +12,19 @@ import math
 from typing import Final
 
 from mission.errors import MissionError, VehicleError
-from mission.link.contact import Contact, LinkOptions
+from mission.link.contact import Contact
 from mission.link.course import Course
 from mission.link.ending import Ending
 from mission.link.events import Event, Held, StageEntered
 from mission.link.frames import Anchoring
 from mission.link.guidance import Guidance
+from mission.link.identity import LinkOptions
+from mission.link.itinerary import onward, whole_flight
 from mission.link.lead import Lead
 from mission.link.leading import Leader
 from mission.link.origin_watch import OriginWatch
 from mission.link.procedure import Procedure
-from mission.link.steps import Scene, Step, change_mode_step, disarm_step, flight_steps, landing_steps, unarm_step
+from mission.link.steps import Scene, Step, change_mode_step, disarm_step, landing_steps, unarm_step
 from mission.link.takeover import Takeover, how_left
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import VehicleState
@@ -119,7 +121,7 @@ class Session:
 
         A vehicle in the air is told to hold, or to land, before anything is raised.
         """
-        self.switch_camera(now_s)
+        self.tend(now_s)
         if self.stage is Stage.DONE:
             return
         vehicle_s = self.vehicle.clock.now_s(now_s)
@@ -138,8 +140,9 @@ class Session:
             self._proceed(vehicle_s, now_s)
         self.contact.send_command(now_s)
 
-    def switch_camera(self, now_s: float) -> None:
-        """Switch the camera on and off as the trajectory asks: off where it is not flown, also once all is over."""
+    def tend(self, now_s: float, *, over: bool = False) -> None:
+        """Switch the camera as the trajectory asks, set the geofence, and put both back once the flight is over."""
+        self.contact.tend_fence(now_s, over=over or self.stage is Stage.DONE)
         vehicle_s = self.vehicle.clock.now_s(now_s)
         flown = self.stage is Stage.FLY and vehicle_s is not None
         self.contact.switch_camera(self.lead.photographed_s(vehicle_s or 0.0) if flown else None, now_s)
@@ -156,13 +159,9 @@ class Session:
         self.lead.depart(course, anchoring)
         self._origin = OriginWatch(self.vehicle.origin)
         self.contact.photograph(photographs)
-        offboard = frozenset({kind.offboard_mode})
-        self._procedure = self._procedure_of(
-            *kind.departure(course.altitude_m),
-            *flight_steps(offboard, course.lasts_s),
-            *landing_steps(kind.land, kind.land_mode, offboard, course.altitude_m),
-        )
-        self._enter(Stage.MODE, self.vehicle.clock.newest_s)
+        steps = whole_flight(kind, course, self.contact.fence)
+        self._procedure = self._procedure_of(*steps)
+        self._enter(steps[0].stage, self.vehicle.clock.newest_s)
 
     @property
     def redirectable(self) -> bool:
@@ -185,10 +184,7 @@ class Session:
             raise RuntimeError(f"no other course can be flown while {self.stage}")
         guidance.redirect(course, at_s)
         self.lead.course = course
-        offboard = frozenset({kind.offboard_mode})
-        _, *onward = flight_steps(offboard, course.lasts_s)
-        landing = landing_steps(kind.land, kind.land_mode, offboard, course.altitude_m)
-        self._procedure.replace((*onward, *landing), at_s)
+        self._procedure.replace(onward(kind, course), at_s)
         if photographs is not None:
             self.contact.photography.follow(photographs)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from mission.link.fence_guard import FenceGuard
 from mission.link.messages import disarm
 from mission.link.pace import LEAST_RATE
 from mission.link.values import Command, LandedState
@@ -18,6 +19,10 @@ AIRBORNE_M: Final = 0.5
 _GRACE_S: Final = 15.0
 _TELLS_WITHIN_S: Final = 2.5
 """Two heartbeats, and one that was on its way."""
+
+
+_FENCED_WITHIN_S: Final = 600.0
+"""Vehicle time, which may be a simulator's that hurries: questions that are in vain end sooner, by the clock here."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +111,22 @@ def change_mode_step(stage: Stage, command: Command, mode: int, name: str, modes
         patience_s=10.0,
         repeat_s=2.0,
         modes=modes,
+    )
+
+
+def fence_step(guard: FenceGuard) -> Step:
+    """Wait until the vehicle keeps its geofence."""
+
+    def is_set(_scene: Scene) -> bool:
+        if guard.failure is not None:
+            raise guard.failure
+        return guard.is_set
+
+    return Step(
+        stage=Stage.FENCE,
+        confirmed=is_set,
+        missing="did not take its geofence",
+        limit_s=_FENCED_WITHIN_S,
     )
 
 

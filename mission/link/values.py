@@ -8,6 +8,7 @@ from enum import IntEnum, IntFlag
 from typing import Final
 
 from mission.link.frames import Vector
+from mission.link.plan_values import PlanBody
 
 _SAFETY_ARMED: Final = 128
 """MAV_MODE_FLAG_SAFETY_ARMED."""
@@ -179,12 +180,16 @@ class Battery:
 
 @dataclass(frozen=True, slots=True)
 class ParameterValue:
-    """PARAM_VALUE: the four bytes of its value, as a number and, for an integer sent by its bytes, as that."""
+    """PARAM_VALUE: the four bytes of its value, as a number and, for an integer sent by its bytes, as that.
+
+    ``type`` is its MAV_PARAM_TYPE, which is told again where it is set.
+    """
 
     name: str
     as_number: float
     as_bytes: int
     is_integer: bool
+    type: int = 0
 
     def value(self, *, bytewise: bool) -> float:
         """The value, of an autopilot that sends integers by their bytes or not."""
@@ -314,6 +319,7 @@ Body = (
     | TimeAnswer
     | Fix
     | Image
+    | PlanBody
 )
 
 

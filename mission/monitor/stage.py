@@ -11,6 +11,7 @@ class Stage(StrEnum):
     STREAMS = "asking for telemetry"
     READY = "waiting for position and health"
     STANDBY = "ready"
+    FENCE = "setting the geofence"
     MODE = "changing the flight mode"
     CHECKS = "waiting for the checks before arming"
     ARM = "arming"

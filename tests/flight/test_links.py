@@ -9,7 +9,7 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.cli import main
-from mission.link.contact import LinkOptions
+from mission.link.identity import LinkOptions
 from mission.report.reading import read_record
 from tests.support.small_missions import SMALL
 from tests.support.vehicle_program import running

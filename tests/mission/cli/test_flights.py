@@ -11,7 +11,7 @@ import pytest
 
 from mission.cli import main
 from mission.cli.arguments import build_parser, with_negative_pairs
-from mission.link.contact import LinkOptions
+from mission.link.identity import LinkOptions
 from tests.support.commands import MISSIONS, ran
 
 PAPER = str(MISSIONS / "paper.yaml")

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.link.arrival import ASK_S, Arrival
-from mission.link.contact import Contact, LinkOptions
+from mission.link.contact import Contact
+from mission.link.identity import LinkOptions
 from mission.link.messages import Codec
 from mission.link.values import TimeAnswer
 from mission.link.vehicle_clock import VehicleClock

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from mission.link.contact import LinkOptions
+from mission.link.identity import LinkOptions
 from mission.link.lockstep import STILL_S, LockstepLink
 from mission.link.session import Session
 

@@ -9,9 +9,9 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import VehicleError
-from mission.link.contact import LinkOptions
 from mission.link.ending import Ending
 from mission.link.events import Moved, SetpointSent
+from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.monitor.stage import Stage
 from tests.support.scripted_vehicle import Script, ScriptedVehicle

@@ -7,6 +7,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.link.messages import Codec
 from mission.link.parameters import ParameterReading
+from mission.link.services import parameter_request
 from mission.link.values import ParameterValue
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 
@@ -34,7 +35,7 @@ def test_values_come_as_the_flavour_sends_them_and_what_does_not_come_ends_the_w
     while not reading.complete:
         for name in reading.due(vehicle.now_s()):
             asked[name] += 1
-            vehicle.send(codec.parameter_request(1, name))
+            vehicle.send(codec.packed(parameter_request(1, name)))
         for data in vehicle.receive(0.05):
             for received in codec.decode(data):
                 if isinstance(received.body, ParameterValue):

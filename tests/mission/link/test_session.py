@@ -9,9 +9,9 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import LinkError, VehicleError
-from mission.link.contact import LinkOptions
 from mission.link.ending import Ending
 from mission.link.events import Answered, Asked, Moved, Said, SetpointSent
+from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.monitor.stage import Stage
 from mission.plan.turning import TURN_RAD_S

@@ -9,7 +9,8 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import LinkError, SpecError
-from mission.link.contact import Contact, LinkOptions
+from mission.link.contact import Contact
+from mission.link.identity import LinkOptions
 from mission.link.key_file import open_signatures
 from mission.link.messages import Codec
 from mission.link.signing import Signatures

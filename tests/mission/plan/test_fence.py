@@ -5,7 +5,6 @@ import pytest
 import shapely
 
 from mission.export.drawings import areas
-from mission.export.fence import Circle, Fence, Fenced, fence_around, fence_of, rally_points
 from mission.export.placed_plan import placed_plan
 from mission.export.uploads import autopilot_plan
 from mission.geometry.geodesy import LatLon
@@ -13,6 +12,7 @@ from mission.interchange.autopilot_plan import FenceCircle
 from mission.interchange.geojson_writer import geojson
 from mission.interchange.reading import read_drawing
 from mission.plan import FlightPlan
+from mission.plan.fence import Circle, Fence, Fenced, fence_around, fence_of, rally_points
 from tests.support.small_missions import FLOWN_BRISKLY, SMALL, plan_of
 
 FIELD = shapely.box(0.0, 0.0, 100.0, 60.0)

@@ -9,11 +9,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 import shapely
 from shapely.geometry.polygon import orient
 from shapely.ops import polylabel
 
 from mission.geometry.arrays import FloatArray
+from mission.geometry.geodesy import LatLon
+from mission.geometry.places import places_at_offsets
+from mission.interchange.autopilot_plan import FenceCircle, FencePolygon
+from mission.logic.automata.rabin import DEAD
 from mission.plan.flight_plan import FlightPlan
 from mission.spec.areas import clearance_of
 from mission.spec.model import BoundaryDomain, CircleShape, Point, RegionKind
@@ -55,9 +60,14 @@ class Fence:
     inclusion: Rim
     exclusions: tuple[Rim, ...]
 
+    @property
+    def rims(self) -> tuple[Rim, ...]:
+        """All of them, the inclusion first."""
+        return (self.inclusion, *self.exclusions)
+
     def distance_m(self, line: shapely.LineString) -> float:
         """How far a line is from the fence at its nearest."""
-        return min(_distance_m(rim, line) for rim in (self.inclusion, *self.exclusions))
+        return min(_distance_m(rim, line) for rim in self.rims)
 
 
 def domain_shape(plan: FlightPlan) -> shapely.Geometry:
@@ -71,7 +81,11 @@ def region_shape(plan: FlightPlan, name: str) -> shapely.Geometry:
 
 
 def fence_of(plan: FlightPlan) -> Fence:
-    """The geofence of a plan: its domain, and out of what is restricted."""
+    """The geofence of a plan: its domain, out of what is restricted, and out of where no flight that satisfies it is.
+
+    The last is what the mission's own automaton never reads, from none of its states, such as the regions of ``G !K``
+    or what two regions of ``G !(a & b)`` have in common. A region that is only to be avoided for a time is no part.
+    """
     domain = plan.spec.domain
     around = _circle(domain.boundary, -domain.clearance_m) if isinstance(domain, BoundaryDomain) else None
     restricted = [
@@ -79,7 +93,32 @@ def fence_of(plan: FlightPlan) -> Fence:
         for region in plan.spec.regions
         if region.kind is RegionKind.RESTRICTED
     ]
-    return fence_around(plan.start_m, Fenced(domain_shape(plan), around), restricted)
+    never = (plan.deterministic.targets == DEAD).all(axis=0)
+    never[plan.labelling.letter_of[plan.run.states[0]]] = False  # where the flight begins need not be read
+    shunned = never[plan.labelling.letter_of] & ~plan.restricted
+    shapes = [Fenced(_outlined(plan.partition.corners_m[shunned]))] if shunned.any() else []
+    return fence_around(plan.start_m, Fenced(domain_shape(plan), around), [*restricted, *shapes])
+
+
+def placed(fence: Fence, origin: LatLon, shift_m: Point = (0.0, 0.0)) -> tuple[FencePolygon | FenceCircle, ...]:
+    """A fence on Earth, the inclusion first.
+
+    Args:
+        fence: The fence.
+        origin: A place.
+        shift_m: Where the domain's (0, 0) lies, seen from there, east and north.
+    """
+
+    def places(points_m: FloatArray) -> tuple[LatLon, ...]:
+        return tuple(LatLon(*place) for place in places_at_offsets(origin, points_m + np.array(shift_m)).tolist())
+
+    areas: list[FencePolygon | FenceCircle] = []
+    for number, rim in enumerate(fence.rims):
+        if isinstance(rim, Circle):
+            areas.append(FenceCircle(number == 0, places(np.array([rim.centre_m]))[0], rim.radius_m))
+        else:
+            areas.append(FencePolygon(number == 0, places(rim)))
+    return tuple(areas)
 
 
 def fence_around(start_m: Point, domain: Fenced, restricted: Sequence[Fenced]) -> Fence:
@@ -102,8 +141,8 @@ def fence_around(start_m: Point, domain: Fenced, restricted: Sequence[Fenced]) -
     reached = [fenced for fenced in exclusions if fenced.area.intersection(outline).area > 0.0]
     # A circle that something cuts in two is one circle.
     circles = dict.fromkeys(fenced.circle for fenced in reached if fenced.circle is not None)
-    polygons = [_corners(fenced.area) for fenced in reached if fenced.circle is None]
-    return Fence(_corners(outline) if circle is None else circle, (*polygons, *circles))
+    polygons = [corners_of(fenced.area) for fenced in reached if fenced.circle is None]
+    return Fence(corners_of(outline) if circle is None else circle, (*polygons, *circles))
 
 
 def rally_points(plan: FlightPlan) -> tuple[Point, ...]:
@@ -117,6 +156,12 @@ def rally_points(plan: FlightPlan) -> tuple[Point, ...]:
                 place = end if shape.contains(end) else _middle(shape)
                 places.append((float(place.x), float(place.y)))
     return tuple(places)
+
+
+def corners_of(area: shapely.Polygon) -> FloatArray:
+    """The corners of an area's outline, shape (K, 2), counter-clockwise, each once."""
+    corners: FloatArray = shapely.get_coordinates(orient(area).exterior)[:-1]
+    return corners
 
 
 def _outlined(corners_m: FloatArray) -> shapely.Geometry:
@@ -147,8 +192,3 @@ def _middle(area: shapely.Geometry) -> shapely.Point:
 
 def _part_around(place: shapely.Point, area: shapely.Geometry) -> shapely.Polygon:
     return min(shapely.get_parts(area), key=place.distance)
-
-
-def _corners(area: shapely.Polygon) -> FloatArray:
-    corners: FloatArray = shapely.get_coordinates(orient(area).exterior)[:-1]
-    return corners

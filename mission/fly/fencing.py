@@ -1,0 +1,67 @@
+"""The geofence that guards a flight: a plan's fence in the frame that is flown in, as the autopilot takes it."""
+
+from typing import Final
+
+from mission.errors import GeometryError, VehicleError
+from mission.geometry.geodesy import LatLon
+from mission.link.contact import Contact
+from mission.link.fence_guard import FenceGuard, fence_items
+from mission.link.frames import Anchor, Anchoring, enu_from_ned
+from mission.plan import FlightPlan
+from mission.plan.fence import fence_of, placed
+from mission.plan.guarding import frame_share, opened, reach_m, thinned
+
+_CEILING_SHARE: Final = 0.2
+_LEAST_ABOVE_M: Final = 5.0
+"""How far the ceiling is above the altitude that is flown: that share of it, and this at least."""
+
+
+def guarded(plan: FlightPlan, anchoring: Anchoring, contact: Contact, *, keep: bool) -> tuple[FenceGuard, Anchoring]:
+    """What guards the flight of a plan, and how that is tied to the vehicle's frame from now on.
+
+    The fence is laid in the local frame that is flown in and goes to Earth by what the vehicle says of that frame's
+    origin. Where the vehicle stands now decides, and no longer where it stands when it is armed, so that the path is
+    where the fence was made for it.
+
+    Args:
+        plan: What is flown.
+        anchoring: How its domain is tied to the vehicle's frame.
+        contact: The vehicle, which has told where it is.
+        keep: Whether the fence stays after the flight.
+
+    Raises:
+        VehicleError: The vehicle has not told where it is, or has no room for the fence.
+    """
+    vehicle, kind = contact.vehicle, contact.autopilot
+    if vehicle.origin is None or vehicle.position is None or kind is None:
+        raise VehicleError("the vehicle has not told where on Earth it is, which a geofence needs")
+    north_m, east_m, _ = anchoring(vehicle.position.position_ned_m).origin_ned_m
+    shift = enu_from_ned((north_m, east_m, 0.0))[:2]
+    origin = LatLon(vehicle.origin.latitude_deg, vehicle.origin.longitude_deg)
+    fence = fence_of(plan)
+    off = frame_share(kind.fence.sphere_m, origin.latitude_deg, vehicle.origin.altitude_amsl_m)
+    fitting = thinned(opened(fence, off * reach_m(fence, shift)), kind.fence.room)
+    if fitting is None:
+        raise VehicleError(
+            f"{kind.name} has no room for a geofence of this mission, of {len(fence.rims)} areas; draw fewer, or let "
+            f"`--no-fence` fly it without one"
+        )
+    try:
+        areas = placed(fitting, origin, shift)
+    except GeometryError as error:
+        raise VehicleError(f"the vehicle cannot be fenced in: {error}") from error
+    altitude_m = plan.trajectory.altitude_m
+    guard = FenceGuard(
+        fence_items(areas),
+        kind.fence,
+        ceiling_m=altitude_m + max(_LEAST_ABOVE_M, _CEILING_SHARE * altitude_m),
+        own=contact.own,
+        bytewise=kind.bytewise,
+        keep=keep,
+    )
+    return guard, anchored_at(north_m, east_m, anchoring)
+
+
+def anchored_at(north_m: float, east_m: float, anchoring: Anchoring) -> Anchoring:
+    """The same anchor whatever the vehicle's place, but for its height."""
+    return lambda vehicle_ned_m: Anchor((north_m, east_m, anchoring(vehicle_ned_m).origin_ned_m[2]))
