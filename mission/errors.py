@@ -115,6 +115,10 @@ class UnprovedError(NoPlanError):
         self.counterexample, self.where_s = counterexample, where_s
 
 
+class NoRollingStartError(NoPlanError):
+    """No plan begins with the present velocity and acceleration; one that begins at rest there may."""
+
+
 class LinkError(MissionError):
     """The MAVLink connection could not be opened, or was lost."""
 

@@ -13,6 +13,7 @@ from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
+from mission.plan.beginning import Beginning
 from mission.plan.covering import CoveredVisit, Covering
 from mission.plan.progress import Grounds, Stage, Stages, StagesOfRuns
 from mission.plan.visits import covered_visits, passage_at, visits
@@ -77,6 +78,12 @@ class _Line(NamedTuple):
         return _rests((self.held_s, self.lanes))
 
 
+def pace_of(spec: MissionSpec) -> Pace:
+    """What the vehicle of a mission can do, and may."""
+    acceleration = level_acceleration(spec.limits.acceleration_m_s2, spec.limits.tilt_rad)
+    return Pace(min(spec.flight.speed_m_s, spec.limits.speed_m_s), acceleration, spec.limits.jerk_m_s3)
+
+
 @dataclass(frozen=True, eq=False)
 class CorridorPlanner:
     """Plans flights through corridors for one mission.
@@ -100,12 +107,15 @@ class CorridorPlanner:
     @property
     def pace(self) -> Pace:
         """What the vehicle can do, and may."""
-        flight, limits = self.spec.flight, self.spec.limits
-        acceleration = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
-        return Pace(min(flight.speed_m_s, limits.speed_m_s), acceleration, limits.jerk_m_s3)
+        return pace_of(self.spec)
 
-    def path(self, run: Run, start_m: Point, certify: Callable[[JoinedCurve], Certificate]) -> CorridorPath:
+    def path(self, run: Run, begins: Beginning, certify: Callable[[JoinedCurve], Certificate]) -> CorridorPath:
         """A smooth path that does what a run does, proved.
+
+        Args:
+            run: The run.
+            begins: Where the path begins, and with which motion.
+            certify: Proves a curve.
 
         Raises:
             NoStagesError: What the run spells depends on its triangles.
@@ -117,18 +127,24 @@ class CorridorPlanner:
         failure: UnprovedError | None = None
         for more in _MORE_ROOM:
             try:
-                return self._proved(run, start_m, certify, self.spec.flight.tube_m + more * room_m)
+                return self._proved(run, begins, certify, self.spec.flight.tube_m + more * room_m)
             except UnprovedError as error:
                 failure = failure or error
         raise failure or UnprovedError("nothing was tried", counterexample=(), where_s=None)
 
     def _proved(
-        self, run: Run, start_m: Point, certify: Callable[[JoinedCurve], Certificate], margin_m: float
+        self, run: Run, begins: Beginning, certify: Callable[[JoinedCurve], Certificate], margin_m: float
     ) -> CorridorPath:
         grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m)
         stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run)
-        to_lap, lap = self._lines(run, stages, np.asarray(start_m, dtype=np.float64), margin_m)
-        flown = _Flown(self.pace, to_lap, lap)
+        free, onward = stages.stages[0].free, begins.onward(self.pace)
+        halt = begins.halt(free, self.pace) if begins.halts else None
+        lead_m = begins.lead_m(free, self.pace) if halt is None else halt.position([halt.duration_s])
+        to_lap, lap = self._lines(run, stages, lead_m[-1], margin_m)
+        if len(lead_m) > 1:
+            to_lap.insert(0, _Line(Way(lead_m, free, None)))
+        before = [] if halt is None else [_Line(Way(halt.position([0.0, halt.duration_s]), free, None))]
+        flown = _Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward[:2]))
         if not flown.moves:
             raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
         curve = flown.curve
@@ -140,7 +156,7 @@ class CorridorPlanner:
                 where_s=certificate.where_s,
             )
         return CorridorPath(
-            planned=_planned([*to_lap, *lap], len(to_lap) if lap else None, self.pace.speed_m_s),
+            planned=_planned([*before, *to_lap], lap, self.pace.speed_m_s),
             curve=curve,
             certificate=certificate,
             lap=len(curve.legs) - 1 if lap else None,
@@ -280,11 +296,18 @@ class _Flown:
         pace: What the vehicle can do.
         to_lap: The lines that are flown once.
         lap: Those of the lap; it begins at a rest, or has none.
+        onward: What is flown before, or the first and second derivative with which the curve begins; None at rest.
     """
 
-    def __init__(self, pace: Pace, to_lap: Sequence[_Line], lap: Sequence[_Line]) -> None:
-        self._pace = pace
-        self._pieces: list[Piece] = []
+    def __init__(
+        self,
+        pace: Pace,
+        to_lap: Sequence[_Line],
+        lap: Sequence[_Line],
+        onward: BezierCurve | tuple[FloatArray, FloatArray] | None,
+    ) -> None:
+        self._pace, self._begins = pace, None if isinstance(onward, BezierCurve) else onward
+        self._pieces: list[Piece] = [onward] if isinstance(onward, BezierCurve) else []
         self._stops: list[tuple[int, float]] = []  # after so many pieces, seconds
         self._lanes: list[tuple[RoundedPolyline, int]] = []  # with so many pieces before
         through = bool(lap) and not any(line.rests for line in lap)
@@ -315,7 +338,8 @@ class _Flown:
     def _smooth(self, group: Sequence[_Line], lap: int | None) -> tuple[Piece, ...]:
         if all(len(line.way.points_m) < 2 for line in group):  # noqa: PLR2004 - a line
             return ()
-        return smooth_ways([line.way for line in group], self._pace, lap=lap)
+        onward = None if self._pieces else self._begins
+        return smooth_ways([line.way for line in group], self._pace, lap=lap, onward=onward)
 
     def _end(self, line: _Line) -> None:
         if line.held_s > 0.0:
@@ -379,14 +403,14 @@ def _joined(pieces: Sequence[Piece]) -> Curve:
     return pieces[0] if len(pieces) == 1 else JoinedCurve(tuple(pieces))
 
 
-def _planned(lines: Sequence[_Line], lap: int | None, speed_m_s: float) -> Polyline:
+def _planned(to_lap: Sequence[_Line], lap: Sequence[_Line], speed_m_s: float) -> Polyline:
     """All lines and lanes as one polyline."""
     parts: list[FloatArray] = []
     begins: list[int] = []
-    for line in lines:
+    for line in (*to_lap, *lap):
         begins.append(max(0, sum(map(len, parts)) - 1))
         parts.append(line.way.points_m)
         if line.lanes is not None:
             parts.append(line.lanes.corners_m)
     points = np.concatenate(parts)
-    return Polyline(points, speed_m_s, None if lap is None else (begins[lap], len(points) - 1))
+    return Polyline(points, speed_m_s, (begins[len(to_lap)], len(points) - 1) if lap else None)

@@ -80,6 +80,7 @@ class FlightPlan:
         photographs: The stretches of the trajectory in which pictures are taken, in order.
         way: The shortest way in the plane that the run goes along; None where the best runs were searched in T.
         instead: Why the path of the fields is flown where a curve in a corridor was asked for; empty where it was not.
+        onward: The velocity and the acceleration with which the flight begins, ENU; None where it begins at rest.
     """
 
     spec: MissionSpec
@@ -105,6 +106,7 @@ class FlightPlan:
     photographs: tuple[Photographs, ...] = ()
     way: Way | None = None
     instead: str = ""
+    onward: tuple[Point, Point] | None = None
 
     @cached_property
     def planned_pictures(self) -> int:

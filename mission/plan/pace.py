@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
 
+import numpy as np
+
 from mission.plan.covering import CoveredVisit
 from mission.plan.turning import looked_along, run_ins, slow_to_turn, turns_at_rest
 from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
@@ -17,6 +19,10 @@ from mission.steering.trajectory import Leg, Trajectory
 _ROUNDING: Final = 1.0 - 1e-4
 _OF_ACCELERATION: Final = 0.88
 """What a trajectory asks for: a vehicle that brakes with all that it has cannot make up for an error meanwhile."""
+
+_IN_MOTION: Final = 1.06
+_PULLED: Final = 1.15
+"""Of speed and acceleration with which a flight begins, what its law may ask for: proofs of bounds leave a little."""
 
 _Holds = tuple[tuple[float, float], ...]
 _Standing = tuple[_Holds, _Holds]
@@ -32,6 +38,7 @@ def trajectory_of(
     *,
     slow: tuple[Slow, ...] = (),
     toward_m: Point | None = None,
+    begins: tuple[float, float] | None = None,
 ) -> Trajectory:
     """The fastest flight along a curve within a mission's limits that has time to turn where its nose has to.
 
@@ -43,22 +50,25 @@ def trajectory_of(
         covers: The lanes on it.
         slow: Where the vehicle must be slow.
         toward_m: Where the nose looks, if that is one place.
+        begins: The rate and its growth with which the flight begins; None where it begins at rest.
 
     Raises:
-        ValueError: A stop is not on the curve.
+        ValueError: A stop is not on the curve, or it cannot be flown with such a beginning.
     """
     if not all(math.isfinite(s) and s <= curve.duration_s for s, _ in stops):
         raise ValueError("a stop is not on the curve")
     lanes = looked_along(spec, covers)
     slowly, turns_s = slow_to_turn(spec, curve, lanes, toward_m)
     slow, turns_s = (*slow, *slowly), (*turns_at_rest(spec, curve, lap), *turns_s)
-    fastest = _trajectory(spec, curve, (stops, turns_s), lap, slow)
+    if begins is not None:
+        turns_s = tuple((s, seconds) for s, seconds in turns_s if s > 0.0)
+    fastest = _trajectory(spec, curve, (stops, turns_s), lap, slow, begins=begins)
     turns = run_ins(fastest, lanes, spec.limits.yaw_rate_rad_s)
     if not turns:
         return fastest
     waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
     slow = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
-    return _trajectory(spec, curve, (stops, (*turns_s, *waits)), lap, slow)
+    return _trajectory(spec, curve, (stops, (*turns_s, *waits)), lap, slow, begins=begins)
 
 
 def _trajectory(
@@ -67,14 +77,16 @@ def _trajectory(
     standing: _Standing,
     lap: int | None,
     slow: tuple[Slow, ...],
+    *,
+    begins: tuple[float, float] | None,
 ) -> Trajectory:
     rate = _rate_between_laps(spec, curve, [s for each in standing for s, _ in each], lap, slow)
     try:
-        legs = _legs(spec, curve, standing, slow, (lap, rate))
+        legs = _legs(spec, curve, standing, slow, (lap, rate), begins=begins)
     except ValueError:
         if rate == 0.0:
             raise
-        legs = _legs(spec, curve, standing, slow, (lap, 0.0))
+        legs = _legs(spec, curve, standing, slow, (lap, 0.0), begins=begins)
     laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
     return Trajectory(legs, spec.flight.altitude_m, lap, laps)
 
@@ -85,6 +97,8 @@ def _legs(
     standing: _Standing,
     slow: tuple[Slow, ...],
     flown_through: tuple[int | None, float],
+    *,
+    begins: tuple[float, float] | None,
 ) -> tuple[Leg, ...]:
     """The legs with their laws.
 
@@ -94,6 +108,7 @@ def _legs(
         standing: The stops, and the waits to turn.
         slow: Where the vehicle must be slow.
         flown_through: Which leg is the lap, and the rate with which it begins and ends.
+        begins: As in ``trajectory_of``, of the first leg.
     """
     (stops, waits), (lap, rate) = standing, flown_through
     legs = []
@@ -103,10 +118,12 @@ def _legs(
         # begins with a lane: in each lap, if it is the lap.
         holds = [(s, held) for s, held in stops if begin < s <= end or (number == 0 and s <= begin)]
         holds += [(s, held) for s, held in waits if begin <= s < end]
-        ends = (rate if lap in {number - 1, number} else 0.0, rate if lap in {number, number + 1} else 0.0)
+        onward = begins if number == 0 else None
+        first, growth = onward or (rate if lap in {number - 1, number} else 0.0, None)
+        ends = (first, rate if lap in {number, number + 1} else 0.0)
         law = time_law(
             leg,
-            _vehicle_limits(spec, leg),
+            _vehicle_limits(spec, leg) if onward is None else _limits_in_motion(spec, leg, onward),
             fastest=_fastest(leg),
             holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
             slow=tuple(
@@ -115,6 +132,7 @@ def _legs(
                 if max(each.begin_s, begin) < min(each.end_s, end)
             ),
             ends=ends,
+            growth=growth,
         )
         legs.append(Leg(leg, law))
     return tuple(legs)
@@ -156,6 +174,18 @@ def _has_waves(curve: Curve) -> bool:
     """Whether a curve, or a piece of it, is a Fourier series."""
     return any(
         isinstance(piece, FourierCurve) for piece in (curve.pieces if isinstance(curve, JoinedCurve) else [curve])
+    )
+
+
+def _limits_in_motion(spec: MissionSpec, curve: Curve, begins: tuple[float, float]) -> Limits:
+    """Those of a curve that begins in motion, which may be as fast as it asks for already."""
+    limits = _vehicle_limits(spec, curve)
+    (rate, growth), (slope, bend) = begins, (curve.derivative([0.0], order)[0] for order in (1, 2))
+    velocity, acceleration = (float(np.hypot(*each)) for each in (slope * rate, bend * rate**2 + slope * growth))
+    most = level_acceleration(spec.limits.acceleration_m_s2, spec.limits.tilt_rad)
+    return limits._replace(
+        speed_m_s=min(spec.limits.speed_m_s, max(limits.speed_m_s, _IN_MOTION * velocity)),
+        acceleration_m_s2=min(most, max(limits.acceleration_m_s2, _PULLED * acceleration)),
     )
 
 

@@ -36,9 +36,10 @@ from mission.logic.formula.syntax import (
 )
 from mission.logic.formula.word import Letter
 from mission.logic.hoa.text import to_hoa
+from mission.plan.beginning import Beginning
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.specification import deterministic_of, generalised_of, of_mission
-from mission.plan.stages import plan_mission
+from mission.plan.stages import planned
 from mission.spec.model import (
     UNTIL_STOPPED,
     MissionSpec,
@@ -81,6 +82,11 @@ class Rest:
     flown_s: float | None = None
     laps: int = 0
 
+    @property
+    def begins(self) -> Beginning:
+        """How the new plan begins."""
+        return Beginning(self.place_m, self.velocity_m_s, self.acceleration_m_s2)
+
 
 def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) -> FlightPlan:
     """Plan what is left of a flight.
@@ -93,6 +99,7 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
 
     Raises:
         SpecError: The present place, or what was amended, cannot be used.
+        NoRollingStartError: There is no plan with the present motion; at rest there may be one.
         NoPlanError: Nothing that is flown from here satisfies the mission, or there is no proof.
         AutomatonSizeError: What is left asks for too large an automaton.
     """
@@ -100,8 +107,8 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
     if spec.origin != plan.spec.origin:
         raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
     if not _asks_the_same(spec, plan.spec):
-        return plan_mission(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), start_m=rest.place_m)
-    return plan_mission(_begun_at(_left(plan, spec, rest, tuple(_due(plan, rest))), rest), start_m=rest.place_m)
+        return planned(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), rest.begins)
+    return planned(_begun_at(_left(plan, spec, rest, tuple(_due(plan, rest))), rest), rest.begins)
 
 
 def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
@@ -111,6 +118,7 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
 
     Raises:
         SpecError: The present place cannot be used.
+        NoRollingStartError: As in ``plan_rest``.
         NoPlanError: No way back violates nothing, or there is no proof.
         AutomatonSizeError: What must not be done asks for too large an automaton.
     """
@@ -136,7 +144,7 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
         tasks=(),
         automaton=_named(_RETURN, asked),
     )
-    return plan_mission(_begun_at(back, rest), start_m=rest.place_m)
+    return planned(_begun_at(back, rest), rest.begins)
 
 
 def _start_region(spec: MissionSpec, start_m: Point) -> Region:

@@ -48,6 +48,7 @@ _OPTIONAL: Final[dict[str, Any]] = {
     "photographs": [],
     "way": None,
     "instead": "",
+    "onward": None,
 }
 
 _Value = TypeVar("_Value")
@@ -84,6 +85,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "way": plan.way and plan.way.to_json(),
         "path": _path_data(plan.path),
         "instead": plan.instead,
+        "onward": plan.onward and [list(each) for each in plan.onward],
         "covers": [visit.to_json() for visit in plan.covers],
         "stops": [list(stop) for stop in plan.stops],
         "trajectory": plan.trajectory.to_json(),
@@ -166,6 +168,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         covers=part("covers", lambda visits: tuple(CoveredVisit.from_json(visit) for visit in visits)),
         homeward=part("homeward", _homeward),
         instead=part("instead", str),
+        onward=part("onward", lambda data: None if data is None else (_point(data[0]), _point(data[1]))),
         way=part("way", lambda data: None if data is None else Way.from_json(data)),
     )
 

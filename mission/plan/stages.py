@@ -1,11 +1,15 @@
 """The stages of planning, one after the other; each is a function of what came before it."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from mission.errors import Fault, NoPlanError, SpecError
+from mission.errors import Fault, NoPlanError, NoRollingStartError, SpecError
 from mission.geometry.arrays import IntArray
 from mission.geometry.location import OUTSIDE, Locator
+from mission.plan.beginning import Beginning
 from mission.plan.best_runs import BestRuns, OneRun, Runs, best_runs, objective_of
+from mission.plan.corridor_path import pace_of
 from mission.plan.costs import UNIT, run_costs, transition_weights
 from mission.plan.covering import Covering
 from mission.plan.crossing_maps import CrossingMaps
@@ -21,15 +25,16 @@ from mission.plan.proved_path import PathPlanner
 from mission.plan.shortest_way import RunSearch
 from mission.plan.slow_parts import slow_parts
 from mission.plan.specification import of_mission
-from mission.plan.steered import Steering
+from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import dropped_tasks
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import Cost, MissionSpec, Point
+from mission.steering.trajectory import Trajectory
 
 
 def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | None = None) -> FlightPlan:
-    """Plan a mission.
+    """Plan a mission, from rest.
 
     Args:
         spec: The mission.
@@ -43,7 +48,22 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         SpecError: If the domain, the start or the number of the run cannot be used.
         NoPlanError: If no run, or no smoothing with a proof, exists.
     """
-    start = spec.start.position_m if start_m is None else start_m
+    return planned(spec, Beginning(spec.start.position_m if start_m is None else start_m), run)
+
+
+def planned(spec: MissionSpec, begins: Beginning, run: int | None = None) -> FlightPlan:
+    """Plan a mission from a place, at rest or in motion.
+
+    Args:
+        spec: The mission.
+        begins: The place, and the motion there.
+        run: As in ``plan_mission``.
+
+    Raises:
+        NoRollingStartError: There is no plan with this motion; at rest there may be one.
+        MissionError: As in ``plan_mission``.
+    """
+    start = begins.place_m
     partition, labelling = build_domain(spec)
     restricted = restricted_triangles(spec, labelling)
     locator = Locator(partition)
@@ -83,22 +103,14 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         found=found,
         index=index,
         free=run is None and spec.run == 0,
-        start_m=start,
+        begins=begins,
     )
     try:
-        flown = steering.steered()
+        flown, trajectory = _flown(steering)
+    except NoRollingStartError:
+        raise
     except NoPlanError as error:
         raise closed_by_clearances(error, spec, start) from error
-    slow = slow_parts(spec, partition, labelling, flown.curve)
-    trajectory = trajectory_of(
-        spec,
-        flown.curve,
-        flown.stops,
-        flown.lap,
-        flown.covers,
-        slow=slow,
-        toward_m=looked_toward(spec, partition, labelling),
-    )
     return FlightPlan(
         spec=spec,
         start_m=start,
@@ -123,7 +135,34 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         avoidance=Avoidance(flown.avoided, _costs(found, weights, spec.search.cost)) if flown.avoided else None,
         way=flown.among.way,
         instead=flown.instead,
+        onward=(begins.velocity_m_s, begins.acceleration_m_s2) if begins.moves else None,
     )
+
+
+def _flown(steering: Steering) -> tuple[Steered, Trajectory]:
+    """A smooth path, and how it is flown: in motion from the first, or from a halt on, or from rest."""
+    of, onward = steering.planner, steering.begins.onward(pace_of(steering.planner.spec))
+    refused = NoRollingStartError("")
+    for begins in steering.begins.each():
+        try:
+            flown = replace(steering, begins=begins).steered()
+            return flown, trajectory_of(
+                of.spec,
+                flown.curve,
+                flown.stops,
+                flown.lap,
+                flown.covers,
+                slow=slow_parts(of.spec, of.partition, of.labelling, flown.curve),
+                toward_m=looked_toward(of.spec, of.partition, of.labelling),
+                begins=None if onward is None else onward.law,
+            )
+        except NoRollingStartError as error:
+            refused = error
+        except ValueError as error:
+            if onward is None:
+                raise
+            refused = NoRollingStartError(str(error))
+    raise refused
 
 
 def shortest_runs(plan: FlightPlan) -> Runs:

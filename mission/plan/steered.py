@@ -3,10 +3,11 @@
 from dataclasses import dataclass, replace
 from functools import partial
 
-from mission.errors import MissionError, NoPlanError, SearchSizeError
+from mission.errors import MissionError, NoPlanError, NoRollingStartError, SearchSizeError
 from mission.geometry.arrays import BoolArray
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
+from mission.plan.beginning import Beginning
 from mission.plan.best_runs import BestRuns
 from mission.plan.corridor_back import way_back_in_corridor
 from mission.plan.corridor_path import CorridorPlanner
@@ -22,7 +23,7 @@ from mission.plan.shortest_way import RunSearch
 from mission.plan.specification import Specification
 from mission.plan.way_back import way_back
 from mission.planning.run import Run
-from mission.spec.model import CORRIDOR, Point
+from mission.spec.model import CORRIDOR
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
 from mission.steering.layered_paths import NoWayError
@@ -68,7 +69,7 @@ class Steering:
         found: The best ones.
         index: Which of them was asked for.
         free: Whether another one will do.
-        start_m: Where the flight begins.
+        begins: Where the flight begins, and with which motion.
     """
 
     planner: PathPlanner
@@ -78,18 +79,20 @@ class Steering:
     found: BestRuns
     index: int
     free: bool
-    start_m: Point
+    begins: Beginning
 
     def steered(self) -> Steered:
         """A run with its smooth path and its proof, as the mission asks for it.
 
         Where no curve in a corridor is proved, or the words of the mission count triangles, the path of the fields is
-        flown instead.
+        flown instead, which begins at rest.
 
         Raises:
             NoPlanError: Nothing is proved.
         """
         instead = ""
+        if self.begins.moves and self.planner.spec.smoothing != CORRIDOR:
+            raise NoRollingStartError("the path of the fields begins at rest")
         if self.planner.spec.smoothing == CORRIDOR:
             try:
                 return self._in_corridor(self.found, self.index)
@@ -97,6 +100,8 @@ class Steering:
                 instead, roomier = str(error), self._roomier(error)
             if roomier is not None:
                 return roomier
+            if self.begins.moves:
+                raise NoRollingStartError(instead)
         try:
             return self._by_fields(instead)
         except NoPlanError as error:
@@ -120,7 +125,7 @@ class Steering:
         of, automaton = self.planner, found.product.automaton
         planner = CorridorPlanner(of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering)
         run = found.runs[index]
-        flown = planner.path(run, self.start_m, partial(self._prover.certify, repeats=run.recurrent))
+        flown = planner.path(run, self.begins, partial(self._prover.certify, repeats=run.recurrent))
         path, curve, homeward = flown.planned, flown.curve, None
         if flown.lap is not None:
             # In T: the lap may begin elsewhere than the one that was searched.
@@ -178,7 +183,7 @@ class Steering:
             return planner.smoothed(path, certify, joins=tried.recurrent, doubtful=doubtful)
 
         def proved_of(best: BestRuns) -> ProvedRun:
-            steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=self.start_m)
+            steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=self.begins.place_m)
             if best is self.found:
                 return proved_run(best.runs, self.index, steered, smoothed, others=self.free)
             return proved_run(best.runs, 0, steered, smoothed, others=False, doubtful=True)

@@ -161,7 +161,7 @@ def _shaped(programme: "_Programme", lasts_s: FloatArray, pace: Pace, ease: floa
         controls = programme.solved(lasts_s, ease)
         if controls is None:
             break
-        durations, total, length = _flown(controls, lasts_s, pace)
+        durations, total, length = _flown(controls, lasts_s, pace, programme.begins_m_s)
         shape = _Shape(max(0.0, length - longest_m), total, controls, lasts_s)
         if best is None or shape.rank < best.rank:
             best = shape
@@ -266,6 +266,11 @@ class _Programme:
         upper, right = 2 * _POINTS * np.arange(self._count)[:, None] + _UPPER[:, None]
         self._cost = _Pattern(upper, right, (size, size))
 
+    @property
+    def begins_m_s(self) -> float:
+        """The speed with which the curve begins."""
+        return 0.0 if self._ends.onward is None else float(np.hypot(*self._ends.onward[0]))
+
     def solved(self, lasts_s: FloatArray, ease: float) -> FloatArray | None:
         """The control points of the best spline, shape (K, 6, 2), for pieces of these durations; None if there is none.
 
@@ -334,6 +339,10 @@ class _Programme:
     def _exactly_joined(self, controls: FloatArray, lasts_s: FloatArray) -> FloatArray:
         """The same without the jumps that the solver's tolerance left: each piece ends as the next one begins."""
         controls[0, 0] = self._ends.start_m
+        if self._ends.onward is not None:
+            slope, bend = self._ends.onward
+            controls[0, 1] = controls[0, 0] + slope * lasts_s[0] / DEGREE
+            controls[0, 2] = 2.0 * controls[0, 1] - controls[0, 0] + bend * lasts_s[0] ** 2 / (DEGREE * (DEGREE - 1))
         if self._ends.end_m is not None:
             controls[-1, -1] = self._ends.end_m
         pairs = [(k, k + 1) for k in range(self._count - 1)]
@@ -356,8 +365,8 @@ def _settings() -> Any:  # noqa: ANN401 - the solver has no types
     return settings
 
 
-def _flown(controls: FloatArray, lasts_s: FloatArray, pace: Pace) -> tuple[FloatArray, float, float]:
-    """How long a vehicle takes for each piece, shape (K,), but for standing; for all, from rest to rest; the length."""
+def _flown(controls: FloatArray, lasts_s: FloatArray, pace: Pace, begins_m_s: float) -> tuple[FloatArray, float, float]:
+    """How long a vehicle takes for each piece, shape (K,), but for standing; for all, to rest; the length."""
     curve = BezierCurve(np.concatenate(([0.0], np.cumsum(lasts_s))), controls)
     shares = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     s = (curve.knots_s[:-1, None] + lasts_s[:, None] * shares).ravel()
@@ -366,8 +375,8 @@ def _flown(controls: FloatArray, lasts_s: FloatArray, pace: Pace) -> tuple[Float
     steps = speed * np.repeat(lasts_s / _SAMPLES, _SAMPLES)
     curvature = np.abs(slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]) / speed**3
     squares = np.minimum(pace.speed_m_s**2, pace.acceleration_m_s2 / np.maximum(curvature, 1e-12))
-    for order in (1, -1):
-        values, ways, reached = squares[::order].tolist(), steps[::order].tolist(), 0.0
+    for order, at_end in ((1, begins_m_s**2), (-1, 0.0)):
+        values, ways, reached = squares[::order].tolist(), steps[::order].tolist(), at_end
         for i, (value, way) in enumerate(zip(values, ways, strict=True)):
             values[i] = min(value, reached + pace.acceleration_m_s2 * way)
             reached = values[i] + pace.acceleration_m_s2 * way

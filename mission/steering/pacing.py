@@ -17,7 +17,7 @@ so that it is exact for this power.
 What comes out is a proposal; ``mission.steering.strain`` bounds what it really asks of the vehicle.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -36,6 +36,8 @@ _CENTRED: Final = 0.1  # Newton decrement below which a round is over
 _HALVINGS: Final = 30
 _ENOUGH: Final = 0.1  # of what the gradient promises
 _POWER: Final = 4.0 / 3.0
+_LEADS: Final = 8  # times that limits are eased
+_EASED: Final = 1.05
 _NEAR: Final = 0.05
 _OWN: Final = np.array([[0.0], [1.0], [0.0]])  # of three values of b, the one of the knot itself
 
@@ -76,7 +78,7 @@ class PacingProblem:
         accelerations: Shape (n + 1,), a.
         jerks: Shape (n + 1,), j.
 
-    Where an end is no stop, b stays as it is at the inner knot next to it, for sigma'' to vanish at the end.
+    Where an end is no stop, b stays as it is at the inner knot next to it, for sigma'' at the end to be what it is.
     """
 
     knots_s: FloatArray
@@ -146,6 +148,16 @@ class PacingProblem:
             np.where(room > 0.0, room**2 - inner * _squared(shaken), -1.0),
         )
 
+    def eased(self, inner: FloatArray) -> "PacingProblem":
+        """The same with limits that are no less than what these b ask for, and a little more."""
+        pulled, shaken = self._strained(self.squares(inner))
+        asked = inner, np.hypot(*pulled), np.hypot(*shaken) * np.sqrt(inner) + self.third[1:-1] * inner**1.5
+        limits = (self.ceilings, self.accelerations, self.jerks)
+        ceilings, accelerations, jerks = (
+            np.maximum(limit, np.pad(_EASED * each, 1)) for limit, each in zip(limits, asked, strict=True)
+        )
+        return replace(self, ceilings=ceilings, accelerations=accelerations, jerks=jerks)
+
     def barrier(self, inner: FloatArray, weight: float) -> float:
         """The time, weighed, with the logarithmic barrier of the limits; infinite outside of them."""
         if not (inner > 0.0).all():
@@ -197,6 +209,40 @@ class PacingProblem:
             gradient[side] -= widths * each[side] / sums**2
             bands[0, side] += widths * (2.0 * each[side] ** 2 / sums**3 + curved[side] / sums**2)
         bands[1, :-1] += widths * 2.0 * each[:-1] * each[1:] / sums**3
+
+
+def led_inside(problem: PacingProblem, inner: FloatArray) -> FloatArray | None:
+    """Values of b at the inner knots, shape (n - 1,), inside of the limits; from some that need not be.
+
+    The limits are eased until the values are inside, which are then brought far inside of these; and so on until no
+    limit is eased any more.
+
+    Returns:
+        None where that does not come to an end.
+    """
+    for _ in range(_LEADS):
+        if problem.barrier(inner, 0.0) < np.inf:
+            return inner
+        eased = problem.eased(inner)
+        for _ in range(_STEPS):
+            moved, promised = _stepped(eased, inner, 0.0, eased.barrier(inner, 0.0))
+            if moved is None:
+                break
+            inner = moved
+            if promised <= _CENTRED:
+                break
+    return None
+
+
+def _stepped(problem: PacingProblem, inner: FloatArray, weight: float, value: float) -> tuple[FloatArray | None, float]:
+    """A damped step of Newton's method, and what it promised; None where the barrier loses nothing by any."""
+    step, promised = problem.newton(inner, weight)
+    size = 1.0
+    for _ in range(_HALVINGS):
+        if problem.barrier(inner + size * step, weight) <= value - _ENOUGH * size * promised:
+            return inner + size * step, promised
+        size *= 0.5
+    return None, promised
 
 
 def fastest_squares(problem: PacingProblem, inner: FloatArray, *, rough: bool = True) -> FloatArray:

@@ -21,6 +21,7 @@ import numpy as np
 from mission.geometry.arrays import FloatArray
 from mission.steering.grid import Grid, Limits, beside
 from mission.steering.law import TimeLaw, law_from_growths
+from mission.steering.stopping import stopping_after
 
 FEWEST_CELLS: Final = 32
 """Of a way from one stop to the next."""
@@ -32,6 +33,10 @@ _STEP_S: Final = 0.05  # that a cell takes at most where the acceleration change
 _STEPS: Final = 6.0  # cells in which the jerk brings up the acceleration, at least
 _GROWING: Final = 0.2  # by how much longer a cell takes than the one before, where it does not
 _LONGEST_S: Final = 1.0
+_FADED: Final = 0.5
+"""Of a way that is begun in motion, the part on which a growth of the rate may fade."""
+_FADES: Final = 0.7  # of the jerk, with which a growth fades
+_GENTLE: Final = 0.35  # of the limits: a guess that moves at an end must not ask for too much
 _ACTIVE: Final = 0.02  # of the acceleration: what counts as none
 
 
@@ -78,6 +83,47 @@ def guessed(grid: Grid, limits: Limits, ends: tuple[float, float]) -> tuple[Time
     found = guess.parameter(chosen)
     found[0], found[-1] = grid.knots_s[0], grid.knots_s[-1]
     return guess, found
+
+
+def guessed_in_motion(
+    grid: Grid, limits: Limits, ends: tuple[float, float], growth: float
+) -> tuple[FloatArray, FloatArray]:
+    """A first guess of a law that moves at an end: knots (n + 1,), and b between them, (n - 1,).
+
+    Args:
+        grid: The curve.
+        limits: Those of the vehicle.
+        ends: The law's rate at both ends.
+        growth: Its sigma'' at the begin.
+
+    Raises:
+        ValueError: The way is too short to come to these rates.
+    """
+    first, way = float(grid.first[0]), float(grid.knots_s[-1])
+    most, jerk = limits.acceleration_m_s2 / first, limits.jerk_m_s3 / first
+    stop = stopping_after(way, ends[0], growth, most, jerk) if ends[1] == 0.0 else None
+    if stop is not None and -float(stop.accelerations.min()) > _GENTLE * most:
+        law = law_from_growths(stop.times_s, stop.accelerations, ends, (0.0, way))
+        times = np.linspace(0.0, law.duration_s, max(FEWEST_CELLS, math.ceil(law.duration_s / _STEP_S)) + 1)
+        places, rates, _ = law.jet(times)
+        places[-1] = way
+        return places, rates[1:-1] ** 2
+    fades_s = abs(growth) / (_FADES * jerk)
+    settled = ends[0] + 0.5 * growth * fades_s
+    if settled <= 0.0 or fades_s * (ends[0] + growth * fades_s / 3.0) > _FADED * way:
+        raise ValueError("the way is too short to come to these rates")
+    gently = limits._replace(acceleration_m_s2=_GENTLE * limits.acceleration_m_s2, jerk_m_s3=_GENTLE * limits.jerk_m_s3)
+    guess, places = guessed(grid, gently, (settled, ends[1]))
+    return places, _with_ramp(places, guess.jet(guess.time_at(places))[1], fades_s, ends[0], growth)
+
+
+def _with_ramp(places: FloatArray, rates: FloatArray, fades_s: float, begins: float, growth: float) -> FloatArray:
+    """The b between places (n + 1,) at these rates but for the beginning, where a growth of the rate fades."""
+    shares = np.linspace(0.0, 1.0, FEWEST_CELLS + 1)
+    times = fades_s * shares
+    fading = times * (begins + growth * times * (0.5 - shares / 6.0))
+    ramp = np.interp(places, fading, begins + growth * times * (1.0 - 0.5 * shares))
+    return np.asarray(np.where(places < fading[-1], ramp, rates)[1:-1] ** 2)
 
 
 def ceilings_of(grid: Grid) -> FloatArray:

@@ -22,13 +22,13 @@ from typing import Final
 import numpy as np
 
 from mission.geometry.arrays import FloatArray
-from mission.steering.grid import Limits, Slow, beside, grid_of
+from mission.steering.grid import Grid, Limits, Slow, beside, grid_of
 from mission.steering.joined import Curve, JoinedCurve
 from mission.steering.law import TimeLaw, law_from_growths
 from mission.steering.law_fit import law_through
-from mission.steering.pacing import PacingProblem, fastest_squares
+from mission.steering.pacing import PacingProblem, fastest_squares, led_inside
 from mission.steering.strain import Strain, strain
-from mission.steering.sweeps import FEWEST_CELLS, ceilings_of, guessed
+from mission.steering.sweeps import FEWEST_CELLS, ceilings_of, guessed, guessed_in_motion
 
 GRAVITY_M_S2 = 9.80665
 _CELLS_PER_WAVE: Final = 8
@@ -45,6 +45,7 @@ _NEARLY: Final = 1.001  # of a limit; a law that asks for no more is good
 _BEGIN: Final = 0.9
 _SLOWER: Final = 0.8
 _NEXT: Final = 0.98
+_BEFORE: Final = 1e-3  # of the first cell
 _GENTLE: Final = 0.35  # of the limits: where a first guess must not be slowed down
 _SPARE: Final = 0.96  # of the limits, where what exceeds them cannot be slowed down
 _STRAIGHT: Final = 1e-12
@@ -70,6 +71,7 @@ def time_law(
     holds: tuple[tuple[float, float], ...] = (),
     slow: tuple[Slow, ...] = (),
     ends: tuple[float, float] = (0.0, 0.0),
+    growth: float | None = None,
 ) -> TimeLaw:
     """The fastest law within the limits, but for the little that the method leaves.
 
@@ -81,6 +83,7 @@ def time_law(
         holds: Pairs of a steering time in [0, T] and the seconds to stand still there; at one place the longest counts.
         slow: Where sigma' or the speed are to be less than elsewhere, but positive.
         ends: The rate sigma' with which the curve is begun and ended, where sigma'' = 0; at most the ``even_rate``.
+        growth: sigma'' with which it is begun at any rate, in the motion that the vehicle has; None where it has none.
 
     Raises:
         ValueError: A limit that is not positive, a hold outside the curve or of negative or infinite length, or a part
@@ -111,7 +114,10 @@ def time_law(
         apart = np.minimum(np.diff(own[:-1]), end - own[1:-1]) > _SAME_KNOT * (end - begin)
         own = np.concatenate((own[:1], own[1:-1][apart], own[-1:]))
         at_ends = ends[0] if begin == 0.0 else 0.0, ends[1] if end == curve.duration_s else 0.0
-        laws.append(_between_stops(curve, own, limits, slow, at_ends))
+        if begin == 0.0 and growth is not None:
+            laws.append(_rolling(curve, own, limits, slow, (*at_ends, growth)))
+        else:
+            laws.append(_between_stops(curve, own, limits, slow, at_ends))
     return _with_holds(laws, places, [stops[place] for place in places])
 
 
@@ -145,7 +151,7 @@ def _thinned(curve: Curve, knots: FloatArray) -> FloatArray:
 
 def _with_holds(laws: list[TimeLaw], places: list[float], holds_s: list[float]) -> TimeLaw:
     """Laws one after the other, from place to place, standing still at each place for so long."""
-    parts = [(np.zeros(1), np.array(places[:1]), laws[0].rates[:1], np.zeros(1))]
+    parts = [(np.zeros(1), np.array(places[:1]), laws[0].rates[:1], laws[0].growths[:1])]
     now_s = 0.0
     for law, begin, end, hold_s in zip((None, *laws), (0.0, *places[:-1]), places, holds_s, strict=True):
         if law is not None:
@@ -179,11 +185,7 @@ def _between_stops(
     firm = grid.firm(limits)
     spare = _SPARE if moving else 1.0
     ceilings = ceilings_of(grid) * (_NEARLY**-2 if moving else 1.0)
-    # From rest, with the largest jerk, sigma' is (9/2 j)^(1/3) times the distance to the power 2/3.
-    for knot, cell, end in ((1, 0, ends[0]), (-2, -1, ends[1])):
-        if end == 0.0:
-            jerk = spare * limits.jerk_m_s3 / float(firm.first[cell])
-            ceilings[knot] = min(ceilings[knot], float(np.cbrt(4.5 * jerk * (places[knot] - places[cell]) ** 2)) ** 2)
+    _slow_at_rests(ceilings, firm, spare * limits.jerk_m_s3, ends)
     squares_at_ends = ends[0] ** 2, ends[1] ** 2
     accelerations = np.full(len(places), spare * limits.acceleration_m_s2)
     jerks = np.full(len(places), spare * limits.jerk_m_s3)
@@ -210,16 +212,92 @@ def _between_stops(
         laws.append(_slowed(law, found, moving=moving))
         if _excess(found) <= (1.0 if moving else _NEARLY):
             break
-        accelerations = (
-            accelerations / _near(np.where(found.acceleration > 1.0, beyond * found.acceleration, 1.0)) ** sharply
-        )
-        jerks = jerks / _near(np.where(found.jerk > 1.0, beyond * found.jerk, 1.0)) ** sharply
-        ceilings = ceilings / beside(np.maximum(found.speed, 1.0)) ** (2.0 * sharply)
+        ceilings, accelerations, jerks = _lowered((ceilings, accelerations, jerks), found, beyond, sharply)
         inner = start if moving else inner
     kept = [law for law in laws if law is not None]
     if not kept:
         raise ValueError(f"no law begins and ends at the rates {ends[0]:.3g} and {ends[1]:.3g}")
     return min(kept, key=lambda law: law.duration_s)
+
+
+def _slow_at_rests(ceilings: FloatArray, firm: Grid, jerk_m_s3: float, ends: tuple[float, float]) -> None:
+    """Lower b next to where the vehicle rests.
+
+    From rest, with the largest jerk, sigma' is (9/2 j)^(1/3) times the distance to the power 2/3.
+    """
+    for knot, cell, end in ((1, 0, ends[0]), (-2, -1, ends[1])):
+        if end == 0.0:
+            jerk, away = jerk_m_s3 / float(firm.first[cell]), float(firm.knots_s[knot] - firm.knots_s[cell])
+            ceilings[knot] = min(ceilings[knot], float(np.cbrt(4.5 * jerk * away**2)) ** 2)
+
+
+def _lowered(
+    limits: tuple[FloatArray, FloatArray, FloatArray], found: Strain, beyond: float, sharply: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Limits at knots, lower by as much as was asked for too much."""
+    ceilings, accelerations, jerks = limits
+    return (
+        ceilings / beside(np.maximum(found.speed, 1.0)) ** (2.0 * sharply),
+        accelerations / _near(np.where(found.acceleration > 1.0, beyond * found.acceleration, 1.0)) ** sharply,
+        jerks / _near(np.where(found.jerk > 1.0, beyond * found.jerk, 1.0)) ** sharply,
+    )
+
+
+def _rolling(
+    curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ...], motion: tuple[float, float, float]
+) -> TimeLaw:
+    """The law to the first stop from a beginning in motion, with a rate, the rate at its end, and a growth at first.
+
+    A knot close before the first one has the b of a law that had this growth before, so that what the jerk makes of it
+    is limited like everywhere.
+
+    Raises:
+        ValueError: None was found.
+    """
+    ends, growth = motion[:2], motion[2]
+    span_s = float(knots[0]), float(knots[-1])
+    rough = grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits)
+    places, start = guessed_in_motion(rough, limits, ends, growth)
+    grid = grid_of(curve, span_s, places, limits, slow)
+    firm = grid.firm(limits)
+    before = _BEFORE * places[1]
+    square = ends[0] ** 2
+    at_ends = square - 2.0 * growth * before, ends[1] ** 2
+
+    def since(values: FloatArray) -> FloatArray:
+        return np.concatenate((values[:1], values))
+
+    accelerations, jerks = (np.full(len(places), each) for each in limits[1:])
+    lower = ceilings_of(grid), accelerations, jerks
+    _slow_at_rests(lower[0], firm, _SPARE * limits.jerk_m_s3, ends)
+    if ends[1] > 0.0:
+        start[-1] = ends[1] ** 2
+    start = np.concatenate(([square], start))
+    for _ in range(_MORE_TURNS):
+        ceilings, accelerations, jerks = (since(each) for each in lower)
+        ceilings[:2] = np.maximum(ceilings[:2], _NEARLY * square)
+        problem = PacingProblem(
+            np.concatenate(([-before], places)),
+            since(firm.slopes),
+            since(firm.bends),
+            since(beside(grid.third)),
+            at_ends,
+            ceilings,
+            accelerations,
+            jerks,
+        )
+        inner = led_inside(problem, start)
+        if inner is None:
+            break
+        squares = problem.squares(fastest_squares(problem, inner))
+        law = law_through(places, np.sqrt(squares[1:]), problem.growths(squares)[1:], growth)
+        if law is None:
+            break
+        found = strain(law, grid, limits)
+        if _excess(found) <= 1.0:
+            return law
+        lower = _lowered(lower, found, 1.005, 2.0)
+    raise ValueError(f"no law begins at the rate {ends[0]:.3g} with a growth of {growth:.3g}")
 
 
 def _eased(curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ...]) -> TimeLaw:

@@ -44,11 +44,11 @@ def _flows(before: Leg, after: Leg) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Analytic position, velocity and acceleration over time, ENU in the domain's frame; at rest outside its span.
+    """Analytic position, velocity and acceleration over time, ENU in the domain's frame; at rest after its end.
 
     The legs follow each other. One of them may be a lap, which ends where it begins and is flown several times. Where
     two legs meet, and between two laps, the vehicle rests for a moment, or flies through where their curves join
-    smoothly: position, velocity and acceleration are continuous throughout.
+    smoothly: position, velocity and acceleration are continuous throughout. The first leg may begin in motion.
 
     Attributes:
         legs: At least one, each beginning where the one before it ends.
@@ -73,8 +73,7 @@ class Trajectory:
         if self.laps is not None and self.laps < 1:
             raise ValueError("a lap is flown once or more")
         followed = [*pairwise(self.legs), *([(self.legs[self.lap],) * 2] if self.lap is not None else [])]
-        outer = self.legs[0].law.rates[0], self.legs[-1].law.rates[-1]
-        if any(outer) or not all(_flows(before, after) for before, after in followed):
+        if self.legs[-1].law.rates[-1] > 0.0 or not all(_flows(before, after) for before, after in followed):
             raise ValueError("velocity and acceleration do not jump")
 
     @cached_property

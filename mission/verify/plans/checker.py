@@ -40,6 +40,7 @@ JUDGED: Final = frozenset(
         "certificate",
         "photographs",
         "homeward",
+        "onward",
     )
 )
 """The parts of a plan file that are judged here."""

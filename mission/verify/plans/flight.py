@@ -51,8 +51,14 @@ def limits_kept(plan: Written) -> Verdict:
 
 def _seams(plan: Written) -> str | None:
     """Where the vehicle would change its velocity or acceleration at once, from leg to leg or from lap to lap."""
-    if plan.laws[0].ends[0] != (0.0, 0.0) or plan.laws[-1].ends[1] != (0.0, 0.0):
+    (rate, growth), onward = plan.laws[0].ends[0], plan.data.get("onward")
+    if plan.laws[-1].ends[1] != (0.0, 0.0) or (onward is None and (rate, growth) != (0.0, 0.0)):
         return "the trajectory does not begin and end at rest"
+    if onward is not None:
+        slope, bend = (plan.legs[0].derivative(order)[0, 0] for order in (1, 2))
+        told = np.array([slope * rate, bend * rate**2 + slope * growth]) - np.array(onward, dtype=float)
+        if np.abs(told).max() > _SAME_S:
+            return "the trajectory does not begin with the velocity and the acceleration that it is said to"
     count = len(plan.legs)
     for before, after in [*pairwise(range(count)), *([(plan.lap, plan.lap)] if plan.lap is not None else [])]:
         ends, begins = plan.laws[before].ends[1], plan.laws[after].ends[0]

@@ -1,12 +1,14 @@
 """The rest of a flight: what was spelled and what is planned from there satisfy the mission together."""
 
+import json
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from mission.errors import NoPlanError, SpecError
+from mission.errors import NoPlanError, NoRollingStartError, SpecError
 from mission.logic.formula.word import LassoWord
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.stage import Stage
@@ -48,6 +50,13 @@ def flown(plan: FlightPlan, until_s: float) -> Rest:
         watched.report(Stage.FLY, t_s, (x, y))
     x, y = plan.trajectory.position(times[-1:])[0].tolist()
     return Rest(watched.monitor.word, (x, y), flown_s=until_s, laps=watched.monitor.laps)
+
+
+def moving(plan: FlightPlan, at_s: float) -> Rest:
+    """The same, as fast as the vehicle is then."""
+    place, velocity, acceleration = (each[0].tolist() for each in plan.trajectory.state([at_s]))
+    rest = replace(flown(plan, at_s), place_m=(place[0], place[1]))
+    return replace(rest, velocity_m_s=(velocity[0], velocity[1]), acceleration_m_s2=(acceleration[0], acceleration[1]))
 
 
 def spelled(plan: FlightPlan) -> tuple[frozenset[str], ...]:
@@ -152,3 +161,33 @@ def test_without_a_home_the_return_ends_where_the_flight_began() -> None:
     plan = plan_mission(parse_mission((head + ORDERED + TAIL).encode()))
     back = plan_return(plan, flown(plan, 8.0))
     assert float(np.abs(back.trajectory.position([back.trajectory.duration_s])[0] - plan.start_m).max()) < 2.0
+
+
+@pytest.mark.parametrize("at_s", [1.0, 4.0, 9.0])
+@pytest.mark.parametrize("make", [plan_rest, plan_return])
+def test_a_plan_goes_on_in_the_motion_that_the_vehicle_has(
+    at_s: float, make: Callable[[FlightPlan, Rest], FlightPlan]
+) -> None:
+    plan = planned(ORDERED)
+    left = make(plan, moving(plan, at_s))
+    due = plan.trajectory.state([at_s])
+    for begins, was in zip(left.trajectory.state([0.0]), due, strict=True):
+        assert begins == pytest.approx(was, abs=1e-6)
+    assert left.onward is not None
+    assert faults(left) == []
+    assert plan_to_json(plan_from_json(plan_to_json(left))) == plan_to_json(left)
+
+
+def test_a_beginning_in_motion_that_was_tampered_with_is_found() -> None:
+    left = plan_rest(planned(ORDERED), moving(planned(ORDERED), 4.0))
+    data = json.loads(plan_to_json(left))
+    for onward in ([[0.0, 0.0], [0.0, 0.0]], None, [data["onward"][0], [0.0, 0.5]]):
+        found = [claim.name for claim in claims(json.dumps({**data, "onward": onward})) if claim.fault]
+        assert found == ["time law"]
+
+
+def test_where_there_is_no_room_to_go_on_in_motion_that_is_said() -> None:
+    plan = planned(ORDERED)
+    rest = replace(flown(plan, 4.0), velocity_m_s=(0.0, -4.0), place_m=(30.0, 2.0))
+    with pytest.raises(NoRollingStartError):
+        plan_rest(plan, rest)
