@@ -224,25 +224,32 @@ def led_inside(problem: PacingProblem, inner: FloatArray) -> FloatArray | None:
         if problem.barrier(inner, 0.0) < np.inf:
             return inner
         eased = problem.eased(inner)
+        value = eased.barrier(inner, 0.0)
         for _ in range(_STEPS):
-            moved, promised = _stepped(eased, inner, 0.0, eased.barrier(inner, 0.0))
+            moved = _stepped(eased, inner, 0.0, value)
             if moved is None:
                 break
-            inner = moved
+            inner, value, promised = moved
             if promised <= _CENTRED:
                 break
     return None
 
 
-def _stepped(problem: PacingProblem, inner: FloatArray, weight: float, value: float) -> tuple[FloatArray | None, float]:
-    """A damped step of Newton's method, and what it promised; None where the barrier loses nothing by any."""
+def _stepped(
+    problem: PacingProblem, inner: FloatArray, weight: float, value: float
+) -> tuple[FloatArray, float, float] | None:
+    """A damped step of Newton's method: where it leads, the barrier there, and what it promised to be lost of it.
+
+    None where nothing is lost by any.
+    """
     step, promised = problem.newton(inner, weight)
     size = 1.0
     for _ in range(_HALVINGS):
-        if problem.barrier(inner + size * step, weight) <= value - _ENOUGH * size * promised:
-            return inner + size * step, promised
+        tried = problem.barrier(inner + size * step, weight)
+        if tried <= value - _ENOUGH * size * promised:
+            return inner + size * step, tried, promised
         size *= 0.5
-    return None, promised
+    return None
 
 
 def fastest_squares(problem: PacingProblem, inner: FloatArray, *, rough: bool = True) -> FloatArray:
@@ -261,16 +268,10 @@ def fastest_squares(problem: PacingProblem, inner: FloatArray, *, rough: bool = 
         last = limits <= gap_s * weight
         value = problem.barrier(inner, weight)
         for _ in range(_LAST_STEPS if last else _STEPS):
-            step, promised = problem.newton(inner, weight)
-            size = 1.0
-            for _ in range(_HALVINGS):
-                tried = problem.barrier(inner + size * step, weight)
-                if tried <= value - _ENOUGH * size * promised:
-                    break
-                size *= 0.5
-            else:
+            moved = _stepped(problem, inner, weight, value)
+            if moved is None:
                 return inner
-            inner, value = inner + size * step, tried
+            inner, value, promised = moved
             if promised <= _CENTRED:
                 break
         if last:
