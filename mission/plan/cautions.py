@@ -63,7 +63,8 @@ def flight_cautions(flight: Flight, limits: Limits) -> tuple[str, ...]:
     if flight.speed_m_s > limits.speed_m_s:
         found.append(
             f"flight.speed_m_s: {flight.speed_m_s:.12g} m/s is above limits.speed_m_s, so it is flown at "
-            f"{limits.speed_m_s:.12g} m/s at most"
+            f"{limits.speed_m_s:.12g} m/s at most; where the vehicle can, write "
+            f"`limits: {{speed_m_s: {flight.speed_m_s:.12g}}}`"
         )
     return tuple(found)
 

@@ -4,6 +4,7 @@ All works on the plain data of the file and leaves what a file in metres has, so
 metres alone. Paths stay the same: findings stand where the file has its corners.
 """
 
+import re
 from collections.abc import Callable, Iterator
 from typing import Any, Final
 
@@ -13,7 +14,7 @@ from mission.decimals import decimal
 from mission.errors import GeometryError
 from mission.geometry.arrays import FloatArray
 from mission.geometry.geodesy import PLANE_M, LatLon
-from mission.geometry.places import enu_offsets_m
+from mission.geometry.places import enu_offsets_m, places_at_offsets
 from mission.spec.finding import Finding, Path
 from mission.spec.scale import pair
 
@@ -23,6 +24,9 @@ DEGREES: Final = "latitude_longitude"
 
 _WITH_POINTS: Final = ("polygon", "polygons", "holes", "line", "centre", "at")
 """Keys of shapes whose values are points, or lists or mappings of them."""
+
+_PLACE: Final = re.compile(r"\((-?[0-9.]+(?:e-?[0-9]+)?), (-?[0-9.]+(?:e-?[0-9]+)?)\)")
+_DIGITS: Final = 7  # a centimetre
 
 _POLE_DEG: Final = 89.9
 _AROUND_DEG: Final = 180.0
@@ -71,6 +75,18 @@ def in_metres(data: Data) -> tuple[Data, list[Finding]]:
         data = {**data, "origin": {"latitude_deg": origin.latitude_deg, "longitude_deg": origin.longitude_deg}}
     findings = [finding for path, places in lists for finding in beyond_the_plane(origin, places, path)]
     return (data if findings else _converted(data, lambda places: enu_offsets_m(origin, places)[0])), findings
+
+
+def told_in_degrees(text: str, origin: LatLon) -> str:
+    """A message with its places, ``(12.5, -3)`` in metres from an origin, as latitudes and longitudes."""
+
+    def told(found: re.Match[str]) -> str:
+        if abs(float(found[1])) + abs(float(found[2])) > PLANE_M:
+            return found[0]
+        (place,) = places_at_offsets(origin, np.array([[float(found[1]), float(found[2])]])).tolist()
+        return pair(np.round(place, _DIGITS))
+
+    return _PLACE.sub(told, text)
 
 
 def beyond_the_plane(origin: LatLon, places_deg: FloatArray, path: Path) -> Iterator[Finding]:

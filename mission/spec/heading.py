@@ -55,7 +55,7 @@ HEADING_SCHEMA: Final[Schema] = {
         ),
         {"type": "string", "enum": [Look.AHEAD.value, Look.LANES.value]},
     ],
-    "examples": [Look.AHEAD.value, {"fixed": 90.0}],
+    "examples": [Look.AHEAD.value, Look.LANES.value, {"fixed": 90}, {"toward": "S1"}],
 }
 
 YAW_RATE_SCHEMA: Final[Schema] = number(

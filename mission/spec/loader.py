@@ -6,6 +6,7 @@ meaning, where the structure is sound (``check``), and that of the automaton tha
 -> frozen values (``values``).
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from mission.errors import Fault, SpecError
 from mission.spec.check import is_clean, meaning_findings
 from mission.spec.drawn_files import with_drawn_shapes
 from mission.spec.finding import Finding, shortened
-from mission.spec.geography import in_degrees, in_metres
+from mission.spec.geography import in_degrees, in_metres, origin_of, told_in_degrees
 from mission.spec.model import MissionSpec, NamedAutomaton
 from mission.spec.named_automaton import AUTOMATON, named_automaton
 from mission.spec.named_files import Reader, UnreadableError, nothing_beside
@@ -64,12 +65,17 @@ def parse_mission(content: bytes, source: str = "", read: Reader = nothing_besid
     if isinstance(data, dict):
         data, found = with_drawn_shapes(data, read)
         findings.extend(found)
+    origin = None
     if in_degrees(data):
         data, found = in_metres(data)
         findings.extend(found)
+        origin = None if found else origin_of(data)
     automaton = None
     if len(findings) < MOST_ERRORS:
         meant = meaning_findings(data, findings)
+        if origin is not None:
+            # The file has its points in degrees, and so has whoever reads what is wrong with it.
+            meant = [replace(each, message=told_in_degrees(each.message, origin)) for each in meant]
         automaton, unsound = _automaton(data, findings, read)
         findings += [*meant, *unsound]
     faults.extend(placed(finding, tree, text) for finding in findings)

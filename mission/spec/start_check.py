@@ -156,4 +156,4 @@ def _square(middle_m: Point, half_m: float) -> shapely.Polygon:
 def reach(partition: Partition) -> str:
     """How far the domain reaches, in words."""
     left, low, right, high = map(decimal, np.concatenate((partition.vertices_m.min(0), partition.vertices_m.max(0))))
-    return f"the domain reaches from {left} to {right} east and from {low} to {high} north"
+    return f"the domain reaches from {left} to {right} m east and from {low} to {high} m north"

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cache
 from itertools import islice
 from typing import Any, Final
@@ -185,11 +186,14 @@ def _of_its_kind(error: ValidationError, tree: Node) -> Iterable[Finding]:
     if own is None or isinstance(instance, Oddity):
         expected = " or ".join(_KINDS[shape] for shape in shapes)
         found = instance.found if isinstance(instance, Oddity) else _found(instance, _at(tree, path))
-        yield Finding(path, f"expected {expected}, found {found}", f"write for example {_example(schema)}")
+        yield Finding(path, f"expected {expected}, found {found}", f"write for example {_examples(schema)}")
         return
     for inner in error.context or ():
         if inner.schema_path[0] == own:
-            yield from _worded(inner, tree)
+            for finding in _worded(inner, tree):
+                # Of a value as a whole that is like none, all that it may be is shown, whatever shape it has.
+                unlike = inner.validator == "enum" and finding.hint.startswith(_FOR_EXAMPLE)
+                yield replace(finding, hint=f"{_FOR_EXAMPLE}{_examples(schema)}") if unlike else finding
 
 
 def _region_name(path: Path, name: str) -> Finding:
@@ -204,7 +208,7 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
     if options:
         expected = f"one of {listed(options)}" if "enum" in schema else _name_or_number(options[0], schema)
         close = nearest(instance, options) if isinstance(instance, str) else ""
-        hint = f"did you mean `{close}`?" if close else f"write for example {options[0]}"
+        hint = f"did you mean `{close}`?" if close else f"{_FOR_EXAMPLE}{options[0]}"
     else:
         expected = _KINDS[schema["type"]]
         keys = schema.get("properties", {})
@@ -223,6 +227,9 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
 def _name_or_number(name: str, schema: Schema) -> str:
     number = next(option for option in schema["anyOf"] if "type" in option)
     return f"{name} or {_KINDS[number['type']]} from {decimal(number['minimum'])} to {decimal(number['maximum'])}"
+
+
+_FOR_EXAMPLE: Final = "write for example "
 
 
 def _found(instance: Any, node: Node) -> str:  # noqa: ANN401 - any JSON value
@@ -257,9 +264,19 @@ def _out_of_bounds(keyword: str, limit: Any, instance: Any, schema: Schema) -> t
 
 def _example(schema: Schema) -> str:
     """An example of what a schema allows, in YAML's flow style."""
+    return next(iter(_flowing(schema)), "")
+
+
+def _examples(schema: Schema) -> str:
+    """All examples of what a schema allows, in a sentence."""
+    *others, last = _flowing(schema) or [""]
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+def _flowing(schema: Schema) -> list[str]:
     schema = _resolved(schema)
     examples = schema.get("examples") or ([schema["default"]] if "default" in schema else schema.get("enum", []))
-    return _flow(examples[0]) if examples else ""
+    return [_flow(example) for example in examples]
 
 
 def _resolved(schema: Schema) -> Schema:

@@ -107,6 +107,18 @@ def test_what_cannot_be_there_is_told_where_it_stands(
     assert fault.hint.startswith(hint)
 
 
+@pytest.mark.parametrize(
+    ("start", "words"), [((12, -3), "lies outside the domain"), ((40, 30), "lies in the restricted")]
+)
+def test_a_start_is_told_as_the_file_has_it(start: tuple[float, float], words: str) -> None:
+    origin = LatLon(51.896772, 6.54038)
+    there = place_at_offset(origin, *start)
+    (fault,) = faults(degrees(origin, METRES.replace("position_m: [12, 12]", f"position_m: [{start[0]}, {start[1]}]")))
+    assert fault.message.startswith(f"the start [{there.latitude_deg:.7f}".rstrip("0"))
+    assert f"{there.longitude_deg:.7f}".rstrip("0") in fault.message
+    assert words in fault.message
+
+
 def test_many_offsets_are_the_same_as_each_alone() -> None:
     origin = LatLon(51.9, 6.5)
     places = np.array([[51.9, 6.5], [51.95, 6.4], [52.3, 7.0]])

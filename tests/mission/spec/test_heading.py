@@ -54,7 +54,10 @@ def test_without_one_there_is_none_and_the_yaw_rate_is_one_for_both_autopilots()
         ("{toward: zzzzzz}", "flight.heading.toward", "the regions are"),
         ("{fixed: 400}", "flight.heading.fixed", ""),
         ("{fixed: 10, toward: tower}", "flight.heading", ""),
-        ("backwards", "flight.heading", ""),
+        ("backwards", "flight.heading", "write for example ahead, lanes, {fixed: 90} or {toward: S1}"),
+        ("toward tower", "flight.heading", "{toward: S1}"),
+        ("90", "flight.heading", "{fixed: 90}"),
+        ("lane", "flight.heading", "did you mean `lanes`?"),
     ],
 )
 def test_what_is_none_is_refused(written: str, path: str, hint: str) -> None:
