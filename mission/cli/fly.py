@@ -200,7 +200,7 @@ def tracked(result: FlightResult) -> str:
             followed += f", within the {tube_m:g} m per axis of the proof"
         else:
             followed += f", beyond the {tube_m:g} m per axis of the proof for up to {result.beyond_tube_s:.1f} s"
-    followed += f" ({result.largest_distance_m:.2f} m as a distance)"
+    followed += f" (largest distance {result.largest_distance_m:.2f} m)"
     off_m_s, bound_m_s = result.largest_velocity_error_m_s, result.plan.spec.flight.tube_m_s
     if off_m_s > 0.0:
         followed += f"; at most {off_m_s:.2f} m/s per axis from its velocity"

@@ -54,6 +54,9 @@ def read_plan(file: Path) -> tuple[FlightPlan, str]:
     Raises:
         SpecError: There is no such plan; its source is the file.
     """
+    if file.is_dir():
+        hint = f"name the plan in it, {file / 'plan.json'}, or judge the flight in it: mission verify --flight {file}"
+        raise bad_file(file, "is a folder, and no plan", hint)
     try:
         with file.open("rb") as stream:
             content = stream.read(_MOST_OF_A_PLAN + 1)

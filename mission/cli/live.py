@@ -15,10 +15,11 @@ from mission.plan import FlightPlan
 from mission.printable import printable
 
 _WIDE = 100
+_AGAIN_S = 10.0
 
 
 class Display:
-    """A bar that follows one flight; on what is no terminal, one line for each stage.
+    """A bar that follows one flight; on what is no terminal, one line for each stage, and more where it takes long.
 
     Nothing that goes wrong here, such as a closed pipe, reaches the flight.
 
@@ -36,6 +37,8 @@ class Display:
         self._task = self._bar.add_task("starting", total=_total(plan.trajectory.duration_s))
         self._live = err.is_terminal and not err.is_dumb_terminal
         self._said = ""
+        self._since_s: float | None = None
+        self._again_s = _AGAIN_S
 
     def __enter__(self) -> Self:
         if self._live:
@@ -50,11 +53,10 @@ class Display:
     def show(self, moment: Moment) -> None:
         """Show one moment."""
         self.heard = self.heard or moment.stage is not Stage.CONNECT
-        words = moment.stage.value
-        if moment.waiting_for:
-            words += f": {moment.waiting_for}"
+        stage = moment.stage.value
         if moment.returning and moment.stage is Stage.FLY:
-            words += " the last lap, then back"
+            stage += " the last lap, then back"
+        words = stage + (f": {moment.waiting_for}" if moment.waiting_for else "")
         behind = f" · does not keep up: {moment.behind_s:.1f} s behind" if moment.behind_s else ""
         if self._live:
             flying = 0.0 < moment.trajectory_s < moment.duration_s
@@ -65,10 +67,22 @@ class Display:
                 completed=moment.trajectory_s,
                 total=_total(moment.duration_s),
             )
-        elif words != self._said:
-            self._said = words
+        elif line := self._line(stage, words, moment.t_s):
             with contextlib.suppress(OSError):
-                err.print(words, markup=False)
+                err.print(line, markup=False)
+
+    def _line(self, stage: str, words: str, now_s: float | None) -> str:
+        """What is said where lines stay: each stage once, and what it waits for again after ever more seconds."""
+        if stage != self._said:
+            self._said, self._since_s, self._again_s = stage, now_s, _AGAIN_S
+            return words
+        if self._since_s is None:
+            self._since_s = now_s
+        waited_s = 0.0 if now_s is None or self._since_s is None else now_s - self._since_s
+        if words == stage or waited_s < self._again_s:
+            return ""
+        self._again_s *= 2.0
+        return f"{words} ({waited_s:.0f} s)"
 
     def _flying(self, moment: Moment) -> str:
         parts = [f"{moment.left_s:.0f} s left"] if math.isfinite(moment.left_s) else ["Ctrl-C returns"]

@@ -79,7 +79,7 @@ def test_warnings_are_said_before_the_flight(
     ],
 )
 def test_how_closely_it_was_followed(text: str, values: dict[str, object], line: str) -> None:
-    assert fly.tracked(result_of(plan_of(text), **values)) == f"{line} (0.64 m as a distance)"
+    assert fly.tracked(result_of(plan_of(text), **values)) == f"{line} (largest distance 0.64 m)"
 
 
 @pytest.mark.parametrize(("off_m_s", "word"), [(0.3, "within"), (1.3, "beyond")])

@@ -169,3 +169,22 @@ def test_that_the_vehicle_will_return_is_said_without_a_terminal(
         for returning in (False, False, True, True):
             display.show(moment(returning=returning))
     assert screen.getvalue() == "flying\nflying the last lap, then back\n"
+
+
+def test_what_a_stage_waits_for_is_said_once_and_again_when_it_takes_long(
+    rounds: FlightPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = io.StringIO()
+    monkeypatch.setattr(live, "err", Console(file=screen, width=160))
+    with Display(rounds) as display:
+        for t_s in [None, *range(45)]:
+            awaited = "a position" if t_s is not None and t_s > 2 else "a height, a position"
+            display.show(moment(stage=Stage.READY, t_s=t_s, waiting_for=awaited))
+        display.show(moment(stage=Stage.ARM, t_s=45.0))
+    assert screen.getvalue().splitlines() == [
+        "waiting for position and health: a height, a position",
+        "waiting for position and health: a position (10 s)",
+        "waiting for position and health: a position (20 s)",
+        "waiting for position and health: a position (40 s)",
+        "arming",
+    ]

@@ -112,3 +112,10 @@ def test_a_plan_that_cannot_be_read(tmp_path: Path, capsys: pytest.CaptureFixtur
         assert (result.code, result.out) == (2, "")
         assert result.err.startswith(f"{tmp_path / name}: ")
         assert words in result.err
+
+
+def test_the_folder_of_a_flight_is_told_what_to_name_in_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    refused = ran(capsys, "verify", str(tmp_path))
+    assert refused.code == 2
+    assert f"{tmp_path}: is a folder, and no plan" in refused.err
+    assert f"{tmp_path / 'plan.json'}, or judge the flight in it: mission verify --flight {tmp_path}" in refused.err
