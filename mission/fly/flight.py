@@ -18,6 +18,7 @@ from mission.fly.recording import Recording
 from mission.fly.result import FlightResult
 from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
+from mission.link.events import WentOn
 from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.link.transport import Transport
@@ -154,6 +155,8 @@ class Flight:
         """Pass on what the session has to tell."""
         for event in self.session.events():
             self.watch.take(event)
+            if isinstance(event, WentOn):
+                self.record.warn(f"{event.words}; the flight goes on")
 
     def depart(self) -> None:
         """Plan for where the vehicle stands, and go."""

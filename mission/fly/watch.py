@@ -21,6 +21,7 @@ from mission.link.events import (
     SetpointSent,
     StageEntered,
     VersionTold,
+    WentOn,
 )
 from mission.link.session import Session
 from mission.monitor.coverage import CoverageWatch, Covered
@@ -211,6 +212,8 @@ class FlightWatch:
         elif isinstance(event, Held):
             name = "held by a pilot" if event.words else "handed back"
             self._record.write("event", event.t_s, name=name, reason=event.words)
+        elif isinstance(event, WentOn):
+            self._record.write("event", event.t_s, name="went on", reason=event.words)
         elif isinstance(event, Anchored):
             self._record.write("event", event.t_s, name="anchored", origin_ned_m=event.origin_ned_m)
         elif isinstance(event, VersionTold):

@@ -104,6 +104,14 @@ class Held:
 
 
 @dataclass(frozen=True, slots=True)
+class WentOn:
+    """A step was left although it did not come to its end; the words say what did not happen."""
+
+    t_s: float | None
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
 class Photographed:
     """The vehicle told of a picture; what is not known is None.
 
@@ -132,5 +140,6 @@ Event = (
     | Moved
     | SetpointSent
     | Held
+    | WentOn
     | Photographed
 )

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import Final
 
 from mission.errors import LinkError, MissionError, VehicleError
+from mission.link.events import WentOn
 from mission.link.requests import Answer, RequestChannel
 from mission.link.steps import Scene, Step
 from mission.link.values import Command, Result
@@ -23,11 +24,17 @@ class Procedure:
         entered: Counts the steps entered, so that a change can be seen.
     """
 
-    def __init__(self, steps: tuple[Step, ...], channel: RequestChannel, words_since: Callable[[float], str]) -> None:
-        """Begin; ``words_since`` gives what the vehicle has said since a vehicle time."""
+    def __init__(
+        self,
+        steps: tuple[Step, ...],
+        channel: RequestChannel,
+        words_since: Callable[[float], str],
+        note: Callable[[WentOn], None],
+    ) -> None:
+        """Begin; ``words_since`` gives what the vehicle has said since a vehicle time, ``note`` takes events."""
         self._steps = list(steps)
         self._channel = channel
-        self._words_since = words_since
+        self._words_since, self._note = words_since, note
         self._started_s: float | None = None
         self._ask_at_s = 0.0
         self._asked: Command | None = None
@@ -93,6 +100,7 @@ class Procedure:
         elif scene.in_step_s > step.limit_s:
             if not step.suffices(scene):
                 raise self._overdue(step)
+            self._note(WentOn(vehicle_s, f"the vehicle {step.missing} within {step.limit_s:.0f} s"))
             self._leave()
         elif step.command is not None and not self._channel.busy and vehicle_s >= self._ask_at_s:
             self._ask_at_s = float("inf")  # until it is answered

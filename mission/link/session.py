@@ -356,7 +356,7 @@ class Session:
 
     def _procedure_of(self, *steps: Step) -> Procedure:
         self.contact.channel.forget()
-        return Procedure(steps, self.contact.channel, self.vehicle.words_since)
+        return Procedure(steps, self.contact.channel, self.vehicle.words_since, self._note)
 
     def _retreat(self, now_s: float) -> bool:
         """Take the way out: hold (and land) in the air, disarm on the ground; False where there is nothing to do."""

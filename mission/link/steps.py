@@ -172,7 +172,7 @@ def flight_steps(modes: frozenset[int], duration_s: float) -> tuple[Step, ...]:
         Step(
             stage=Stage.SETTLE,
             confirmed=lambda scene: scene.steady_s >= 1.0,
-            missing="did not come to the start of the trajectory",
+            missing="did not come to rest at the start of the trajectory, with its nose where it should be,",
             limit_s=20.0,
             suffices=lambda scene: scene.off_m <= 2.0,  # noqa: PLR2004 - m: no more than good tracking in wind
             modes=modes,

@@ -63,12 +63,12 @@ def start_findings(
     if not len(touching):
         fence = outlines.fence
         if fence and fence.clearance_m and shapely.intersects(fence.drawn, shapely.Point(start_m)):
-            return [_start_too_near(start_m, "the boundary", fence, BOUNDARY_CLEARANCE)]
+            return [_start_too_near(start_m, "the boundary", fence, BOUNDARY_CLEARANCE, tube)]
         return [Finding(path, f"the start {place(start_m)} lies outside the domain", reach(locator.partition))]
     within = [region for region, mask in restricted.items() if mask[touching].any()]
     grounds = {region: outlines.grounds.get(region.name) for region in within}
     near = [
-        _start_too_near(start_m, region.name, ground, key_of(region))
+        _start_too_near(start_m, region.name, ground, key_of(region), tube)
         for region, ground in grounds.items()
         if ground and ground.clearance_m and not shapely.intersects(ground.drawn, shapely.Point(start_m))
     ]
@@ -81,15 +81,19 @@ def start_findings(
     return [Finding(path, message, "move it out of every restricted region")]
 
 
-def _start_too_near(start_m: Point, name: str, ground: Ground, key: Path) -> Finding:
+def _start_too_near(start_m: Point, name: str, ground: Ground, key: Path, tube: Tube) -> Finding:
     """Of a start that only a clearance forbids."""
     start = shapely.Point(start_m)
     outside = not shapely.intersects(ground.drawn, start)
     least_m = ROUNDING * extent_of(ground.drawn)
 
+    around = _square(start_m, _SURELY * tube.width_m)
+
     def free(clearance_m: float) -> bool:
-        near = shapely.dwithin((grown if outside else shrunk)(ground.drawn, clearance_m), start, least_m)
-        return bool(near) != outside
+        area = (grown if outside else shrunk)(ground.drawn, clearance_m)
+        if tube.width_m > 0.0:
+            return not shapely.intersects(area, around) if outside else bool(shapely.contains(area, around))
+        return bool(shapely.dwithin(area, start, least_m)) != outside
 
     most = largest_m(free, ground.clearance_m)
     apart, kept_m = measure(shapely.distance(ground.drawn.boundary, start)), decimal(ground.clearance_m)

@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Final, NamedTuple
 
 import numpy as np
-from scipy.linalg import solveh_banded
+from scipy.linalg import LinAlgError, solveh_banded
 
 from mission.geometry.arrays import FloatArray
 
@@ -240,9 +240,12 @@ def _stepped(
 ) -> tuple[FloatArray, float, float] | None:
     """A damped step of Newton's method: where it leads, the barrier there, and what it promised to be lost of it.
 
-    None where nothing is lost by any.
+    None where nothing is lost by any, or rounding has left the step's equations no solution.
     """
-    step, promised = problem.newton(inner, weight)
+    try:
+        step, promised = problem.newton(inner, weight)
+    except LinAlgError:
+        return None
     size = 1.0
     for _ in range(_HALVINGS):
         tried = problem.barrier(inner + size * step, weight)

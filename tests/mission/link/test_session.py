@@ -9,12 +9,15 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import LinkError, VehicleError
+from mission.link.course import Course
 from mission.link.ending import Ending
-from mission.link.events import Answered, Asked, Moved, Said, SetpointSent
+from mission.link.events import Answered, Asked, Moved, Said, SetpointSent, WentOn
 from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.monitor.stage import Stage
+from mission.plan.heading import Nose
 from mission.plan.turning import TURN_RAD_S
+from mission.spec.heading import Heading, Look
 from tests.support.scripted_vehicle import (
     ARM,
     BRAKE,
@@ -34,7 +37,7 @@ from tests.support.scripted_vehicle import (
     Script,
     ScriptedVehicle,
 )
-from tests.support.sessions import ALTITUDE_M, END_M, START_M, Driven, anchor_at_start, course
+from tests.support.sessions import ALTITUDE_M, END_M, START_M, Driven, Straight, anchor_at_start, course
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 
@@ -351,6 +354,17 @@ def test_one_late_heartbeat_is_not_someone_else() -> None:
     vehicle.mode = GUIDED
     driven.fly()
     assert driven.session.ending is Ending.LANDED
+
+
+def test_a_nose_that_never_turns_is_told_of_and_the_flight_goes_on() -> None:
+    """The scripted vehicle keeps its heading, which the course asks it to leave."""
+    southward = Nose(Heading(Look.FIXED, fixed_rad=math.pi))
+    driven = Driven(ScriptedVehicle("ardupilot"), flown=lambda: Course(Straight(), 0.5, nose=southward))
+    driven.fly()
+    told = next(event for event in driven.events if isinstance(event, WentOn))
+    assert told.words.startswith("the vehicle did not come to rest at the start of the trajectory, with its nose")
+    assert told.words.endswith("within 20 s")
+    assert driven.stages[-3:] == [Stage.TOUCH_DOWN, Stage.DISARM, Stage.DONE]
 
 
 def test_a_vehicle_that_disarms_in_flight_is_a_failure_with_its_words() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.linalg import LinAlgError, solveh_banded
 
 from mission.spec.model import Extension
 from mission.steering.grid import Limits, Slow
@@ -287,3 +288,19 @@ def test_a_path_that_stays_in_one_place_has_a_law() -> None:
     law = time_law(curve, LIMITS, holds=((1.0, 2.0),))
     assert math.isfinite(law.duration_s)
     assert law.duration_s >= 2.0
+
+
+def test_where_a_system_has_no_solution_what_was_reached_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    solved = iter([True, True, False])
+
+    def some(*args: Any, **others: Any) -> Any:  # noqa: ANN401 - as scipy has it
+        if not next(solved, False):
+            raise LinAlgError("not positive definite")
+        return solveh_banded(*args, **others)
+
+    monkeypatch.setattr("mission.steering.pacing.solveh_banded", some)
+    curve = a_corner(5.0, 90.0)
+    law = time_law(curve, LIMITS)
+    for asked, limit in zip(flown(curve, law), LIMITS, strict=True):
+        assert asked.max() <= limit * (1.0 + 1e-6)
+    assert next(solved, None) is None
