@@ -252,7 +252,7 @@ def _costs(plan: FlightPlan) -> str:
     cost = plan.spec.search.cost
     prefix, suffix = plan.costs
     if cost is Cost.TRANSITIONS:
-        return f", of {count(plan.run.cost, 'transition')} each"
+        return f", of {count(round(prefix + suffix), 'transition')} each"
     unit, _ = UNIT[cost]
     found = f"{prefix:.1f} {unit} up to the loop, {suffix:.1f} {unit} round it (number {plan.run_index})"
     return f" by {cost}: {found}\n               ({MEASURED[cost]}; what is flown is the path below)"

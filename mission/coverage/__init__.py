@@ -21,6 +21,6 @@
     coverage.on_lane         # (p - 1,), of each of its pieces whether it is a lane
     coverage.lanes_length_m, coverage.ways_length_m, coverage.duration_s, coverage.heading_deg, coverage.exact
 
-All failures are ``GeometryError``. Spacing and trigger distance of a camera are in ``mission.coverage.camera``, what a
+All failures are ``GeometryError``. Spacing and trigger distance of a camera are in ``mission.spec.camera``, what a
 flight has covered in ``mission.coverage.flown``.
 """

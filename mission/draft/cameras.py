@@ -2,9 +2,9 @@
 
 from typing import Final
 
-from mission.coverage.camera import Lens, lane_spacing_m
 from mission.decimals import decimal
 from mission.interchange.features import Camera
+from mission.spec.camera import Lens, lane_spacing_m
 from mission.spec.cover_schema import DEFAULT_OVERLAP, DEFAULT_SIDELAP
 
 ALTITUDE_M: Final = 30.0

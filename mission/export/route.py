@@ -107,7 +107,7 @@ class _Events:
 
 def _slow(plan: FlightPlan) -> tuple[Slow, ...]:
     """The parts of the curve with a largest speed, each with the way on which to brake ahead of it."""
-    parts = slow_parts(plan.spec, plan.partition, plan.labelling, plan.curve)
+    parts = slow_parts(plan.proofs, plan.labelling, plan.spec.regions)
     if not parts:
         return ()
     knots, points, _, _ = plan.curve.sampled(_FEWEST_CELLS)

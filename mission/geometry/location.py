@@ -85,10 +85,10 @@ class Locator:
 
     def leaves(self, area: shapely.Geometry) -> bool:
         """Whether an area that has a point in the domain reaches its rim."""
-        return bool(len(self._rim.query(area, predicate="intersects")))
+        return bool(len(self.rim.query(area, predicate="intersects")))
 
     @cached_property
-    def _rim(self) -> shapely.STRtree:
+    def rim(self) -> shapely.STRtree:
         """The facets with nothing behind them."""
         triangles, facets = np.nonzero(self.partition.neighbours == OUTSIDE)
         corners = self.partition.corners_m[triangles]

@@ -6,7 +6,8 @@ from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.pace import trajectory_of
 from mission.plan.serial import plan_from_json, plan_to_json
 from mission.plan.stages import plan_mission, shortest_runs
-from mission.plan.tasks import DroppedTask, formula_of
+from mission.plan.tasks import DroppedTask
+from mission.spec.specification import formula_of
 
 __all__ = [
     "CoveredVisit",

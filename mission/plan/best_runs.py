@@ -6,7 +6,6 @@ from typing import Protocol
 
 from mission.errors import SearchSizeError
 from mission.logic.automata.conjunction import Conjunction
-from mission.plan.specification import Specification, deterministic_of
 from mission.plan.way import Way
 from mission.planning.objective import Objective
 from mission.planning.product import Product
@@ -14,6 +13,7 @@ from mission.planning.run import Run
 from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import MissionSpec, Semantics
+from mission.spec.specification import Specification, deterministic_of
 
 
 class Runs(Protocol):
@@ -61,12 +61,14 @@ class BestRuns:
         exact: Whether there are no better ones in any order of the tasks that recur. Where these are too many for an
             exact search, the runs are the best among those that meet them in one fixed order.
         way: The shortest way in the plane along which the one run goes; None where runs were searched in T.
+        way_costs: What its prefix and one round of its loop cost, in the unit of the mission's costs.
     """
 
     product: Product
     runs: Runs
     exact: bool
     way: Way | None = None
+    way_costs: tuple[float, float] | None = None
 
 
 def objective_of(spec: MissionSpec) -> Objective:

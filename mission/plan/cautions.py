@@ -13,8 +13,8 @@ from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.syntax import Formula, Operator, negation, postorder, propositions
 from mission.logic.formula.word import Letter
 from mission.plan.missing_letters import violated_by_first
-from mission.plan.specification import Specification
 from mission.spec.model import Flight, Limits, NamedAutomaton, Semantics
+from mission.spec.specification import Specification
 
 _HIGHEST_M: Final = 120.0
 """Above ground: the open category of the EU, Regulation 2019/947, UAS.OPEN.010; 14 CFR 107.51 has 400 feet."""

@@ -8,7 +8,6 @@ from typing import Any, Final
 import numpy as np
 import shapely
 
-from mission.coverage.camera import Lens, lane_spacing_m, trigger_distance_m
 from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.covering import cover
 from mission.coverage.flown import covered_share, swath_of
@@ -16,8 +15,9 @@ from mission.errors import GeometryError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
+from mission.spec.camera import spacing_of, trigger_of
 from mission.spec.finding import listed
-from mission.spec.model import Camera, Cover, MissionSpec, Point, Region
+from mission.spec.model import Cover, MissionSpec, Point, Region
 from mission.steering.path import SteeringPath
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.rounding import rounded_within
@@ -273,7 +273,7 @@ class Covering:
             lanes_s=start_s + lanes.lanes_s,
             ways_m=coverage.ways_length_m,
             exact=coverage.exact,
-            trigger_m=_trigger_m(lanes.cover, self.spec.flight.altitude_m),
+            trigger_m=trigger_of(lanes.cover, self.spec.flight.altitude_m),
             share=lanes.cover.share,
             planned_share=lanes.share,
         )
@@ -324,22 +324,3 @@ def _nearest_m(area: shapely.Geometry, place_m: Point) -> Point:
 
 def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:
     return shapely.buffer(shape, -margin_m, quad_segs=_QUARTER) if margin_m > 0.0 else shape
-
-
-def spacing_of(cover: Cover, altitude_m: float) -> float:
-    """Distance between lanes at a height above the ground."""
-    if cover.camera is not None:
-        return lane_spacing_m(_lens(cover.camera), altitude_m, cover.camera.sidelap)
-    return cover.spacing_m or 0.0
-
-
-def _trigger_m(cover: Cover, altitude_m: float) -> float | None:
-    """Distance between images in a lane at a height above the ground; None without a camera."""
-    camera = cover.camera
-    return None if camera is None else trigger_distance_m(_lens(camera), altitude_m, camera.overlap)
-
-
-def _lens(camera: Camera) -> Lens:
-    if camera.field_of_view_deg is not None:
-        return Lens.of_view(*camera.field_of_view_deg)
-    return Lens.of_sensor(*(camera.sensor_mm or (0.0, 0.0)), camera.focal_length_mm or 0.0)

@@ -40,11 +40,11 @@ from mission.plan.missing_letters import (
     accepts_something,
     missing_letter,
 )
-from mission.plan.specification import accepts, automaton_of, described, deterministic_of
 from mission.planning.product import Product
 from mission.planning.refusal import refusal
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import NamedAutomaton, Semantics
+from mission.spec.specification import accepts, automaton_of, described, deterministic_of
 
 MAX_WORK: Final = 5_000_000
 """Transitions that are looked at for all questions together: states of automata times edges of the map."""

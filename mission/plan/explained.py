@@ -7,10 +7,10 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.formula.conjuncts import conjuncts
 from mission.plan.diagnosis import Cause, diagnose
-from mission.plan.tasks import formula_of
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.loss import out_of_reach
 from mission.spec.model import MissionSpec, RegionKind
+from mission.spec.specification import formula_of
 from mission.spec.tasks import task_formula, task_text
 
 

@@ -6,10 +6,10 @@ from mission.errors import NoPlanError
 from mission.logic.formula.syntax import Formula
 from mission.plan.proved_path import PathPlanner
 from mission.plan.shortest_way import RunSearch
-from mission.plan.specification import Specification, deterministic_of
 from mission.planning.product import Product
 from mission.planning.recurrence import has_runs
 from mission.planning.refusal import refusal
+from mission.spec.specification import Specification, deterministic_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,13 +17,12 @@ from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
-from mission.plan.costs import UNIT, run_costs, transition_weights
+from mission.plan.costs import UNIT, transition_weights
 from mission.plan.covering import CoveredVisit
 from mission.plan.detour import Avoidance
 from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
-from mission.plan.specification import Specification, deterministic_of
 from mission.plan.tasks import DroppedTask
 from mission.plan.way import Way
 from mission.planning.run import Run
@@ -31,6 +30,7 @@ from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import restricted_triangles
 from mission.spec.loss import cut_off, out_of_reach
 from mission.spec.model import MissionSpec, Point
+from mission.spec.specification import Specification, deterministic_of
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
@@ -64,7 +64,9 @@ class FlightPlan:
         best_in_any_order: Whether no other order of the tasks that recur has a better run; False where they are too
             many for an exact search.
         run_index: Which of them is flown.
-        run: That run.
+        run: The run that is flown: the triangles that the curve passes. Where fields steer, it is that of the search.
+        costs: What the prefix of the run of the search and one round of its loop cost, in the unit of the mission's
+            costs.
         path: What is smoothed: the path of the fields that steer through it, or the shortest path that does what it
             does; of a recurrent run, the way to the lap, the lap, and the way back.
         stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
@@ -94,6 +96,7 @@ class FlightPlan:
     best_in_any_order: bool
     run_index: int
     run: Run
+    costs: tuple[float, float]
     path: SteeringPath | Polyline
     stops: tuple[tuple[float, float], ...]
     trajectory: Trajectory
@@ -149,6 +152,11 @@ class FlightPlan:
         return union(*self.required.shown)
 
     @property
+    def proofs(self) -> tuple[Certificate, ...]:
+        """Of the whole curve, one after the other."""
+        return (self.certificate, *((self.homeward.certificate,) if self.homeward else ()))
+
+    @property
     def curve(self) -> JoinedCurve:
         """The smoothed path, each leg once."""
         return self.trajectory.curve
@@ -165,11 +173,6 @@ class FlightPlan:
         """T of this domain, its restricted triangles closed, with the mission's costs."""
         weights = transition_weights(self.partition, self.spec.search.cost, self.spec.flight.speed_m_s)
         return TransitionSystem.from_partition(self.partition, self.labelling, self.restricted, weights)
-
-    @property
-    def costs(self) -> tuple[float, float]:
-        """What the prefix of the run and one round of its loop cost, in the unit of the mission's costs."""
-        return run_costs(self.system.weights, self.run, self.spec.search.cost) if self.way is None else self.way.costs
 
     @property
     def successors(self) -> IntArray:

@@ -26,8 +26,6 @@ from mission.geometry.simplices import Partition
 from mission.logic.formula.syntax import Operator, postorder
 from mission.plan.best_runs import objective_of
 from mission.plan.diagnosis import Cause
-from mission.plan.specification import deterministic_of, of_mission
-from mission.plan.tasks import formula_of
 from mission.planning.product import Product
 from mission.planning.recurrence import has_runs
 from mission.planning.search import search
@@ -38,6 +36,7 @@ from mission.spec.domain import build_domain, joined_m, restricted_triangles
 from mission.spec.finding import Path, dotted
 from mission.spec.model import BoundaryDomain, MissionSpec, Point, Refinement, RegionKind
 from mission.spec.outlines import place
+from mission.spec.specification import deterministic_of, formula_of, of_mission
 
 _BESIDE_M: Final = 0.1
 """Clearances that end this near to a place that a centimetre more closes are what closes it."""

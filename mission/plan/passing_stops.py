@@ -45,7 +45,7 @@ def with_passing_stops(
         In the order of the curve.
     """
     partition, labelling = ground
-    knots, sets = _pieces(certificates)
+    knots, sets = pieces_of(certificates)
     found = list(stops)
     for region in sorted(regions, key=lambda each: -each.loiter_s):
         if region.loiter_s <= 0.0:
@@ -67,7 +67,7 @@ def with_passing_stops(
     return tuple(sorted(found))
 
 
-def _pieces(certificates: Iterable[Certificate]) -> tuple[FloatArray, list[list[int]]]:
+def pieces_of(certificates: Iterable[Certificate]) -> tuple[FloatArray, list[list[int]]]:
     """The ends of the pieces of proofs, and the triangles that the tube may touch in each."""
     knots, sets = [np.zeros(1)], []
     for certificate in certificates:

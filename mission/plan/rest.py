@@ -38,7 +38,6 @@ from mission.logic.formula.word import Letter
 from mission.logic.hoa.text import to_hoa
 from mission.plan.beginning import Beginning
 from mission.plan.flight_plan import FlightPlan
-from mission.plan.specification import deterministic_of, generalised_of, of_mission
 from mission.plan.stages import planned
 from mission.spec.model import (
     UNTIL_STOPPED,
@@ -53,6 +52,7 @@ from mission.spec.model import (
     Semantics,
     Start,
 )
+from mission.spec.specification import deterministic_of, generalised_of, of_mission
 
 _RETURN: Final = "return.hoa"
 _START: Final = "start"

@@ -24,13 +24,13 @@ from mission.plan.flight_plan import FlightPlan
 from mission.plan.homeward import Homeward
 from mission.plan.photographs import photographs_from_json, photographs_to_json
 from mission.plan.proved_run import PassedOver
-from mission.plan.specification import of_mission
 from mission.plan.tasks import DroppedTask
 from mission.plan.way import Way
 from mission.planning.run import Run
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
+from mission.spec.specification import of_mission
 from mission.spec.tasks import task_text
 from mission.steering.certificate import Certificate
 from mission.steering.path import Segment, SteeringPath
@@ -38,7 +38,7 @@ from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.trajectory import Trajectory
 
-FORMAT = "ltl-mission plan 3"
+FORMAT = "ltl-mission plan 4"
 _NAMED = "mission_automaton"
 _OPTIONAL: Final[dict[str, Any]] = {
     _NAMED: "",
@@ -82,6 +82,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "passed_over": [asdict(run) for run in plan.passed_over],
         "avoidance": plan.avoidance and asdict(plan.avoidance),
         "run": _run_data(plan.run),
+        "costs": list(plan.costs),
         "way": plan.way and plan.way.to_json(),
         "path": _path_data(plan.path),
         "instead": plan.instead,
@@ -159,6 +160,7 @@ def _plan(document: dict[str, Any]) -> FlightPlan:
         ),
         avoidance=part("avoidance", _avoidance),
         run=part("run", _run),
+        costs=part("costs", _point),
         path=part("path", _path),
         stops=part("stops", lambda stops: tuple((float(place), float(seconds)) for place, seconds in stops)),
         trajectory=part("trajectory", Trajectory.from_json),

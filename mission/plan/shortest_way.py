@@ -23,7 +23,6 @@ from mission.plan.best_runs import BestRuns, OneRun, best_accepted, objective_of
 from mission.plan.costs import UNIT, passage_lengths
 from mission.plan.crossing_maps import CrossingMaps
 from mission.plan.homeward import way_in
-from mission.plan.specification import Specification, deterministic_of
 from mission.plan.way import Way
 from mission.planning.crossings import Crossings
 from mission.planning.product import Product
@@ -31,6 +30,7 @@ from mission.planning.run import Run
 from mission.planning.traced import Tracer, stretches
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Cost, MissionSpec, Semantics
+from mission.spec.specification import Specification, deterministic_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ class RunSearch:
                 counted = TransitionSystem(self.system.successors, self.system.letter_of, self.system.letters)
                 product = Product(counted, found.product.automaton, self.maps.triangle, self._spec.semantics)
                 one = OneRun(run, found.runs.cost)
-                return BestRuns(product, one, found.exact, self._way(ground, found.runs[0]))
+                return BestRuns(product, one, found.exact, *self._way(ground, found.runs[0]))
         return None
 
     def _homeward_on(
@@ -182,13 +182,14 @@ class RunSearch:
             prefix, loop = (prefix[1:], loop) if prefix else ([], [*loop[1:], loop[0]])
         return automaton.whole.accepts(prefix, loop)
 
-    def _way(self, ground: Crossings, run: Run) -> Way:
+    def _way(self, ground: Crossings, run: Run) -> tuple[Way, tuple[float, float]]:
+        """The way that a run over crossing points is, and what its prefix and its loop cost."""
         unit = UNIT[self._spec.search.cost][1]
         weights = ground.system.weights[list(run.states), list(run.controls)] * unit
         head = len(run.prefix)
         before = ground.points_m[[*run.prefix, run.suffix[0]]]
         around = ground.points_m[[*run.suffix, *run.suffix[: len(run.suffix) > 1]]]
-        return Way(_distinct(before), _distinct(around), (float(weights[:head].sum()), float(weights[head:].sum())))
+        return Way(_distinct(before), _distinct(around)), (float(weights[:head].sum()), float(weights[head:].sum()))
 
 
 def _distinct(points: FloatArray) -> FloatArray:

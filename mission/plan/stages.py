@@ -24,12 +24,13 @@ from mission.plan.photographs import along_lanes
 from mission.plan.proved_path import PathPlanner
 from mission.plan.shortest_way import RunSearch
 from mission.plan.slow_parts import slow_parts
-from mission.plan.specification import of_mission
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import dropped_tasks
+from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import Cost, MissionSpec, Point
+from mission.spec.specification import of_mission
 from mission.steering.trajectory import Trajectory
 
 
@@ -123,6 +124,7 @@ def planned(spec: MissionSpec, begins: Beginning, run: int | None = None) -> Fli
         best_in_any_order=flown.among.exact,
         run_index=flown.run_index,
         run=flown.run,
+        costs=_costs(flown.among, flown.searched, weights, spec.search.cost),
         path=flown.path,
         stops=flown.stops,
         trajectory=trajectory,
@@ -132,7 +134,9 @@ def planned(spec: MissionSpec, begins: Beginning, run: int | None = None) -> Fli
         passed_over=flown.passed_over,
         covers=flown.covers,
         photographs=along_lanes(trajectory, flown.covers),
-        avoidance=Avoidance(flown.avoided, _costs(found, weights, spec.search.cost)) if flown.avoided else None,
+        avoidance=Avoidance(flown.avoided, _costs(found, runs[0], weights, spec.search.cost))
+        if flown.avoided
+        else None,
         way=flown.among.way,
         instead=flown.instead,
         onward=(begins.velocity_m_s, begins.acceleration_m_s2) if begins.moves else None,
@@ -152,7 +156,7 @@ def _flown(steering: Steering) -> tuple[Steered, Trajectory]:
                 flown.stops,
                 flown.lap,
                 flown.covers,
-                slow=slow_parts(of.spec, of.partition, of.labelling, flown.curve),
+                slow=slow_parts(flown.proofs, of.labelling, of.spec.regions),
                 toward_m=looked_toward(of.spec, of.partition, of.labelling),
                 begins=None if onward is None else onward.law,
             )
@@ -168,14 +172,14 @@ def _flown(steering: Steering) -> tuple[Steered, Trajectory]:
 def shortest_runs(plan: FlightPlan) -> Runs:
     """All the runs that a plan could have flown at the same cost, clear of what it avoids."""
     if plan.way is not None:
-        return OneRun(plan.run, round(objective_of(plan.spec).cost(*plan.way.costs) / UNIT[plan.spec.search.cost][1]))
+        return OneRun(plan.run, round(objective_of(plan.spec).cost(*plan.costs) / UNIT[plan.spec.search.cost][1]))
     objective = objective_of(plan.spec)
     system = plan.system if plan.avoidance is None else plan.system.without(plan.avoidance.closed)
     return best_runs(system, plan.required, plan.run.states[0], plan.spec.semantics, objective).runs
 
 
-def _costs(found: BestRuns, weights: IntArray, cost: Cost) -> tuple[float, float]:
-    return run_costs(weights, found.runs[0], cost) if found.way is None else found.way.costs
+def _costs(found: BestRuns, run: Run, weights: IntArray, cost: Cost) -> tuple[float, float]:
+    return found.way_costs or run_costs(weights, run, cost)
 
 
 def _start_triangle(locator: Locator, restricted: np.ndarray, start_m: Point) -> int:

@@ -15,15 +15,16 @@ from mission.plan.covering import CoveredVisit
 from mission.plan.detour import MOST_SEARCHES, Avoided, flown_run
 from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward
+from mission.plan.passed import run_along
 from mission.plan.passing_stops import with_passing_stops
 from mission.plan.progress import NoStagesError
 from mission.plan.proved_path import PathPlanner, tube_advice
 from mission.plan.proved_run import PassedOver, ProvedRun, proved_run
 from mission.plan.shortest_way import RunSearch
-from mission.plan.specification import Specification
 from mission.plan.way_back import way_back
 from mission.planning.run import Run
 from mission.spec.model import CORRIDOR
+from mission.spec.specification import Specification
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
 from mission.steering.layered_paths import NoWayError
@@ -39,10 +40,12 @@ class Steered:
     Attributes:
         curve: The smoothed path, each leg once, the way back from laps among them.
         lap: Which leg is the lap; None where there is none.
+        searched: The run of the search through whose corridor, or by whose fields, it leads.
         avoided: The triangles that were closed because no run through them is proved.
     """
 
     run: Run
+    searched: Run
     run_index: int
     among: BestRuns
     path: SteeringPath | Polyline
@@ -55,6 +58,11 @@ class Steered:
     passed_over: tuple[PassedOver, ...] = ()
     avoided: tuple[Avoided, ...] = ()
     instead: str = ""
+
+    @property
+    def proofs(self) -> tuple[Certificate, ...]:
+        """Of the whole curve, one after the other."""
+        return (self.certificate, *((self.homeward.certificate,) if self.homeward else ()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +132,7 @@ class Steering:
     def _in_corridor(self, found: BestRuns, index: int) -> Steered:
         of, automaton = self.planner, found.product.automaton
         planner = CorridorPlanner(of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering)
-        run = found.runs[index]
+        run, locator = found.runs[index], self.search.maps.locator
         flown = planner.path(run, self.begins, partial(self._prover.certify, repeats=run.recurrent))
         path, curve, homeward = flown.planned, flown.curve, None
         if flown.lap is not None:
@@ -132,10 +140,12 @@ class Steering:
             onward = partial(self.search.homeward, replace(found, way=None))
             back = way_back_in_corridor(planner, onward, safety_of(automaton.whole), run, flown)
             if back is not None:
-                homeward, path, curve = back.homeward, path.then(back.planned), JoinedCurve((*curve.legs, back.curve))
+                homeward = Homeward(run_along([back.curve], locator), back.homeward.certificate)
+                path, curve = path.then(back.planned), JoinedCurve((*curve.legs, back.curve))
         proofs = (flown.certificate, *((homeward.certificate,) if homeward else ()))
         return Steered(
-            run=run,
+            run=run_along(flown.curve.legs, locator, lap=flown.lap is not None),
+            searched=run,
             run_index=index,
             among=found,
             path=path,
@@ -209,6 +219,7 @@ class Steering:
         stops = tuple((stop.s, stop.seconds) for stop in planner.stops(path, curve))
         return Steered(
             run=chosen,
+            searched=chosen,
             run_index=flown.proved.index,
             among=flown.among,
             path=path,

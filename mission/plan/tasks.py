@@ -5,16 +5,16 @@ so of each conflict one task must go, and the cheapest set that hits every confl
 the tasks that it leaves can be met, nothing cheaper can do; otherwise they contain a further conflict.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 
 from mission.errors import NoPlanError
-from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import Formula, conjunction
+from mission.logic.formula.syntax import Formula
 from mission.spec.model import MissionSpec
-from mission.spec.tasks import task_formula, task_text
+from mission.spec.specification import formula_of
+from mission.spec.tasks import task_text
 
 Refusal = NoPlanError | None
 """Why a formula has no run; None where it has one."""
@@ -38,22 +38,6 @@ class DroppedTask:
     task: str
     weight: float
     reason: str
-
-
-def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
-    """The mission's formula and its tasks, all at once.
-
-    Args:
-        spec: The mission.
-        dropped: Tasks that are left out, by their places in the file.
-
-    Raises:
-        FormulaSyntaxError: If the mission's own formula is none.
-    """
-    own = [parse_formula(spec.formula, frozenset(region.name for region in spec.regions))] if spec.formula else []
-    left_out = frozenset(dropped)
-    tasks = (task_formula(task, spec.regions) for i, task in enumerate(spec.tasks) if i not in left_out)
-    return conjunction(*own, *tasks)
 
 
 def dropped_tasks(

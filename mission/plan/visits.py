@@ -14,9 +14,9 @@ from mission.geometry.simplices import Partition
 from mission.logic.automata.rabin import DEAD, Rabin
 from mission.logic.formula.syntax import propositions
 from mission.plan.covering import Passage
-from mission.plan.tasks import formula_of
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, Region, RegionKind, Semantics
+from mission.spec.specification import formula_of
 
 
 def visits(inside: list[bool]) -> list[tuple[int, int]]:

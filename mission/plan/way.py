@@ -15,12 +15,10 @@ class Way:
     Attributes:
         prefix_m: Shape (P, 2), from the start to where the loop begins, ENU, metres; P at least 1.
         loop_m: Shape (L, 2), round the loop, which ends where it begins; one point where the flight stays.
-        costs: What the prefix and one round of the loop cost, in the unit of the mission's costs.
     """
 
     prefix_m: FloatArray
     loop_m: FloatArray
-    costs: tuple[float, float]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "prefix_m", frozen_floats(self.prefix_m))
@@ -28,7 +26,7 @@ class Way:
 
     def to_json(self) -> dict[str, Any]:
         """As JSON values."""
-        return {"prefix_m": self.prefix_m.tolist(), "loop_m": self.loop_m.tolist(), "costs": list(self.costs)}
+        return {"prefix_m": self.prefix_m.tolist(), "loop_m": self.loop_m.tolist()}
 
     @staticmethod
     def from_json(data: dict[str, Any]) -> "Way":
@@ -37,8 +35,7 @@ class Way:
         Raises:
             ValueError: It is not such.
         """
-        prefix, suffix = (float(cost) for cost in data["costs"])
         parts = [np.array(data[key], dtype=np.float64) for key in ("prefix_m", "loop_m")]
         if any(part.ndim != 2 or part.shape[1] != 2 or not np.isfinite(part).all() for part in parts):  # noqa: PLR2004
             raise ValueError("a way is a list of points")
-        return Way(parts[0], parts[1], (prefix, suffix))
+        return Way(*parts)

@@ -18,11 +18,11 @@ import pytest
 from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
 from mission.plan.best_runs import best_runs
-from mission.plan.specification import Specification
 from mission.planning.objective import Objective
 from mission.planning.product import Product
 from mission.planning.search import search
 from mission.spec.model import Semantics
+from mission.spec.specification import Specification
 from tests.support.formulas import Measured, measured_formulas
 from tests.support.measuring import Bar, Ratio, at_least, at_most, compared, loop, peak_mb, seconds, table, within
 from tests.support.patrols import optimal_tour, patrol

@@ -8,10 +8,10 @@ import pytest
 from mission.fly import FlightResult, fly
 from mission.link.ending import Ending
 from mission.plan import FlightPlan, plan_mission
-from mission.plan.specification import of_mission
 from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission, parse_mission
+from mission.spec.specification import of_mission
 from tests.support.commands import MISSIONS
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 

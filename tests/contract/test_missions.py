@@ -3,16 +3,20 @@
 import json
 import re
 from collections import Counter
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import numpy as np
 import pytest
+import shapely
 import yaml
 
+from mission.plan import FlightPlan, plan_from_json
 from mission.spec.loader import load_mission
 from mission.spec.model import BoundaryDomain, PolygonShape
+from mission.steering.polyline import Polyline
 from mission.verify.plans import claims
 from tests.support.commands import MISSIONS, ran
 
@@ -59,6 +63,24 @@ def figures_of(plan: dict[str, Any]) -> tuple[list[float], list[float]]:
     return [plan["triangles"], plan["smallest_angle_deg"], *lanes, plan["flight_duration_s"]], shares
 
 
+def check_run(plan: FlightPlan) -> None:
+    """The run of a flight in a corridor is what its curve passes, in order, and so is that of its way back."""
+    if not isinstance(plan.path, Polyline):
+        return
+    legs, lap, corners = plan.curve.legs, plan.trajectory.lap, plan.partition.corners_m
+    cut = len(legs) if lap is None else lap + 1
+    parts = [(legs[:cut], plan.run, plan.certificate)]
+    if plan.homeward is not None:
+        parts.append((legs[cut:], plan.homeward.run, plan.homeward.certificate))
+    for flown, run, proof in parts:
+        states = [*run.states, run.suffix[0]]
+        points = np.concatenate([leg.position(np.linspace(0.0, leg.duration_s, 20_001)) for leg in flown])
+        assert shapely.distance(shapely.polygons(corners[states]), shapely.linestrings(points)).max() < 1e-3
+        passed, read = iter(states), iter([plan.labelling.label(state) for state in states])
+        assert all(triangle in passed for triangle, _ in groupby(plan.locator.triangle_at(points).tolist()))
+        assert all(letter in read for letter in proof.word)
+
+
 def test_there_are_missions_of_both_sorts() -> None:
     assert len(SOUND) >= 5
     assert len(BROKEN) >= 50
@@ -72,6 +94,7 @@ def test_a_sound_mission_is_planned_with_a_proof(
     result = ran(capsys, "plan", str(file), "--json", "--out", str(written))
     assert (result.code, result.err) == (0, "")
     assert [claim for claim in claims(written.read_text(encoding="utf-8")) if claim.fault] == []
+    check_run(plan_from_json(written.read_text(encoding="utf-8")))
     plan = json.loads(result.out)
     assert plan["certificate"]["holds"] is True
     assert len(plan["run"]) == len(plan["controls"])

@@ -13,12 +13,12 @@ from mission.geometry.arrays import FloatArray
 from mission.geometry.simplices import Partition
 from mission.logic.formula.parser import parse_formula
 from mission.plan import FlightPlan, trajectory_of
-from mission.plan.specification import Specification
 from mission.planning.run import Run
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
+from mission.spec.specification import Specification
 from mission.steering.certificate import Certificate
 from mission.steering.path import build_path
 from mission.steering.proved_smoothing import fit_legs
@@ -124,6 +124,7 @@ def plan_of(tour: Tour) -> FlightPlan:
         best_in_any_order=True,
         run_index=0,
         run=run,
+        costs=(float(len(run.prefix)), float(len(run.suffix))),
         path=path,
         stops=(),
         trajectory=trajectory_of(spec, curve, (), path.repeated_leg),

@@ -20,11 +20,11 @@ from mission.plan.costs import transition_weights
 from mission.plan.crossing_maps import CrossingMaps
 from mission.plan.progress import stages_of
 from mission.plan.shortest_way import RunSearch
-from mission.plan.specification import of_mission
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
+from mission.spec.specification import of_mission
 from mission.steering.taut import TautPath, taut_path
 
 
@@ -58,8 +58,8 @@ class Found:
     @property
     def length_m(self) -> float:
         """From the start to the end of the first round."""
-        assert self.best.way is not None
-        return sum(self.best.way.costs)
+        assert self.best.way_costs is not None
+        return sum(self.best.way_costs)
 
 
 def search_of(spec: MissionSpec) -> RunSearch:

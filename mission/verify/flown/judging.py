@@ -17,11 +17,11 @@ from mission.logic.automata.rabin import DEAD
 from mission.monitor.laps import LapCounter, laps_text
 from mission.monitor.monitor import Violation, ViolationKind
 from mission.plan import FlightPlan, plan_mission
-from mission.plan.covering import spacing_of
-from mission.plan.specification import Specification, deterministic_of, of_mission
+from mission.spec.camera import spacing_of
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Semantics
 from mission.spec.restricted import restricted_as_drawn
+from mission.spec.specification import Specification, deterministic_of, of_mission
 from mission.spec.tasks import task_formula, task_text
 from mission.verify.flown.covered import CoveredShare, ToCover, covered_shares
 from mission.verify.flown.nearness import Deviation, Nearness, deviation_of, nearness_of

@@ -1,95 +1,114 @@
-"""Whether the lanes of a plan cover what they are said to cover."""
+"""Whether the lanes of a plan cover what they are said to cover, and pictures are taken along them."""
 
-from collections.abc import Iterator, Mapping
-from math import comb, isclose, radians, tan
-from typing import Any, Final
+from itertools import accumulate
+from math import atan2, isclose, pi, remainder
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import shapely
 
-from mission.geometry.arrays import FloatArray
-from mission.spec.model import Camera, Cover, MissionSpec
-from mission.verify.plans.patches import DEGREE, Patches
+from mission.geometry.regions import union_of
+from mission.spec.camera import spacing_of, trigger_of
+from mission.verify.plans.patches import patches_of, pieces_of
+from mission.verify.plans.written import Verdict, Written
 
 _SHARE: Final = 2e-3
 _BESIDE: Final = 1.0 / 8.0 + 1.0 / 30.0  # of a spacing: rounded ends are cut off, small steps aside left out
 _SAME: Final = 1e-9
+_SAME_S: Final = 1e-6
+_SETTLE_S: Final = 0.5  # after a turn
+_STRAIGHT_RAD: Final = 0.01
+_SAMPLES: Final = np.linspace(0.0, 1.0, 65)  # of a lane, which is straight but for its ends
 
 
-def cover_faults(
-    spec: MissionSpec, visit: Mapping[str, Any], area: shapely.Geometry, patches: Patches
-) -> Iterator[str]:
-    """What is wrong with a visit that covers a region.
+def lanes_cover(plan: Written) -> Verdict:
+    """Each visit that covers: its lanes are flown, and cover as much as it says; each flight of lanes is a visit."""
+    visits = plan.data["covers"]
+    pieces = [piece for leg in plan.data["trajectory"]["legs"] for piece in pieces_of(leg["curve"])]
+    begins = accumulate((float(patches_of(piece).ends_s[-1]) for piece in pieces), initial=0.0)
+    flown = [s for s, piece in zip(begins, pieces, strict=False) if piece["kind"] == "rounded polyline"]
+    for visit in visits:
+        fault = _visit_fault(plan, visit, flown)
+        if fault:
+            return f"{visit['region']} {fault}", ""
+    return None, f"{sum(len(visit['lanes_m']) for visit in visits)} lanes in {len(visits)} visits"
 
-    Args:
-        spec: The mission.
-        visit: Of the plan file.
-        area: What of the region may be entered.
-        patches: The curve.
-    """
-    cover = next((region.cover for region in spec.regions if region.name == visit["region"]), None)
+
+def _visit_fault(plan: Written, visit: dict[str, Any], flown: list[float]) -> str | None:
+    """What is wrong with a visit that covers a region, where lanes begin at some places on the curve."""
+    cover = next((region.cover for region in plan.spec.regions if region.name == visit["region"]), None)
     if cover is None:
-        yield "is not to be covered"
-        return
-    spacing, trigger = _distances(cover, spec.flight.altitude_m)
-    if not (isclose(spacing, visit["spacing_m"], rel_tol=_SAME) and _alike(trigger, visit["trigger_m"])):
-        yield f"asks for lanes {spacing:g} m apart, and pictures every {trigger or 0.0:g} m"
-    if visit["share"] != cover.share:
-        yield f"asks for a share of {cover.share:g}"
-    lanes = np.array(visit["lanes_m"], dtype=float).reshape(-1, 2, 2)
-    times = np.array(visit["lanes_s"], dtype=float).reshape(-1, 2)
-    order = np.append(visit["start_s"], times.ravel())
-    end_s = float(patches.ends_s[-1])
-    if len(times) != len(lanes) or (np.diff(order) < -_SAME * end_s).any() or order[-1] > end_s * (1.0 + _SAME):
-        yield "has lanes that are not in order"
-        return
-    times = np.minimum(np.maximum.accumulate(times.ravel()), end_s).reshape(-1, 2)
-    beside = np.linalg.norm(patches.at(times.ravel()).reshape(-1, 2, 2) - lanes, axis=2).max(axis=1)
-    if beside.max() > _BESIDE * spacing:
-        yield f"has a lane, {int(np.argmax(beside))}, that is flown {beside.max():.3f} m beside itself"
-    share = 1.0 - area.difference(shapely.union_all(_swaths(patches, times, spacing))).area / area.area
-    if abs(share - visit["planned_share"]) > _SHARE:
-        yield f"is covered to {share:.2%}, and not to {visit['planned_share']:.2%}"
-
-
-def _swaths(patches: Patches, times: FloatArray, spacing: float) -> list[shapely.Geometry]:
-    """What is within half a spacing of each lane."""
-    inside = patches.cut(times.ravel())
+        return "is not to be covered"
+    altitude_m = plan.spec.flight.altitude_m
+    spacing_m, trigger_m = spacing_of(cover, altitude_m), trigger_of(cover, altitude_m)
+    if [visit[key] for key in ("spacing_m", "trigger_m", "share")] != [spacing_m, trigger_m, cover.share]:
+        return f"asks for lanes {spacing_m:g} m apart, pictures every {trigger_m} m, and a share of {cover.share:g}"
+    if not any(isclose(visit["start_s"], s, abs_tol=_SAME_S) for s in flown):
+        return f"has no lanes that begin at {visit['start_s']:.3f} s on the path"
+    lanes, times_s = (
+        np.array(visit[key], dtype=float).reshape(len(visit[key]), 2, -1) for key in ("lanes_m", "lanes_s")
+    )
+    order, end_s = np.append(visit["start_s"], times_s.ravel()), float(plan.curve.ends_s[-1])
+    if len(times_s) != len(lanes) or (np.diff(order) < -_SAME * end_s).any() or order[-1] > end_s * (1.0 + _SAME):
+        return "has lanes that are not in order"
+    begins, ends = np.minimum(np.maximum.accumulate(times_s.ravel()), end_s).reshape(-1, 2, 1).swapaxes(0, 1)
+    flights = plan.curve.at((begins + (ends - begins) * _SAMPLES).ravel()).reshape(len(lanes), -1, 2)
+    beside = np.linalg.norm(flights[:, [0, -1]] - lanes, axis=2).max(axis=1)
+    if beside.max() > _BESIDE * spacing_m:
+        return f"has a lane, {int(np.argmax(beside))}, that is flown {beside.max():.3f} m beside itself"
+    area = union_of(plan.partition, plan.own(visit["region"]) & ~plan.restricted)
     # Of a lane that is too short to be more than a moment of the flight, its place counts.
-    found = [*shapely.buffer(shapely.points(patches.at(times[:, 0])), spacing / 2.0, quad_segs=32)]
-    for begin, end in times.tolist():
-        own = inside.taken((inside.begins_s >= begin) & (inside.ends_s <= end))
-        line = _BERNSTEIN @ own.control_m
-        found.append(shapely.linestrings(line.reshape(-1, 2)).buffer(spacing / 2.0, quad_segs=32))
-    return found
+    flown_over = [*shapely.linestrings(flights), *shapely.points(flights[:, 0])]
+    swaths = shapely.buffer(flown_over, spacing_m / 2.0, quad_segs=32)
+    share = 1.0 - area.difference(shapely.union_all(swaths)).area / area.area
+    off = abs(share - visit["planned_share"]) > _SHARE
+    return f"is covered to {share:.2%}, and not to {visit['planned_share']:.2%}" if off else None
 
 
-def _table(points: int) -> FloatArray:
-    """Values of the Bernstein polynomials at some points."""
-    u = np.linspace(0.0, 1.0, points)[:, None]
-    powers = np.arange(DEGREE + 1)
-    return np.array([comb(DEGREE, i) for i in powers]) * u**powers * (1.0 - u) ** (DEGREE - powers)
+class _Lane(NamedTuple):
+    """A lane that is photographed: where on the curve, the distance of pictures, and the heading from north."""
+
+    begin_s: float
+    end_s: float
+    trigger_m: float
+    heading_rad: float
 
 
-_BERNSTEIN: Final = _table(5)
+def photographed(plan: Written) -> list[_Lane]:
+    """The lanes along which pictures are taken."""
+    found = []
+    for visit in plan.data["covers"]:
+        if visit["trigger_m"] is not None:
+            for (begin, end), ((x, y), (u, v)) in zip(visit["lanes_s"], visit["lanes_m"], strict=True):
+                found.append(_Lane(begin, end, visit["trigger_m"], atan2(u - x, v - y)))
+    return [lane for lane in found if lane.begin_s < lane.end_s]
 
 
-def _distances(cover: Cover, altitude_m: float) -> tuple[float, float | None]:
-    """Distance of lanes, and of pictures where some are taken, that a region asks for."""
-    if cover.camera is None:
-        return cover.spacing_m or 0.0, None
-    width, height = _seen(cover.camera)
-    return width * altitude_m * (1.0 - cover.camera.sidelap), height * altitude_m * (1.0 - cover.camera.overlap)
+def pictures_taken(plan: Written) -> Verdict:
+    """A stretch of pictures along each lane of a region of which some are to be taken, with the time to turn before."""
+    lanes, stretches = photographed(plan), plan.data.get("photographs", ())
+    if len(stretches) != len(lanes):
+        return f"pictures are taken in {len(stretches)} stretches, and there are {len(lanes)} lanes to take them in", ""
+    begun: tuple[int, float, float] | None = None  # the leg of the lane before, when it ended, and its heading
+    for number, ((begin, end, distance, heading), lane) in enumerate(zip(stretches, lanes, strict=True)):
+        told = _place(plan, float(begin)), _place(plan, float(end)), distance, heading
+        if not all(isclose(one, due, rel_tol=_SAME, abs_tol=_SAME_S) for one, due in zip(told, lane, strict=True)):
+            return f"`photographs.{number}` is not along its lane, {lane.begin_s:.3f} s to {lane.end_s:.3f} s", ""
+        leg = int(np.searchsorted(plan.starts_s[1:-1], lane.begin_s, side="right"))
+        since, turn = sum(law.duration_s for law in plan.laws[:leg]), pi
+        if begun is not None and begun[0] == leg:
+            since, turn = begun[1], abs(remainder(heading - begun[2], 2.0 * pi))
+        if turn > _STRAIGHT_RAD and begin - since < turn / plan.spec.limits.yaw_rate_rad_s + _SETTLE_S - _SAME_S:
+            return f"before `photographs.{number}` there is too little time to turn by {turn:.2f} rad", ""
+        begun = leg, end, heading
+    return None, f"{len(stretches)} stretches"
 
 
-def _seen(camera: Camera) -> tuple[float, float]:
-    """Width and height of a picture at a distance of one."""
-    if camera.field_of_view_deg is not None:
-        across, along = (2.0 * tan(radians(angle) / 2.0) for angle in camera.field_of_view_deg)
-        return across, along
-    width, height = camera.sensor_mm or (0.0, 0.0)
-    return width / (camera.focal_length_mm or 1.0), height / (camera.focal_length_mm or 1.0)
-
-
-def _alike(due: float | None, value: Any) -> bool:  # noqa: ANN401 - of a file
-    return value is None if due is None else value is not None and isclose(due, value, rel_tol=_SAME)
+def _place(plan: Written, t_s: float) -> float:
+    """Where on the curve the vehicle is at a time, of the first lap."""
+    begins = 0.0
+    for law, start in zip(plan.laws, plan.starts_s.tolist(), strict=False):
+        if t_s <= begins + law.duration_s:
+            return float(start + law.jet(np.array([t_s - begins]))[0][0])
+        begins += law.duration_s
+    return float("inf")

@@ -36,12 +36,12 @@ class Layers(NamedTuple):
 
 
 class _Steps(NamedTuple):
-    """Steps between places (E,): from, to, whether the label of the latter is read, and whether time goes on."""
+    """Steps between places (E,): from, to, whether time goes on, and whether the label of the latter is read."""
 
     sources: IntArray
     targets: IntArray
-    reads: BoolArray
     lasts: BoolArray
+    reads: BoolArray
 
 
 def spells(
@@ -56,53 +56,42 @@ def spells(
         automaton: Over these letters.
         reads_first: Whether the label of the first triangle is read.
     """
-    steps, triangles, first = _steps(layers, partition)
-    states, places = automaton.states, len(triangles)
-    every = np.arange(states)
-    begun = automaton.initial
-    edges: list[tuple[IntArray, IntArray, IntArray, IntArray]] = []  # sources, targets, and of each both marks
-    for letter in (None, *np.unique(letter_of[triangles]).tolist()):
+    steps, letters = _steps(layers, partition, letter_of, reads_first=reads_first)
+    states, size = automaton.states, len(letters) * automaton.states
+    edges: list[tuple[IntArray, ...]] = []  # sources, targets, and of each both marks
+    for letter in (None, *np.unique(letters).tolist()):
         rows = automaton.letters == letter
-        read = (every, every) if letter is None else (automaton.sources[rows], automaton.targets[rows])
-        heard = ~steps.reads if letter is None else steps.reads & (letter_of[triangles[steps.targets]] == letter)
+        silent = (np.arange(states),) * 2
+        read = silent if letter is None else (automaton.sources[rows], automaton.targets[rows])
+        heard = ~steps.reads if letter is None else steps.reads & (letters[steps.targets] == letter)
         ends = [(at[heard][:, None] * states + of).ravel() for at, of in zip(steps[:2], read, strict=True)]
         edges.append((*ends, *(np.repeat(mark[heard], len(read[0])) for mark in steps[2:])))
-    starts = [
-        place * states + (_after(automaton, int(letter_of[triangles[place]])) if reads_first else begun)
-        for place in range(first)
-    ]
-    begins = np.concatenate(starts)
-    edges.append((np.full(len(begins), places * states), begins, *np.zeros((2, len(begins)), dtype=np.bool_)))
     sources, targets, *marks = (np.concatenate(column) for column in zip(*edges, strict=True))
-    size = places * states + 1  # the last node is before the flight
     graph = coo_array((np.ones(len(sources), dtype=np.int8), (sources, targets)), shape=(size, size)).tocsr()
     reached = np.zeros(size, dtype=np.bool_)
-    reached[breadth_first_order(graph, size - 1, return_predecessors=False)] = True
+    for begun in automaton.initial.tolist():  # where the flight has not begun, at the place of number 0
+        reached[breadth_first_order(graph, begun, return_predecessors=False)] = True
     _, component = connected_components(graph, directed=True, connection="strong")
     held = np.zeros((3, size), dtype=np.bool_)
-    held[0, component[reached & np.append(np.tile(automaton.accepting, places), False)]] = True
+    held[0, component[reached & np.tile(automaton.accepting, len(letters))]] = True
     inner = reached[sources] & (component[sources] == component[targets])
     for row, mark in enumerate(marks, start=1):
         held[row, component[sources[inner & mark]]] = True
     return bool(held.all(axis=0).any())
 
 
-def _after(automaton: CompiledAutomaton, letter: int) -> IntArray:
-    """The states after a first letter."""
-    rows = (automaton.letters == letter) & np.isin(automaton.sources, automaton.initial)
-    return np.unique(automaton.targets[rows])
-
-
-def _steps(layers: Layers, partition: Partition) -> tuple[_Steps, IntArray, int]:
-    """All steps between places, the triangle of each place, and how many places the first layer has."""
+def _steps(layers: Layers, partition: Partition, letter_of: IntArray, *, reads_first: bool) -> tuple[_Steps, IntArray]:
+    """All steps between places, and the letter of each place; the first one is before the flight, and has none."""
     sets = [np.unique(np.array(each, dtype=np.int64)) for each in layers.sets]
-    begins = np.cumsum([0, *map(len, sets)]).tolist()
-    found: list[tuple[IntArray, IntArray, bool, bool]] = []
+    begins = np.cumsum([1, *map(len, sets)]).tolist()
+    found: list[tuple[IntArray, IntArray, BoolArray, BoolArray]] = []
 
-    def step(here: int, there: int, alike: BoolArray, *, reads: bool, lasts: bool) -> None:
+    def step(here: int, there: int, alike: BoolArray, *, reads: bool, lasts: bool = False) -> None:
         a, b = np.nonzero(alike)
-        found.append((begins[here] + a, begins[there] + b, reads, lasts))
+        found.append((begins[here] + a, begins[there] + b, np.full(len(a), lasts), np.full(len(a), reads)))
 
+    begins.append(0)
+    step(-1, 0, np.ones((1, len(sets[0])), dtype=np.bool_), reads=reads_first)
     last = len(sets) - 1
     lap = layers.lap or (last, last)
     for k, here in enumerate(sets):
@@ -111,14 +100,11 @@ def _steps(layers: Layers, partition: Partition) -> tuple[_Steps, IntArray, int]
         stays = k == last and lap[1] <= last
         step(k, k, near & (stays | ~np.eye(len(here), dtype=np.bool_)), reads=True, lasts=stays)
         if k < last:
-            step(k, k + 1, here[:, None] == sets[k + 1], reads=False, lasts=False)
+            step(k, k + 1, here[:, None] == sets[k + 1], reads=False)
     if layers.lap is not None:
         head, tail = lap[0], lap[1] - 1
         same = sets[tail][:, None] == sets[head]
         unmoved = np.logical_and.reduce([np.isin(sets[head], each) for each in sets[head : tail + 1]])
         step(tail, head, same, reads=False, lasts=True)
         step(tail, head, ~same | (same & unmoved), reads=True, lasts=True)
-    sources, targets = (np.concatenate([each[i] for each in found]) for i in (0, 1))
-    counts = [len(each[0]) for each in found]
-    reads, lasts = (np.repeat([each[i] for each in found], counts) for i in (2, 3))
-    return _Steps(sources, targets, reads, lasts), np.concatenate(sets), len(sets[0])
+    return _Steps(*(np.concatenate(each) for each in zip(*found, strict=True))), letter_of[np.concatenate(([0], *sets))]

@@ -13,8 +13,8 @@ from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.monitor import Monitor, ViolationKind
 from mission.monitor.verdict import Verdict
-from mission.plan.specification import deterministic_of
 from mission.spec.model import Semantics
+from mission.spec.specification import deterministic_of
 from tests.support.curves import (
     PAPER_FORMULA,
     PAPER_RUN,

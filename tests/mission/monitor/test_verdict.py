@@ -13,7 +13,7 @@ from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import TRUE
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
-from mission.plan.specification import deterministic_of
+from mission.spec.specification import deterministic_of
 from tests.support.curves import compiled
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))

@@ -4,8 +4,8 @@ import pytest
 
 from mission.logic.formula.parser import parse_formula
 from mission.plan.cautions import cautions
-from mission.plan.specification import Specification
 from mission.spec.model import Semantics
+from mission.spec.specification import Specification
 from tests.support.small_missions import SMALL, plan_of
 
 LETTERS = (frozenset[str](), frozenset({"home"}), frozenset({"a"}))

@@ -8,13 +8,13 @@ import pytest
 from mission.errors import NoPlanError
 from mission.geometry.location import Locator
 from mission.plan import formula_of, plan_mission
-from mission.plan.specification import deterministic_of
 from mission.planning.product import Product
 from mission.planning.recurrence import has_runs
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
+from mission.spec.specification import deterministic_of
 
 SITE = """\
 domain:

@@ -154,8 +154,8 @@ def test_what_is_damaged_is_named_and_not_in_the_words_of_python(
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("[3]", "its format is not 'ltl-mission plan 3'"),
-        ("{}", "its format is not 'ltl-mission plan 3'"),
+        ("[3]", "its format is not 'ltl-mission plan 4'"),
+        ("{}", "its format is not 'ltl-mission plan 4'"),
         ('{"format":', "JSON ends at line 1, column 11"),
         ("1" * 5000, "it is nested too deep, or has too long a number"),
     ],

@@ -14,10 +14,10 @@ from mission.errors import AutomatonSizeError, NoPlanError
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import satisfies
 from mission.plan.best_runs import best_runs
-from mission.plan.specification import Specification
 from mission.planning.objective import Objective
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
+from mission.spec.specification import Specification
 from tests.support.lassos import lasso_of, lassos, random_map, random_mission, rank_of, word_of
 
 MOST = 5

@@ -90,7 +90,7 @@ def test_the_way_does_not_depend_on_the_mesh(name: str, cost: Cost) -> None:
         assert way.best.way is not None
         assert np.array_equal(way.best.way.prefix_m, first.best.way.prefix_m)
         assert np.array_equal(way.best.way.loop_m, first.best.way.loop_m)
-        assert way.best.way.costs == first.best.way.costs
+        assert way.best.way_costs == first.best.way_costs
         assert way.word == first.word
 
 

@@ -9,8 +9,9 @@ from matplotlib.text import Text
 
 from mission.cli import main
 from mission.logic.automata.translate import Bounds
-from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json, specification
+from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json
 from mission.report.figures.automaton import automaton, states_along
+from mission.spec import specification
 from mission.spec.loader import parse_mission
 from tests.support.small_missions import SMALL
 

@@ -47,7 +47,7 @@ def limit(**values: float) -> Change:
             ROUNDS,
             region("pond", polygon=[[4, 21], [14, 21], [14, 28], [4, 28]]),
             "domain",
-            "not as its mission makes it",
+            "as its mission makes it",
         ),
         (ROUNDS, lambda plan: plan["mission"]["mission"].update(laps=3), "mission", "trajectory.laps"),
         (ROUNDS, formula("G F east & G F north & G !pond & G (east -> !X !east)"), "run", "violates the mission"),

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from mission.geometry.location import Locator
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.monitor.monitor import Monitor
-from mission.plan.specification import deterministic_of, of_mission
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec, Point
+from mission.spec.specification import deterministic_of, of_mission
 from mission.verify.flown.judging import judged
 from mission.verify.logs.telemetry import Clock
 from mission.verify.logs.track import Track

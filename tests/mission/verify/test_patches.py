@@ -15,7 +15,7 @@ from mission.steering.joined import Curve, JoinedCurve
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.smoothing import FourierCurve
 from mission.steering.timing import time_law
-from mission.verify.plans.law import Law
+from mission.verify.plans.motion import Law, excess, motion_of
 from mission.verify.plans.patches import Patches, patches_of
 
 WAY = RoundedPolyline(
@@ -101,19 +101,19 @@ def test_a_law_keeps_the_limits_it_was_made_for_and_no_tighter_ones(name: str) -
     curve = CURVES[name]
     law, patches = written(curve), patches_of(curve.to_json())
     assert law.fault is None
-    assert law.excess(patches, 6.0, 2.5, 4.0) is None
-    assert any(rest.s == pytest.approx(5.0) and rest.seconds >= 2.0 - 1e-9 for rest in law.rests())
+    assert excess(motion_of(patches, law), (6.0, 2.5, 4.0)) is None
+    assert any(s == pytest.approx(5.0) and seconds >= 2.0 - 1e-9 for s, seconds in law.rests())
     speed, bent, shaken = flown(law, curve)
-    assert law.excess(patches, speed + 1e-3, bent * 1.6 + 0.1, 4.0) is None
-    assert "m/s at" in str(law.excess(patches, speed * 0.999, 100.0, 100.0))
-    assert "m/s^2 at" in str(law.excess(patches, 100.0, bent * 0.999, 100.0))
-    assert "m/s^3 at" in str(law.excess(patches, 100.0, 100.0, shaken * 0.99))
+    assert excess(motion_of(patches, law), (speed + 1e-3, bent * 1.6 + 0.1, 4.0)) is None
+    assert "m/s at" in str(excess(motion_of(patches, law), (speed * 0.999, 100.0, 100.0)))
+    assert "m/s^2 at" in str(excess(motion_of(patches, law), (100.0, bent * 0.999, 100.0)))
+    assert "m/s^3 at" in str(excess(motion_of(patches, law), (100.0, 100.0, shaken * 0.99)))
 
 
 def flown(law: Law, curve: Curve) -> tuple[float, float, float]:
     """The largest speed, acceleration and change of the acceleration at many instants."""
     t = np.linspace(0.0, law.duration_s, 20_001)
-    s, rate, growth = law.jet(t)
+    s, rate, growth, _ = law.jet(t)
     _, slope, bend = curve.jet(np.clip(s, 0.0, curve.duration_s))
     velocity, acceleration = slope * rate[:, None], bend * rate[:, None] ** 2 + slope * growth[:, None]
     changes = np.diff(acceleration, axis=0) / np.diff(t)[:, None]
@@ -127,9 +127,25 @@ def test_the_bounds_of_a_law_hold_at_every_instant(seed: int, waves: int) -> Non
     curve = wave(seed, waves, Extension.ODD)
     law, patches = written(curve), patches_of(curve.to_json())
     speed, bent, shaken = flown(law, curve)
-    assert law.excess(patches, speed * (1.0 - 1e-4), 100.0, 100.0) is not None
-    assert law.excess(patches, 100.0, bent * (1.0 - 1e-4), 100.0) is not None
-    assert law.excess(patches, 100.0, 100.0, shaken * (1.0 - 1e-4)) is not None
+    assert excess(motion_of(patches, law), (speed * (1.0 - 1e-4), 100.0, 100.0)) is not None
+    assert excess(motion_of(patches, law), (100.0, bent * (1.0 - 1e-4), 100.0)) is not None
+    assert excess(motion_of(patches, law), (100.0, 100.0, shaken * (1.0 - 1e-4))) is not None
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_a_motion_is_that_of_the_curve_by_its_law(name: str) -> None:
+    curve = CURVES[name]
+    law, patches = written(curve), patches_of(curve.to_json())
+    motion, u = motion_of(patches, law, np.linspace(0.0, curve.duration_s, 9)).halves(), np.linspace(0.1, 0.9, 3)
+    t = motion.begins_s[:, None] + (motion.ends_s - motion.begins_s)[:, None] * u
+    s, rate, growth, _ = (each[:, None] for each in law.jet(t.ravel()))
+    place, slope, bend = curve.jet(np.clip(s[:, 0], 0.0, curve.duration_s))
+    due = place, slope * rate, bend * rate**2 + slope * growth
+    for found, each in zip((motion.place, motion.velocity, motion.acceleration), due, strict=True):
+        np.testing.assert_allclose(values(found, u).reshape(-1, 2), each, atol=2e-6)
+    change = np.diff(values(motion.acceleration, np.array([0.0, 1.0])), axis=1)[:, 0]
+    jerk = values(motion.jerk, np.linspace(0.0, 1.0, 33)).mean(axis=1) * (motion.ends_s - motion.begins_s)[:, None]
+    np.testing.assert_allclose(jerk, change, atol=0.02)
 
 
 def test_a_broken_law_is_told() -> None:

@@ -12,8 +12,8 @@ from mission.geometry.triangulation import triangulate_nodes
 from mission.spec.model import Extension, Semantics
 from mission.steering import possible_words
 from mission.steering.smoothing import FourierCurve
-from mission.verify.plans.patches import DEGREE, Patches, patches_of
-from mission.verify.plans.tube import Ground, far_enough, stray, touching
+from mission.verify.plans.patches import Patches, patches_of
+from mission.verify.plans.tube import Ground, far_enough, stray
 from mission.verify.plans.words import Layers, spells
 from tests.support.curves import marked, refuting
 
@@ -114,18 +114,3 @@ def test_a_distance_is_believed_only_where_it_is_kept_and_honest(seed: int) -> N
         assert far_enough(ground, patches, 0.99 * truth) is None
         assert far_enough(ground, patches, 1.001 * truth) is not None
         assert far_enough(ground, patches, 0.9 * truth) is not None
-
-
-def test_a_stretch_near_some_triangles_is_no_longer_than_it_must_be_on_long_patches() -> None:
-    """One patch for all of the domain's width: it comes in by a corner, and stays until its end."""
-    partition, half = square(), 0.01
-    ground = Ground(partition, np.zeros(partition.size, dtype=np.bool_))
-    line = np.linspace([0.5, 3.1], [9.9, 5.3], DEGREE + 1)
-    straight = Patches(np.zeros(1), np.ones(1), line[None], np.zeros((1, 4)))
-    east, north = np.moveaxis(partition.corners_m, 2, 0).min(axis=2)
-    own = east >= 8.0
-    [(begin, end)] = touching(ground, straight, half, own)
-    enters = (8.0 - half - 0.5) / 9.4
-    assert enters - 1e-3 < begin <= enters
-    assert end == 1.0
-    assert touching(ground, straight, half, north >= 8.0) == []

@@ -2,8 +2,8 @@
 
 import pytest
 
-from mission.coverage.camera import Lens, lane_spacing_m, trigger_distance_m
 from mission.errors import GeometryError
+from mission.spec.camera import Lens, lane_spacing_m, trigger_distance_m
 
 FULL_FRAME = Lens.of_sensor(36.0, 24.0, 50.0)
 

@@ -18,10 +18,11 @@ from mission.logic.automata.determined import part_of, parts_of
 from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import GLANCE, translate, translate_generalised
 from mission.logic.formula.conjuncts import separated
-from mission.logic.formula.syntax import TRUE, Formula
+from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.syntax import TRUE, Formula, conjunction
 from mission.logic.formula.word import LassoWord, Letter, satisfies
-from mission.plan.tasks import formula_of
 from mission.spec.model import MissionSpec, NamedAutomaton
+from mission.spec.tasks import task_formula
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,22 @@ class Specification:
 
     def __str__(self) -> str:
         return described(self.given, self.formula)
+
+
+def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
+    """The mission's formula and its tasks, all at once.
+
+    Args:
+        spec: The mission.
+        dropped: Tasks that are left out, by their places in the file.
+
+    Raises:
+        FormulaSyntaxError: If the mission's own formula is none.
+    """
+    own = [parse_formula(spec.formula, frozenset(region.name for region in spec.regions))] if spec.formula else []
+    left_out = frozenset(dropped)
+    tasks = (task_formula(task, spec.regions) for i, task in enumerate(spec.tasks) if i not in left_out)
+    return conjunction(*own, *tasks)
 
 
 def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable[int] = ()) -> Specification:

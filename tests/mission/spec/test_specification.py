@@ -16,9 +16,9 @@ from mission.logic.hoa.text import to_hoa
 from mission.monitor.monitor import Monitor
 from mission.monitor.verdict import FormulaWatch, Verdict
 from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json
-from mission.plan.specification import of_mission
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import MissionSpec
+from mission.spec.specification import of_mission
 from tests.support.automata import random_automaton
 from tests.support.commands import MISSIONS
 from tests.support.proofs import untrue

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mission.errors import GeometryError
+from mission.spec.model import Camera, Cover
 
 
 @dataclass(frozen=True)
@@ -74,3 +75,22 @@ def _positive(**values: float) -> None:
     for name, value in values.items():
         if not (np.isfinite(value) and value > 0.0):
             raise GeometryError(f"{name} must be positive, and is {value:.4g}")
+
+
+def spacing_of(cover: Cover, altitude_m: float) -> float:
+    """Distance between lanes at a height above the ground."""
+    if cover.camera is not None:
+        return lane_spacing_m(_lens(cover.camera), altitude_m, cover.camera.sidelap)
+    return cover.spacing_m or 0.0
+
+
+def trigger_of(cover: Cover, altitude_m: float) -> float | None:
+    """Distance between images in a lane at a height above the ground; None without a camera."""
+    camera = cover.camera
+    return None if camera is None else trigger_distance_m(_lens(camera), altitude_m, camera.overlap)
+
+
+def _lens(camera: Camera) -> Lens:
+    if camera.field_of_view_deg is not None:
+        return Lens.of_view(*camera.field_of_view_deg)
+    return Lens.of_sensor(*(camera.sensor_mm or (0.0, 0.0)), camera.focal_length_mm or 0.0)

@@ -1,0 +1,72 @@
+"""The run of T that a curve really flies: the triangles that it passes, one beside the other, in order.
+
+The search knows a run through which there is a short way. What is flown is a curve in the corridor of that way, whose
+lap may begin elsewhere, and which passes other triangles where the letters are the same.
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+
+from mission.geometry.arrays import FloatArray
+from mission.geometry.location import Locator
+from mission.planning.run import Run
+from mission.steering.joined import Curve, JoinedCurve
+
+_FEWEST: Final = 64  # samples of a piece
+_FINE: Final = 1e-5  # of the extent of the domain: corners of triangles that are cut off by less do not count
+
+
+def run_along(legs: Iterable[Curve], locator: Locator, *, lap: bool = False) -> Run:
+    """The run along some legs, to stay at the end of the last one or, where it is a lap, to repeat that.
+
+    Args:
+        legs: One after the other.
+        locator: Of the triangles.
+        lap: Whether the last leg is flown for ever.
+    """
+    *before, last = (_points(leg, _FINE * locator.partition.extent_m) for leg in legs)
+    head = _passed(locator, np.concatenate([*before, last[:1]] if lap else [*before, last]))
+    loop = _passed(locator, last)[:-1] if lap else ()
+    every = (*head, *loop[1:], head[-1])
+    across = locator.partition.neighbours.tolist()
+    controls = (0 if here == there else 1 + across[here].index(there) for here, there in pairwise(every))
+    return Run(head[:-1], loop or head[-1:], tuple(controls))
+
+
+def _points(leg: Curve, fine_m: float) -> FloatArray:
+    """Points of a curve (K, 2), between which it is nearly straight: by its second derivative."""
+    found = []
+    for piece in leg.pieces if isinstance(leg, JoinedCurve) else (leg,):
+        bend_m_s2 = float(np.abs(piece.sampled(_FEWEST).bends_m_s2).max())
+        enough = math.ceil(piece.duration_s * math.sqrt(bend_m_s2 / (4.0 * fine_m)))
+        found.append(piece.sampled(max(_FEWEST, enough)).points_m)
+    return np.concatenate(found)
+
+
+def _passed(locator: Locator, points_m: FloatArray) -> tuple[int, ...]:
+    """The triangles on a line through points (K, 2), that of the first and that of the last one at its ends."""
+    at = locator.triangle_at(points_m)
+    passed = [int(at[0])]
+    for k in np.flatnonzero(np.diff(at)).tolist():
+        (px, py), (qx, qy) = points_m[k : k + 2].tolist()
+        crossed = locator.crossed((px, py), (qx, qy), likely=int(at[k]))
+        for triangle, share in (*crossed, (int(at[k + 1]), 1.0)):
+            if triangle != passed[-1]:
+                passed.extend(_round(locator, passed[-1], triangle, (px + share * (qx - px), py + share * (qy - py))))
+    return tuple(passed)
+
+
+def _round(locator: Locator, here: int, there: int, place_m: tuple[float, float]) -> Iterator[int]:
+    """The triangles after one and up to another that touch the place at which the line goes over: neighbours."""
+    around = {*locator.triangles_touching(place_m).tolist(), there}
+    ways = [[here]]
+    while ways[0][-1] != there:
+        way = ways.pop(0)
+        beyond = around.intersection(locator.partition.neighbours[way[-1]].tolist())
+        around -= beyond
+        ways += [[*way, triangle] for triangle in sorted(beyond)]
+    return iter(ways[0][1:])
