@@ -175,8 +175,8 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     out.print(f"tracking  {tracked(result)}", markup=False)
     if result.behind_s:
         out.print(f"pace      this computer did not keep up: {result.behind_s:.1f} s behind at most", markup=False)
-    if result.pictures or result.plan.planned_pictures:
-        taken = f"{len(result.pictures)} of {result.plan.planned_pictures} planned"
+    if result.pictures or result.planned_pictures:
+        taken = f"{len(result.pictures)} of {result.planned_pictures} planned"
         out.print(f"photos    {taken}, their places in {folder / IMAGES_FILE}", markup=False)
     if result.plan.run.recurrent:
         asked = result.plan.trajectory.laps

@@ -30,10 +30,11 @@ def concluded(
         raise VehicleError(session.ending_reason)
     achieved, reason, covered = False, session.ending_reason, _covered(session, watch)
     if ending is Ending.LANDED:
-        outcome = judged(watch.monitor.verdict_at_end(stays=not watch.plan.run.recurrent), covered)
+        outcome = judged(watch.legs.outcome(), covered)
         achieved, reason = outcome.achieved, outcome.reason
     return FlightResult(
         plan=watch.plan,
+        plans=tuple(leg.plan for leg in watch.legs.legs),
         achieved=achieved,
         reason=joined(reason, *shortcomings(session, watch, lost_text)),
         ending=ending,
@@ -46,19 +47,20 @@ def concluded(
         largest_velocity_error_m_s=watch.tracking.largest_m_s,
         beyond_tube_s=watch.beyond_tube_s,
         behind_s=behind_s,
-        word=watch.monitor.word,
-        laps=watch.monitor.laps,
+        word=watch.legs.word,
+        laps=watch.legs.laps,
         gaps=tuple(watch.gaps),
-        violations=watch.monitor.violations,
+        violations=watch.legs.violations,
         covered=covered,
         pictures=tuple(watch.pictures),
+        planned_pictures=watch.legs.planned_pictures(),
     )
 
 
 def shortcomings(session: Session, watch: FlightWatch, lost_text: str) -> tuple[str, ...]:
     """What is wrong with the flight, or known of it alone, whatever its end; empty words where nothing is."""
     trouble = session.contact.photography.trouble
-    pictures = pictures_text(watch.pictures, watch.plan.planned_pictures, trouble)
+    pictures = pictures_text(watch.pictures, watch.legs.planned_pictures(), trouble)
     guard = session.contact.fence
     fence = "" if guard is None else guard.trouble
     return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), pictures, fence, lost_text

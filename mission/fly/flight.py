@@ -249,7 +249,7 @@ class Flight:
             interrupted=self.interrupted,
             behind_s=self.behind_s,
         )
-        self.record.write("verdict", self.newest_s, **result.values(), **self.watch.judged.known())
+        self.record.write("verdict", self.newest_s, **result.values(), **self.watch.legs.now.judged.known())
         return result
 
     def say_stop(self, transport: Transport) -> None:

@@ -60,7 +60,7 @@ class FlightResult:
     """A flight that came to its end.
 
     Attributes:
-        plan: What was to be flown, planned anew where the mission has a place.
+        plan: What was to be flown last, planned anew where the mission has a place.
         achieved: Whether the word that the vehicle reported satisfies the specification, without a violation.
         reason: Why, in plain words.
         ending: How it ended.
@@ -79,6 +79,8 @@ class FlightResult:
         pictures: The numbers of the pictures that the vehicle told of, in the order in which it did.
         violations: Departures from the domain and entries into restricted regions.
         behind_s: How far this computer was behind what the vehicle said, at most, by its time; 0 where it kept up.
+        planned_pictures: How many pictures there were to be.
+        plans: What was flown, one plan after the other; the last is ``plan``.
     """
 
     plan: FlightPlan
@@ -100,6 +102,8 @@ class FlightResult:
     largest_velocity_error_m_s: float = 0.0
     covered: tuple[Covered, ...] = ()
     pictures: tuple[int, ...] = ()
+    planned_pictures: int = 0
+    plans: tuple[FlightPlan, ...] = ()
 
     def values(self) -> dict[str, object]:
         """The verdict as values for a record."""
@@ -115,7 +119,7 @@ class FlightResult:
             "behind_s": self.behind_s,
             "covered": [covered_values(visit) for visit in self.covered],
             "pictures": len(self.pictures),
-            "pictures_planned": self.plan.planned_pictures,
+            "pictures_planned": self.planned_pictures,
             "word": [sorted(letter) for letter in self.word],
             "laps": self.laps,
         }

@@ -24,25 +24,24 @@ from mission.link.events import (
     WentOn,
 )
 from mission.link.session import Session
-from mission.monitor.coverage import CoverageWatch, Covered
-from mission.monitor.flight import FlightMonitor
+from mission.monitor.coverage import Covered
 from mission.monitor.gaps import GAP_S, Gap, Missing
+from mission.monitor.legs import FlightLegs
+from mission.monitor.monitor import Monitor
 from mission.monitor.stage import WATCHED, Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
 
 
 class FlightWatch:
-    """Watches one flight of one plan.
+    """Watches one flight, by one plan or several.
 
     Attributes:
-        judged: What of the flight counts.
-        monitor: The word flown so far.
+        legs: What of the flight counts, by the plans that are flown.
         tracking: The distance from the trajectory.
         largest_distance_m: Largest horizontal distance from the trajectory.
         beyond_tube_s: Longest time without a break that the vehicle was beyond the certified tube.
         began_s: Vehicle time at which the trajectory began; None before.
-        coverage: What was covered.
         vehicle: Name of the autopilot; empty before it is known.
         gaps: Where nothing was known of the position, or the trajectory paused, from its start on.
         pictures: The numbers of the pictures that were told of.
@@ -51,24 +50,35 @@ class FlightWatch:
 
     def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
         """Watch from the ground."""
-        self.plan = plan
-        self.judged = FlightMonitor(plan)
-        self.monitor = self.judged.monitor
+        self.legs = FlightLegs(plan)
         self.tracking = TrackingWatch(plan.certificate.tube_m)
         self.largest_distance_m = 0.0
         self.beyond_tube_s = 0.0
         self.began_s: float | None = None
         self.vehicle = ""
-        self.coverage = CoverageWatch(plan)
         self.returning = False
         self.gaps: list[Gap] = []
         self.pictures: list[int] = []
         self._told_s = math.inf
         self._record = record
         self._stage = Stage.CONNECT
-        self._visits_written = self._violations_written = 0
+        self._written = (0, 0, 0)
+        """Which leg was written last, and how many of its visits and violations."""
         self._trajectory = plan.trajectory
-        self._leg_starts_s = plan.leg_starts_s
+
+    @property
+    def plan(self) -> FlightPlan:
+        """What is flown."""
+        return self.legs.now.plan
+
+    @property
+    def monitor(self) -> Monitor:
+        """The word of the present leg."""
+        return self.legs.now.judged.monitor
+
+    def take_over(self, plan: FlightPlan, at_s: float, laps_before: int) -> None:
+        """Let another plan be flown from a vehicle time on, after so many laps."""
+        self.legs.take_over(plan, at_s, laps_before)
 
     def take(self, event: Event) -> None:
         """Write an event down and draw the consequences."""
@@ -101,17 +111,19 @@ class FlightWatch:
         """Where the flight is now."""
         guidance, newest_s = session.guidance, session.vehicle.clock.newest_s
         flown_s = 0.0 if guidance is None or newest_s is None else guidance.flown_s(newest_s)
-        if guidance is not None and guidance.course.laps != self._trajectory.laps:
-            self._trajectory = replace(self._trajectory, laps=guidance.course.laps)
+        laps = self.plan.trajectory.laps if guidance is None else guidance.course.laps
+        if self._trajectory.legs is not self.plan.trajectory.legs or laps != self._trajectory.laps:
+            self._trajectory = replace(self.plan.trajectory, laps=laps)
         counted, place = self.monitor.progress, float(self._trajectory.parameter(flown_s)[0])
+        leg_starts_s = self.plan.leg_starts_s
         return Progress(
             stage=session.stage,
             waiting_for=session.waiting_for,
             t_s=newest_s,
             trajectory_s=flown_s,
             duration_s=self._trajectory.duration_s,
-            leg=max(bisect_right(self._leg_starts_s, place) - 1, 0),
-            legs=len(self._leg_starts_s),
+            leg=max(bisect_right(leg_starts_s, place) - 1, 0),
+            legs=len(leg_starts_s),
             done=counted.done,
             total=counted.total,
             awaited=counted.awaited,
@@ -124,11 +136,11 @@ class FlightWatch:
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:
         """What was covered, of so many laps."""
-        return self.coverage.covered(replace(self.plan.trajectory, laps=laps))
+        return self.legs.covered(laps)
 
     def violation(self) -> str:
         """What has happened that must not, in plain words; empty where nothing has."""
-        violations = self.monitor.violations
+        violations = self.legs.violations
         if not violations:
             return ""
         first = violations[0]
@@ -148,7 +160,6 @@ class FlightWatch:
             planned = (event.planned_m[0], event.planned_m[1])
             self.tracking.observe(event.t_s, place, planned)
             self.tracking.observe_velocity(event.velocity_m_s[:2], event.planned_m_s[:2])
-            self.coverage.report(event.t_s, event.trajectory_s, place)
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
         if self.began_s is not None and self._stage in WATCHED:
@@ -156,7 +167,7 @@ class FlightWatch:
             if gap_s > GAP_S:
                 self._note_gap(Gap(Missing.POSITION, self._told_s, gap_s))
             self._told_s = event.t_s
-        self.judged.report(self._stage, event.t_s, place)
+        self.legs.report(self._stage, event.t_s, place, event.trajectory_s)
         self._write_visits(event.t_s)
 
     def _photographed(self, event: Photographed) -> None:
@@ -185,22 +196,24 @@ class FlightWatch:
         )
 
     def _write_visits(self, t_s: float) -> None:
-        visits, violations = self.monitor.visits, self.monitor.violations
-        for violation in violations[self._violations_written :]:
-            self._record.write(
-                "event",
-                violation.time_s,
-                name="violation",
-                violation=violation.kind,
-                names=violation.names,
-                position_m=violation.position_m,
-            )
-            if not violation.names:
-                self._record.write("visit", t_s, triangle=OUTSIDE, labels=())
-        for visit in visits[self._visits_written :]:
-            labels = self.plan.labelling.label(visit.triangle)
-            self._record.write("visit", visit.entered_s, triangle=visit.triangle, labels=labels)
-        self._visits_written, self._violations_written = len(visits), len(violations)
+        for leg in self.legs.legs[self._written[0] :]:
+            visits, violations = leg.judged.monitor.visits, leg.judged.monitor.violations
+            for violation in violations[self._written[2] :]:
+                self._record.write(
+                    "event",
+                    violation.time_s,
+                    name="violation",
+                    violation=violation.kind,
+                    names=violation.names,
+                    position_m=violation.position_m,
+                )
+                if not violation.names:
+                    self._record.write("visit", t_s, triangle=OUTSIDE, labels=())
+            for visit in visits[self._written[1] :]:
+                labels = leg.plan.labelling.label(visit.triangle)
+                self._record.write("visit", visit.entered_s, triangle=visit.triangle, labels=labels)
+            counted = len(visits), len(violations)
+            self._written = (len(self.legs.legs) - 1, *counted) if leg is self.legs.now else (0, 0, 0)
 
     def _write_down(self, event: Event) -> None:
         if isinstance(event, Said):

@@ -1,7 +1,8 @@
 """What of the regions to be covered was really covered, from the positions that were reported on their lanes."""
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -40,11 +41,16 @@ class Covered:
 
 
 class CoverageWatch:
-    """Collects where the vehicle was on the lanes of a plan."""
+    """Collects where the vehicle was on the lanes of a plan.
 
-    def __init__(self, plan: FlightPlan) -> None:
-        """Watch from the ground."""
-        self._plan = plan
+    Attributes:
+        flown_s: The latest time on the trajectory that was reported; 0 before the first.
+    """
+
+    def __init__(self, plan: FlightPlan, laps_before: int = 0) -> None:
+        """Watch from the ground, or after so many laps."""
+        self.flown_s = 0.0
+        self._plan, self._laps_before = plan, laps_before
         self._reports: list[tuple[float, float, float, float]] = []
 
     def report(self, t_s: float, trajectory_s: float, position_m: Point) -> None:
@@ -55,6 +61,7 @@ class CoverageWatch:
             trajectory_s: Time on the trajectory, laps included.
             position_m: East and north.
         """
+        self.flown_s = max(self.flown_s, trajectory_s)
         if self._plan.covers:
             self._reports.append((t_s, trajectory_s, *position_m))
 
@@ -74,7 +81,38 @@ class CoverageWatch:
             for lap in dict.fromkeys(laps.tolist())
             for visit in self._plan.covers
         )
-        return tuple(visit for visit in found if visit is not None)
+        return tuple(
+            replace(visit, lap=visit.lap + self._laps_before) if visit.lap else visit
+            for visit in found
+            if visit is not None
+        )
+
+
+def together(legs: Sequence[Sequence[Covered]]) -> tuple[Covered, ...]:
+    """What was covered in the legs of a flight: a visit that one has cut short is completed by that of the next.
+
+    Args:
+        legs: What was covered in each, visit by visit, in the order of time.
+    """
+    found: list[Covered] = []
+    for number, leg in enumerate(legs):
+        completed: set[str] = set()
+        for visit in leg:
+            open_at = next((i for i, each in reversed([*enumerate(found)]) if each.region == visit.region), None)
+            begun = number > 0 and open_at is not None and visit.region not in completed
+            completed.add(visit.region)
+            if begun and open_at is not None and not found[open_at].enough:
+                found[open_at] = _completed(found[open_at], visit)
+            else:
+                found.append(visit)
+    return tuple(found)
+
+
+def _completed(begun: Covered, visit: Covered) -> Covered:
+    """A visit with what another one covered besides."""
+    area_m2 = begun.left_out.area / (1.0 - begun.share) if begun.share < 1.0 else math.inf
+    left_out = shapely.intersection(begun.left_out, visit.left_out)
+    return replace(begun, share=1.0 - left_out.area / area_m2, asked=visit.asked, left_out=left_out)
 
 
 def judged(outcome: Outcome, visits: Sequence[Covered]) -> Outcome:

@@ -94,6 +94,7 @@ class Monitor:
         restricted: Shape (M,), triangles that must not be entered.
         suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
         laps: How often the loop is to be flown; None where nobody has said.
+        laps_before: How often it was before.
         any_way: Whether any round that ``whole`` accepts is a lap, and not that of ``suffix`` alone.
     """
 
@@ -110,6 +111,7 @@ class Monitor:
         restricted: BoolArray,
         suffix: tuple[int, ...] = (),
         laps: int | None = 0,
+        laps_before: int = 0,
         any_way: bool = False,
     ) -> None:
         self._locator, self._labelling = locator, labelling
@@ -119,7 +121,8 @@ class Monitor:
         self._rounds = RoundCounter(whole)
         self._laps = LapCounter(suffix, labelling) if suffix else None
         self._any_way = any_way
-        self._laps_asked = laps
+        self._laps_before = laps_before
+        self._laps_asked = None if laps is None else laps_before + laps
         self._last: tuple[float, Point] | None = None
         self._inside = True
         self._visits: list[Visit] = []
@@ -189,10 +192,10 @@ class Monitor:
 
     @property
     def laps(self) -> int:
-        """How often the loop of a recurrent run has been flown; 0 without one."""
+        """How often the loop of a recurrent run has been flown."""
         if self._laps is None:
-            return 0
-        return self._rounds.laps if self._any_way else self._laps.laps
+            return self._laps_before
+        return self._laps_before + (self._rounds.laps if self._any_way else self._laps.laps)
 
     @property
     def whereabouts(self) -> Whereabouts | None:

@@ -1,0 +1,122 @@
+"""The legs of a flight: from one plan to the next, each judged by its own plan, and what comes of them together.
+
+A plan that is made in flight asks for what is left of the mission, so the flight satisfies the mission if its last leg
+satisfies what was asked for there, and no leg has violated anything. One plan is taken over from the other at a vehicle
+time. Between the reports before and after that, the vehicle is taken to have moved straight.
+"""
+
+import math
+from dataclasses import replace
+from itertools import chain
+
+from mission.monitor.coverage import CoverageWatch, Covered, together
+from mission.monitor.flight import FlightMonitor
+from mission.monitor.monitor import Outcome, Violation
+from mission.monitor.stage import Stage
+from mission.plan import FlightPlan
+from mission.plan.photographs import planned_pictures
+from mission.spec.model import Point
+from mission.steering.trajectory import Trajectory
+
+
+class FlightLeg:
+    """What is flown by one plan.
+
+    Attributes:
+        plan: What is flown.
+        from_s: Vehicle time from which it is; minus infinity for the first.
+        judged: What of it counts.
+        coverage: What of it covers.
+    """
+
+    def __init__(self, plan: FlightPlan, from_s: float, laps_before: int) -> None:
+        """Watch a leg that begins after so many laps."""
+        self.plan, self.from_s = plan, from_s
+        self.judged = FlightMonitor(plan, laps_before)
+        self.coverage = CoverageWatch(plan, laps_before)
+
+
+class FlightLegs:
+    """The legs of one flight, in the order of time.
+
+    Attributes:
+        legs: Those that have begun, at least the first.
+    """
+
+    def __init__(self, plan: FlightPlan) -> None:
+        """Watch the first from the ground."""
+        self.legs = [FlightLeg(plan, -math.inf, 0)]
+        self._next: list[FlightLeg] = []
+        self._last: tuple[float, Point] | None = None
+
+    @property
+    def now(self) -> FlightLeg:
+        """The leg that is flown."""
+        return self.legs[-1]
+
+    def take_over(self, plan: FlightPlan, at_s: float, laps_before: int) -> None:
+        """Let another plan be flown from a vehicle time on, after so many laps."""
+        self._next.append(FlightLeg(plan, at_s, laps_before))
+
+    def report(self, stage: Stage | None, t_s: float, position_m: Point, trajectory_s: float | None = None) -> None:
+        """Take a position into account that was reported in a stage, and at a time on the trajectory of the plan."""
+        while self._next and t_s >= self._next[0].from_s:
+            leg = self._next.pop(0)
+            at_s, at_m = max(leg.from_s, t_s if self._last is None else self._last[0]), position_m
+            if self._last is not None and t_s > self._last[0]:
+                share = (at_s - self._last[0]) / (t_s - self._last[0])
+                at_m = (
+                    self._last[1][0] + share * (position_m[0] - self._last[1][0]),
+                    self._last[1][1] + share * (position_m[1] - self._last[1][1]),
+                )
+            self.now.judged.report(stage, at_s, at_m)
+            self.legs.append(leg)
+            leg.judged.report(stage, at_s, at_m)
+        self._last = (t_s, position_m)
+        self.now.judged.report(stage, t_s, position_m)
+        if trajectory_s is not None:
+            self.now.coverage.report(t_s, trajectory_s, position_m)
+
+    @property
+    def word(self) -> tuple[frozenset[str], ...]:
+        """The letters that were spelled."""
+        return tuple(chain.from_iterable(leg.judged.monitor.word for leg in self.legs))
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """What must not be and was, in the order of time."""
+        return tuple(chain.from_iterable(leg.judged.monitor.violations for leg in self.legs))
+
+    @property
+    def laps(self) -> int:
+        """How many laps were flown."""
+        return max(leg.judged.monitor.laps for leg in self.legs)
+
+    def outcome(self) -> Outcome:
+        """The verdict on the flight as if it ended now."""
+        broken = [leg for leg in self.legs if leg.judged.monitor.violations]
+        leg = broken[0] if broken else self.now
+        return leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
+
+    def covered(self, laps: int | None) -> tuple[Covered, ...]:
+        """What was covered, visit by visit; of the last plan with so many laps."""
+        return together([leg.coverage.covered(self._trajectory_of(leg, laps)) for leg in self.legs])
+
+    def _trajectory_of(self, leg: FlightLeg, laps: int | None) -> Trajectory:
+        trajectory = leg.plan.trajectory
+        if leg is self.now:
+            return replace(trajectory, laps=laps)
+        return trajectory.ended_after(leg.coverage.flown_s) if trajectory.laps is None else trajectory
+
+    def planned_pictures(self) -> int:
+        """How many pictures the plans have, as far as each was flown."""
+        before = sum(_pictures_until(leg.plan, leg.coverage.flown_s) for leg in self.legs[:-1])
+        return before + self.now.plan.planned_pictures
+
+
+def _pictures_until(plan: FlightPlan, to_s: float) -> int:
+    """How many pictures a plan has before a time on its trajectory; of laps, those of the laps that are begun."""
+    trajectory = plan.trajectory.ended_after(to_s)
+    once_s = to_s if trajectory.lap is None else math.inf
+    flown = [replace(each, end_s=min(each.end_s, once_s)) for each in plan.photographs if each.begin_s < once_s]
+    return planned_pictures(trajectory, flown)
