@@ -15,6 +15,8 @@ from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
 from mission.fly.recording import Recording
+from mission.fly.replanner import Replanner
+from mission.fly.replanning import Replanning
 from mission.fly.result import FlightResult
 from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
@@ -62,7 +64,9 @@ class Flight:
         clock: Clock,
         record: Recording,
         options: FlightOptions,
+        *,
         planner: Callable[[Point], FlightPlan],
+        replanner: Replanner,
     ) -> None:
         self.plan, self.clock, self.record, self.options = plan, clock, record, options
         self.session = Session(
@@ -73,7 +77,8 @@ class Flight:
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
         self._given_up = False
-        self._planner = planner
+        self._planner, self._replanner = planner, replanner
+        self._replanning = Replanning(self.session, self.watch, record, replanner)
         self._trusted_s = self._near_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, clock)
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
@@ -101,6 +106,8 @@ class Flight:
             if session.stage is Stage.STANDBY:
                 self.depart()
             self.look_after()
+            if reason := self._replanning.turn(self.clock.now_s()):
+                self.stop(reason)
         if request := stop_request():
             self.heed(request)
         for frame in session.outgoing():
@@ -169,6 +176,7 @@ class Flight:
             self.plan = self._planner(stands_m)
             name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
             self.watch.vehicle = name
+            self._replanning = Replanning(self.session, self.watch, self.record, self._replanner)
         self.record.write(
             "event",
             self.newest_s,
@@ -183,6 +191,8 @@ class Flight:
         contact = self.session.contact
         if self.options.fence:
             contact.fence, anchoring = guarded(self.plan, anchoring, contact, keep=self.options.keep_fence)
+        if self.plan.spec.flight.replan:
+            self._replanner.prepare(self.plan)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 

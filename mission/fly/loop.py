@@ -8,6 +8,7 @@ from mission.errors import LinkError
 from mission.fly.flight import Flight, FlightOptions
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.recording import Recording, RecordWriter
+from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.fly.result import FlightResult, Progress
 from mission.link.transport import Transport
 from mission.plan import FlightPlan, plan_mission
@@ -29,6 +30,7 @@ def fly(
     stop_request: Callable[[], StopRequest | None] | None = None,
     on_warning: Callable[[str], None] | None = None,
     planner: Callable[[Point], FlightPlan] | None = None,
+    replanner: Replanner | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -49,6 +51,7 @@ def fly(
             vehicle completes the one that it is in and returns. The next wish is for giving the flight up, as is the
             first one where no lap is flown; one more interrupts at once, as ``KeyboardInterrupt`` does.
         planner: What plans it anew; that of missions by default.
+        replanner: What plans in flight; it is left open. By default, one that stops this loop while it plans.
         on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
 
     Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
@@ -60,7 +63,14 @@ def fly(
         FlightError: It was in flight when something failed here; the cause is chained.
     """
     recording = Recording(record, on_warning or _unsaid)
-    flight = Flight(plan, clock, recording, options or FlightOptions(), planner or _planner_of(plan.spec, run))
+    flight = Flight(
+        plan,
+        clock,
+        recording,
+        options or FlightOptions(),
+        planner=planner or _planner_of(plan.spec, run),
+        replanner=replanner or SynchronousReplanner(clock.now_s, 0.0),
+    )
     gone = vehicle_failure or _nothing
     try:
         return _loop(flight, transport, on_progress, gone, stop_request or _no_wish)

@@ -19,6 +19,8 @@ from mission.spec.model import Origin, Point
 
 _AGREE_M: Final = 2.0
 _AGREE_SHARE: Final = 0.005
+_BRAKES_BY: Final = 0.7
+"""Of the largest acceleration, where a plan is left for another; the rest is for wind."""
 
 
 def anchored_at_start(start_m: Point) -> Anchoring:
@@ -85,7 +87,8 @@ def check_stand(plan: FlightPlan, stands_m: Point) -> None:
 def bounds_of(plan: FlightPlan) -> Bounds:
     """What the flight of a plan stays within."""
     lean_m_s2 = GRAVITY_M_S2 * math.tan(plan.spec.limits.tilt_rad)
-    return Bounds(plan.certificate.tube_m, plan.spec.flight.margins.correction_m, lean_m_s2)
+    braking_m_s2 = _BRAKES_BY * min(plan.spec.limits.acceleration_m_s2, lean_m_s2)
+    return Bounds(plan.certificate.tube_m, plan.spec.flight.margins.correction_m, lean_m_s2, braking_m_s2)
 
 
 def course_of(plan: FlightPlan, heading_rad: float, orders: FieldOrders | None) -> Course:

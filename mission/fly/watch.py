@@ -3,6 +3,7 @@
 import math
 from bisect import bisect_right
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from mission.fly.listening import Listening
 from mission.fly.recording import RecordWriter
@@ -32,6 +33,9 @@ from mission.monitor.stage import WATCHED, Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
 
+if TYPE_CHECKING:
+    from mission.spec.model import Point
+
 
 class FlightWatch:
     """Watches one flight, by one plan or several.
@@ -46,6 +50,8 @@ class FlightWatch:
         gaps: Where nothing was known of the position, or the trajectory paused, from its start on.
         pictures: The numbers of the pictures that were told of.
         returning: Whether the vehicle was asked to return after the lap that it was in.
+        place_m: Where the vehicle is, by its last report, ENU in the domain.
+        velocity_m_s: How fast.
     """
 
     def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
@@ -57,6 +63,8 @@ class FlightWatch:
         self.began_s: float | None = None
         self.vehicle = ""
         self.returning = False
+        self.place_m = plan.start_m
+        self.velocity_m_s: Point = (0.0, 0.0)
         self.gaps: list[Gap] = []
         self.pictures: list[int] = []
         self._told_s = math.inf
@@ -156,18 +164,25 @@ class FlightWatch:
             attitude_rad=event.attitude_rad,
         )
         place = (event.position_m[0], event.position_m[1])
-        if event.trajectory_s is not None:
+        leg = self.legs.now
+        self.legs.report(self._stage, event.t_s, place, event.trajectory_s)
+        if leg is not self.legs.now:
+            self.tracking.rest()
+        self.place_m, self.velocity_m_s = place, (event.velocity_m_s[0], event.velocity_m_s[1])
+        if event.trajectory_s is None:
+            self.tracking.rest()
+        else:
             planned = (event.planned_m[0], event.planned_m[1])
             self.tracking.observe(event.t_s, place, planned)
             self.tracking.observe_velocity(event.velocity_m_s[:2], event.planned_m_s[:2])
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
+            self.legs.now.keep(event.trajectory_s, in_tube=self.tracking.is_within)
         if self.began_s is not None and self._stage in WATCHED:
             gap_s = event.t_s - self._told_s
             if gap_s > GAP_S:
                 self._note_gap(Gap(Missing.POSITION, self._told_s, gap_s))
             self._told_s = event.t_s
-        self.legs.report(self._stage, event.t_s, place, event.trajectory_s)
         self._write_visits(event.t_s)
 
     def _photographed(self, event: Photographed) -> None:

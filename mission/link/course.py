@@ -93,6 +93,7 @@ class Course:
         heading_rad: The heading asked for last, clockwise from north.
         yaw_rate_rad_s: How fast it changes.
         bounds: What its flight is to stay within.
+        nose: Where it looks.
         orders: What is gone by where the trajectory is not flown, but the field where the vehicle is; None else.
         waits: Whether the vehicle waits at its end for another course, and the flight does not end there.
         turned_s: Vehicle time for which the heading was asked; None before the first.
@@ -122,7 +123,7 @@ class Course:
             waits: Whether the vehicle waits at its end.
         """
         self._trajectory = trajectory
-        self._nose = nose or Nose()
+        self.nose = nose or Nose()
         self.heading_rad = heading_rad
         self.yaw_rate_rad_s = 0.0
         self._taken_up = False
@@ -210,7 +211,7 @@ class Course:
         if wanted is None:
             self.yaw_rate_rad_s = 0.0
             return self.heading_rad
-        fastest = self._nose.rate_rad_s
+        fastest = self.nose.rate_rad_s
         off, most = wrapped(wanted.heading_rad - self.heading_rad), fastest * elapsed
         self.heading_rad = wrapped(self.heading_rad + min(max(off, -most), most))
         if abs(off) <= most:
@@ -222,7 +223,7 @@ class Course:
 
     def faces(self, yaw_rad: float | None) -> bool:
         """Whether a vehicle with this yaw, None where it told none, looks where it is to look before it sets out."""
-        if self._nose.heading is None or yaw_rad is None:
+        if self.nose.heading is None or yaw_rad is None:
             return True
         return self._taken_up and abs(wrapped(yaw_rad - self.heading_rad)) <= _FACING_RAD
 
@@ -233,15 +234,15 @@ class Course:
         """
         once_s = self.first_lap_s(t_s)
         position, velocity, acceleration = (vector[:2] for vector in reference)
-        found = self._nose.at(once_s, position, velocity, acceleration)
+        found = self.nose.at(once_s, position, velocity, acceleration)
         if found is not None:
             return found
-        left_s = self._nose.rest_left_s(once_s)
+        left_s = self.nose.rest_left_s(once_s)
         if left_s is None or self.orders is not None:
             return None
         later_s = t_s + left_s + _SETTING_OUT_S
         onward = self.reference(later_s)
-        found = self._nose.at(self.first_lap_s(later_s), onward.position_m[:2], onward.velocity_m_s[:2])
+        found = self.nose.at(self.first_lap_s(later_s), onward.position_m[:2], onward.velocity_m_s[:2])
         return None if found is None else found._replace(rate_rad_s=0.0)
 
 

@@ -107,6 +107,10 @@ class Guidance:
         self._steady_until_s = at_s
         return self.reference(at_s)
 
+    def course_at(self, at_s: float) -> Course:
+        """What is flown at a vehicle time."""
+        return self._leg_at(at_s).course
+
     def pace_at(self, at_s: float) -> tuple[float, float]:
         """Where the course is, by its own time, and the rate of that, at a vehicle time."""
         pace = self._leg_at(at_s).pace

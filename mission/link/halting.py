@@ -136,7 +136,7 @@ class Transfer:
     begin: Reference
     end_m: Point
     duration_s: float
-    laps: int | None = 0
+    laps: int | None = 1
     laps_end_s: float = 0.0
 
     @property

@@ -54,15 +54,21 @@ class RoundCounter:
 
     Args:
         automaton: Over the numbers of the letters of the domain.
+        counted: The state, what is due and the rounds of each pair, where some have been counted already.
 
     Attributes:
         due: For each pair the marks that its present round has not met, as bits; all of them at its beginning.
     """
 
-    def __init__(self, automaton: Rabin) -> None:
-        self._automaton, self._state = automaton, int(automaton.initial)
-        self.due = tuple(inf for _, inf in automaton.pairs)
-        self._rounds = [0] * len(automaton.pairs)
+    def __init__(self, automaton: Rabin, counted: tuple[int, tuple[int, ...], tuple[int, ...]] | None = None) -> None:
+        begin = int(automaton.initial), tuple(inf for _, inf in automaton.pairs), (0,) * len(automaton.pairs)
+        self._automaton = automaton
+        self._state, self.due, rounds = counted or begin
+        self._rounds = [*rounds]
+
+    def copy(self) -> "RoundCounter":
+        """Another one that has counted the same."""
+        return RoundCounter(self._automaton, (self._state, self.due, tuple(self._rounds)))
 
     @property
     def state(self) -> int:

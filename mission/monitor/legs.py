@@ -9,6 +9,9 @@ import math
 from dataclasses import replace
 from itertools import chain
 
+import shapely
+
+from mission.logic.automata.rabin import DEAD
 from mission.monitor.coverage import CoverageWatch, Covered, together
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.monitor import Outcome, Violation
@@ -25,15 +28,37 @@ class FlightLeg:
     Attributes:
         plan: What is flown.
         from_s: Vehicle time from which it is; minus infinity for the first.
+        laps_before: How many laps were flown before.
         judged: What of it counts.
         coverage: What of it covers.
+        in_tube_until_s: Up to which time of the trajectory the vehicle was in the tube all the while; None before it is
+            flown.
+        has_left_tube: Whether it was outside once.
     """
 
     def __init__(self, plan: FlightPlan, from_s: float, laps_before: int) -> None:
         """Watch a leg that begins after so many laps."""
-        self.plan, self.from_s = plan, from_s
+        self.plan, self.from_s, self.laps_before = plan, from_s, laps_before
         self.judged = FlightMonitor(plan, laps_before)
         self.coverage = CoverageWatch(plan, laps_before)
+        self.in_tube_until_s: float | None = None
+        self.has_left_tube = False
+
+    def keep(self, trajectory_s: float, *, in_tube: bool) -> None:
+        """Take note of whether the vehicle was in the tube at a time on the trajectory."""
+        self.has_left_tube |= not in_tube
+        if not self.has_left_tube:
+            self.in_tube_until_s = trajectory_s
+
+    def is_clear(self, place_m: Point) -> bool:
+        """Whether the tube about a place touches nothing that must not be entered, as far as the word has come."""
+        plan, (x, y), half_m = self.plan, place_m, self.plan.certificate.tube_m
+        box = shapely.box(x - half_m, y - half_m, x + half_m, y + half_m)
+        state, touched = self.judged.monitor.known.state, plan.locator.meeting(box)
+        if state == DEAD or plan.locator.leaves(box):
+            return False
+        dead = plan.deterministic.targets[state, plan.labelling.letter_of[touched]] == DEAD
+        return not bool((plan.restricted[touched] | dead).any())
 
 
 class FlightLegs:
@@ -71,7 +96,7 @@ class FlightLegs:
                 )
             self.now.judged.report(stage, at_s, at_m)
             self.legs.append(leg)
-            leg.judged.report(stage, at_s, at_m)
+            leg.judged.report(Stage.FLY, at_s, at_m)
         self._last = (t_s, position_m)
         self.now.judged.report(stage, t_s, position_m)
         if trajectory_s is not None:
@@ -96,7 +121,9 @@ class FlightLegs:
         """The verdict on the flight as if it ended now."""
         broken = [leg for leg in self.legs if leg.judged.monitor.violations]
         leg = broken[0] if broken else self.now
-        return leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
+        outcome = leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
+        returned = leg.laps_before > 0 and not leg.plan.run.recurrent
+        return replace(outcome, reason=f"{leg.laps_before} laps were flown; {outcome.reason}") if returned else outcome
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:
         """What was covered, visit by visit; of the last plan with so many laps."""

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import pairwise
 
 import numpy as np
 
@@ -46,6 +47,27 @@ class Whereabouts:
     state: int
     due: tuple[int, ...]
     laps: int
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """A word, and where the automaton of the specification is after it.
+
+    Attributes:
+        word: Its letters.
+        state: As in ``Whereabouts``.
+        due: Likewise.
+        laps: Likewise.
+    """
+
+    word: tuple[frozenset[str], ...]
+    state: int
+    due: tuple[int, ...]
+    laps: int
+
+    def agrees(self, other: "Foreseen") -> bool:
+        """Whether what is left after both is the same."""
+        return (self.state, self.due, self.laps) == (other.state, other.due, other.laps)
 
 
 class ViolationKind(StrEnum):
@@ -203,6 +225,23 @@ class Monitor:
         if not self._visits or not self._inside:
             return None
         return Whereabouts(self._visits[-1].triangle, self._rounds.state, self._rounds.due, self._rounds.laps)
+
+    def foreseen(self, places_m: Sequence[Point]) -> "Foreseen":
+        """What the word would be, and the automaton's state, if the vehicle flew straight through places in order."""
+        rounds, letters = self._rounds.copy(), list(self.word)
+        last = self._visits[-1].triangle if self._visits else OUTSIDE
+        for start, end in pairwise(places_m):
+            for triangle, _ in self._locator.crossed(start, end, likely=last):
+                if triangle not in (last, OUTSIDE):
+                    rounds.read(int(self._labelling.letter_of[triangle]))
+                    letters.append(self._labelling.label(triangle))
+                    last = triangle
+        return Foreseen(tuple(letters), rounds.state, rounds.due, self._laps_before + rounds.laps)
+
+    @property
+    def known(self) -> "Foreseen":
+        """The word so far, and the automaton's state."""
+        return Foreseen(self.word, self._rounds.state, self._rounds.due, self._laps_before + self._rounds.laps)
 
     def verdict_at_end(self, *, stays: bool) -> Outcome:
         """The verdict on the flight as if it ended now.

@@ -31,6 +31,15 @@ class TrackingWatch:
         elif self._beyond_since is None:
             self._beyond_since = t_s
 
+    @property
+    def is_within(self) -> bool:
+        """Whether the vehicle is inside the tube, by the last report."""
+        return self._beyond_since is None
+
+    def rest(self) -> None:
+        """No trajectory is flown."""
+        self.error_m, self._beyond_since = 0.0, None
+
     def observe_velocity(self, velocity_m_s: Point, planned_m_s: Point) -> None:
         """Take into account how fast the vehicle is on each axis, and how fast it should be."""
         offsets = [abs(flown - planned) for flown, planned in zip(velocity_m_s, planned_m_s, strict=True)]

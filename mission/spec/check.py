@@ -83,6 +83,9 @@ def _guidance_findings(flight: Any, regions: Any) -> list[Finding]:  # noqa: ANN
     """Regions that are to be covered by a flight that keeps to no lanes."""
     if not isinstance(flight, dict) or flight.get("guidance") != FIELD or not isinstance(regions, dict):
         return []
+    if flight.get("replan"):
+        hint = "leave it out: by the field, a flight that was pushed away goes on from there in any case"
+        return [Finding(("flight", "replan"), "this flight follows no trajectory whose tube it could leave", hint)]
     covered = [name for name, value in regions.items() if isinstance(value, dict) and "cover" in value]
     hint = f"take `cover` away from {listed(covered)}, or write `guidance: {TRAJECTORY}`"
     message = "lanes are flown along a trajectory, not by the field"

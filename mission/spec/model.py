@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from mission.geometry.geodesy import LatLon
 from mission.spec.battery import Battery
 from mission.spec.heading import YAW_RATE_DEG_S, Heading
+from mission.spec.task import Task
 from mission.spec.tube import NO_MARGINS, Margins, causes, disturbed_m, disturbed_m_s
 
 if TYPE_CHECKING:  # the command line reads these values before it loads a library
@@ -235,6 +236,7 @@ class Flight:
         margins: What else the tube has to hold, by which the certificate inflates the path.
         guidance: What leads the vehicle.
         heading: Where the nose looks; None where the file says nothing of that: it follows the flight as it can.
+        replan: Whether a flight that has left the tube of its trajectory goes on by another plan.
     """
 
     speed_m_s: float
@@ -246,6 +248,7 @@ class Flight:
     margins: Margins = NO_MARGINS
     guidance: Literal["trajectory", "field"] = TRAJECTORY
     heading: Heading | None = None
+    replan: bool = False
 
     @property
     def tube_m(self) -> float:
@@ -302,61 +305,6 @@ class Limits:
     tilt_rad: float
     jerk_m_s3: float = 4.0
     yaw_rate_rad_s: float = math.radians(YAW_RATE_DEG_S)
-
-
-class TaskKind(StrEnum):
-    """What a task asks for, by its key in the file; the meaning of each is in ``mission.logic.formula.patterns``."""
-
-    VISIT = "visit"
-    SEQUENCED_VISIT = "sequenced_visit"
-    ORDERED_VISIT = "ordered_visit"
-    STRICT_ORDERED_VISIT = "strict_ordered_visit"
-    FAIR_VISIT = "fair_visit"
-    PATROL = "patrol"
-    SEQUENCED_PATROL = "sequenced_patrol"
-    ORDERED_PATROL = "ordered_patrol"
-    STRICT_ORDERED_PATROL = "strict_ordered_patrol"
-    FAIR_PATROL = "fair_patrol"
-    AVOID = "avoid"
-    VISITS = "visits"
-    WAIT = "wait"
-    REACT = "react"
-
-
-class TaskMode(StrEnum):
-    """Which form of ``avoid`` (until, after), of ``visits`` (the bounds) or of ``react`` (the five reactions)."""
-
-    PLAIN = ""
-    UNTIL = "until"
-    AFTER = "after"
-    AT_MOST = "at_most"
-    AT_LEAST = "at_least"
-    EXACTLY = "exactly"
-    INSTANTANEOUS = "instantaneous"
-    DELAYED = "delayed"
-    PROMPT = "prompt"
-    BOUND = "bound"
-    BOUND_DELAY = "bound_delay"
-
-
-@dataclass(frozen=True)
-class Task:
-    """One entry of ``tasks``.
-
-    Attributes:
-        kind: What it asks for.
-        regions: Names, in the order of the list; of ``avoid`` with until or after, ``wait`` and ``react`` the region
-            that is avoided, waited in or reacted to, then the other one.
-        mode: Its form, where the kind has several.
-        count: The number of visits of ``visits``; 0 otherwise.
-        weight: How much is lost where it is dropped, above 0; None where it must be met.
-    """
-
-    kind: TaskKind
-    regions: tuple[str, ...]
-    mode: TaskMode = TaskMode.PLAIN
-    count: int = 0
-    weight: float | None = None
 
 
 @dataclass(frozen=True)

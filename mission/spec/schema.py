@@ -10,14 +10,13 @@ from typing import Any, Final
 from mission.logic.formula.parser import MAX_LENGTH
 from mission.spec.battery import BATTERY_SCHEMA
 from mission.spec.cover_schema import COVER
-from mission.spec.heading import HEADING_SCHEMA, YAW_RATE_SCHEMA
+from mission.spec.flight_schema import FLIGHT
+from mission.spec.heading import YAW_RATE_SCHEMA
 from mission.spec.model import (
     CORRIDOR,
-    FIELD,
     MOST_LAPS,
     MOST_WEIGHT,
     SUFFIX_DECIDES,
-    TRAJECTORY,
     UNTIL_STOPPED,
     Cost,
     RegionKind,
@@ -36,7 +35,6 @@ from mission.spec.shape_schema import (
     one_of,
 )
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
-from mission.spec.tube import TUBE_SCHEMA
 
 MOST_REGIONS: Final = 1_000
 
@@ -224,38 +222,6 @@ _START: Final = mapping(
     examples=[{"position_m": [12.5, 40.0]}],
 )
 
-_FLIGHT: Final = mapping(
-    "How it is flown.",
-    (),
-    {
-        "speed_m_s": number(
-            "Speed where nothing hinders, c of the paper's fields, m/s; by default that of the limits.",
-            0.001,
-            100.0,
-            examples=[3.0],
-        ),
-        "altitude_m": number("Height above the take-off point, m.", 0.5, 5_000.0, default=10.0),
-        "final_stay_s": number("How long to stay in the last triangle before landing, s.", 0.1, 86_400.0, default=5.0),
-        "time_constant_s": number("Time constant tau of the tracking law, s.", 0.05, 100.0, default=1.0),
-        "disturbance_m_s2": number(
-            "Bound on each axis of the acceleration that tracking does not know of, m/s2; the certificate widens the "
-            "path by it.",
-            0.0,
-            20.0,
-            default=0.0,
-        ),
-        "tube": TUBE_SCHEMA,
-        "guidance": {
-            "description": "What leads the vehicle: the trajectory that is proved, by its time law, or at each moment "
-            "the control to a facet of the triangle in which it is, from wherever it was pushed or flown by a pilot.",
-            "enum": [TRAJECTORY, FIELD],
-            "default": TRAJECTORY,
-        },
-        "heading": HEADING_SCHEMA,
-    },
-    examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
-)
-
 
 def _weight(part: str, default: int | str) -> Schema:
     whole = {"type": "integer", "minimum": 1, "maximum": MOST_WEIGHT}
@@ -356,7 +322,7 @@ _SCHEMA: Final[Schema] = {
         "tasks": TASKS,
         "start": _START,
         "origin": ORIGIN,
-        "flight": _FLIGHT,
+        "flight": FLIGHT,
         "search": _SEARCH,
         "smoothing": _SMOOTHING,
         "limits": _LIMITS,

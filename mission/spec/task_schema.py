@@ -2,7 +2,7 @@
 
 from typing import Any, Final
 
-from mission.spec.model import TaskKind
+from mission.spec.task import TaskKind
 
 Schema = dict[str, Any]
 

@@ -5,7 +5,8 @@ from typing import Any, Final
 
 from mission.logic.formula import patterns
 from mission.logic.formula.syntax import Formula
-from mission.spec.model import Region, RegionKind, Task, TaskKind, TaskMode
+from mission.spec.model import Region, RegionKind
+from mission.spec.task import Task, TaskKind, TaskMode
 
 Data = dict[str, Any]
 

@@ -69,6 +69,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             margins=margins_of(data.get("flight", {})),
             guidance=FIELD if _given(data, "flight", "guidance") == FIELD else TRAJECTORY,
             heading=heading_of(data.get("flight", {}).get("heading")),
+            replan=bool(_given(data, "flight", "replan")),
         ),
         smoothing=_smoothing(data),
         search=Search(

@@ -9,7 +9,7 @@ from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from mission.spec.loader import parse_mission
-from mission.spec.model import TaskKind, TaskMode
+from mission.spec.task import TaskKind, TaskMode
 from mission.spec.tasks import task_formula
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import plan_of

@@ -17,7 +17,8 @@ from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan import FlightPlan, formula_of, plan_from_json, plan_mission, plan_to_json
 from mission.plan.tasks import dropped_tasks
 from mission.spec.loader import load_mission, parse_mission
-from mission.spec.model import MissionSpec, Task, TaskKind
+from mission.spec.model import MissionSpec
+from mission.spec.task import Task, TaskKind
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 

@@ -118,6 +118,7 @@ EXPECTED = [
         "the nose is to look toward `Feild`, which is no region",
     ),
     ("lanes_by_the_field", 11, 13, "flight.guidance", "lanes are flown along a trajectory, not by the field"),
+    ("replan_by_the_field", 12, 11, "flight.replan", "this flight follows no trajectory whose tube it could leave"),
     ("negative_speed", 13, 14, "flight.speed_m_s", "-3 is less than 0.001"),
     ("no_frequencies", 13, 16, "smoothing.frequencies", "expected auto or a whole number from 1 to 10000, found `0`"),
     ("no_mission", 2, 1, "mission", "`mission` is missing"),

@@ -9,7 +9,8 @@ from mission.errors import SpecError
 from mission.logic.automata.automaton import GeneralisedBuchi
 from mission.spec.document import document_of
 from mission.spec.loader import MAX_AUTOMATON_BYTES, load_mission, parse_mission
-from mission.spec.model import MissionSpec, TaskKind
+from mission.spec.model import MissionSpec
+from mission.spec.task import TaskKind
 
 MISSION = """\
 domain:

@@ -7,7 +7,8 @@ import yaml
 
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
-from mission.spec.model import MissionSpec, Task, TaskKind, TaskMode
+from mission.spec.model import MissionSpec
+from mission.spec.task import Task, TaskKind, TaskMode
 from mission.spec.tasks import task_data, task_formula, task_of, task_text
 
 FRAME = """\

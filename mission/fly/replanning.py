@@ -1,0 +1,319 @@
+"""Another plan in flight: when one is asked for, how the vehicle waits for it, and when it is taken over.
+
+What is asked for is the rest of the mission from where the new plan will begin, with the word that will have been
+spelled there. Up to its answer the old plan is flown, where that is safe; otherwise the vehicle holds. An answer that
+comes too late, or finds the automaton in another state than it was made for, is asked for again, some times; then the
+vehicle holds until there is one.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import count
+from typing import Final
+
+import numpy as np
+
+from mission.fly.approach import Approach, along, aside, in_flight, standing
+from mission.fly.placing import bounds_of, course_of
+from mission.fly.recording import RecordWriter
+from mission.fly.replanner import PlanRequest, Replanner
+from mission.fly.watch import FlightWatch
+from mission.link.course import Course, Reference
+from mission.link.guidance import Guidance
+from mission.link.halting import taken_up
+from mission.link.session import Session
+from mission.logic.automata.rabin import DEAD
+from mission.logic.formula.word import LassoWord
+from mission.monitor.monitor import Foreseen
+from mission.monitor.stage import Stage
+from mission.plan import FlightPlan
+from mission.plan.rest import Rest
+from mission.spec.model import MissionSpec
+
+_LEFT_FOR_S: Final = 0.2
+"""So long the vehicle has been out of its tube before a plan is asked for."""
+
+_AHEAD_S: Final = 0.1
+"""Beyond the time that planning takes: for what is on its way."""
+
+_MORE: Final = 1.5
+_SAME: Final = 1e-3
+"""m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
+
+_SOONEST_S: Final = 0.05
+_AGAIN_S: Final = 1.0
+"""So long after there was no plan one is asked for again, if the vehicle is still out of its tube."""
+
+_MOST_TRIES: Final = 3
+_LONGEST_S: Final = 60.0
+"""On the clock here: how long a plan is waited for."""
+
+_FORESEEN_S: Final = 3600.0
+_FORESEEN_STEP_S: Final = 0.25
+
+_CALM_SHARE: Final = 0.5
+_CALM_M_S: Final = 0.5
+_CALM_FOR_S: Final = 0.5
+_RESTLESS_S: Final = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """Why another plan is asked for.
+
+    Attributes:
+        reason: In plain words.
+        holds: Whether the old plan must not be flown on meanwhile.
+        amended: The mission as it is from now on; None where it stays as it is.
+        told: Called with why there is no plan, empty once one is taken over; None where the flight ends without one.
+    """
+
+    reason: str
+    holds: bool = False
+    amended: MissionSpec | None = None
+    told: Callable[[str], None] | None = None
+
+
+@dataclass(eq=False)
+class _Asked:
+    """A plan that was asked for.
+
+    Attributes:
+        number: Of the request.
+        approach: How it is come to.
+        foreseen: What it was made for.
+        asked_s: When, by the vehicle's clock and the one here.
+        begun: Whether the approach is flown.
+        plan: What was planned; None until it is.
+    """
+
+    number: int
+    approach: Approach
+    foreseen: Foreseen
+    asked_s: tuple[float, float]
+    begun: bool
+    plan: FlightPlan | None = None
+
+
+def _begins_with(plan: FlightPlan, begin: Reference) -> bool:
+    """Whether a plan begins with what was promised."""
+    state = np.array(plan.trajectory.state([0.0]))[:, 0]
+    wanted = np.array([vector[:2] for vector in begin])
+    return bool((np.abs(state - wanted) <= _SAME).all())
+
+
+class Replanning:
+    """What becomes of a flight that does not go as planned.
+
+    Attributes:
+        plans: How many plans were flown so far.
+    """
+
+    def __init__(self, session: Session, watch: FlightWatch, record: RecordWriter, replanner: Replanner) -> None:
+        """Replan nothing yet."""
+        self.plans = 1
+        self._session, self._watch, self._record, self._replanner = session, watch, record, replanner
+        self._cause: Cause | None = None
+        self._asked: _Asked | None = None
+        self._numbers = count(1)
+        self._tries, self._late_s, self._flies_on = 0, 0.0, True
+        self._calm_from_s = math.inf
+        self._excused_s = -math.inf
+
+    @property
+    def busy(self) -> bool:
+        """Whether a plan is waited for."""
+        return self._cause is not None
+
+    def turn(self, now_s: float) -> str:
+        """Do what is due; says why the flight cannot go on, empty where it can.
+
+        Args:
+            now_s: The time here.
+        """
+        session = self._session
+        vehicle_s, guidance = session.vehicle.clock.now_s(now_s), session.guidance
+        if vehicle_s is None or not isinstance(guidance, Guidance) or not session.redirectable:
+            if self._cause is not None:
+                self._end("no trajectory is flown any more" if session.stage is not Stage.FLY else session.pilot.words)
+            return ""
+        if self._cause is None and self._left_tube and vehicle_s >= self._excused_s:
+            self.begin(Cause(f"the vehicle was {self._watch.tracking.error_m:.2f} m off, out of its tube"))
+        if self._cause is None:
+            return ""
+        if self._asked is None:
+            self._ask(self._cause, guidance, vehicle_s, now_s)
+            return ""
+        if self._asked.plan is None:
+            return self._hear(self._asked, guidance, vehicle_s, now_s)
+        return self._arrive(self._cause, self._asked, self._asked.plan, guidance, vehicle_s)
+
+    def begin(self, cause: Cause) -> None:
+        """Ask for a plan at the next turn, whatever was asked for before."""
+        self._cause, self._asked, self._tries, self._late_s, self._flies_on = cause, None, 0, 0.0, True
+        self._record.write("event", self._session.vehicle.clock.newest_s, name="replanning", reason=cause.reason)
+
+    @property
+    def _left_tube(self) -> bool:
+        return self._watch.plan.spec.flight.replan and self._watch.tracking.excess_s >= _LEFT_FOR_S
+
+    def _ask(self, cause: Cause, guidance: Guidance, vehicle_s: float, now_s: float) -> None:
+        """Ask for the rest of the mission from where a new plan can begin."""
+        watch, session = self._watch, self._session
+        waits, outside = guidance.course_at(vehicle_s).waits, watch.tracking.excess_s > 0.0
+        holds = not waits and (
+            cause.holds or self._tries >= _MOST_TRIES or (outside and not watch.legs.now.is_clear(watch.place_m))
+        )
+        takes_s = max(session.vehicle.clock.rate, 1.0) * _MORE * self._replanner.takes_s
+        ahead_s = _SOONEST_S if holds else max(takes_s, self._late_s) + _AHEAD_S
+        if waits:
+            approach = standing(guidance.course_at(vehicle_s), vehicle_s, guidance.pace_at(vehicle_s)[0])
+        elif outside:
+            approach = aside(self._state(ahead_s), bounds_of(watch.plan), vehicle_s + ahead_s)
+        elif self._flies_on and not holds:
+            approach = in_flight(guidance, vehicle_s + ahead_s, vehicle_s)
+        else:
+            approach = along(guidance, vehicle_s + ahead_s, vehicle_s)
+        if holds and approach.course is not None:
+            session.redirect(approach.course, approach.from_s)
+        leg, foreseen = watch.legs.now, watch.monitor.foreseen((watch.place_m, *approach.through_m))
+        flown_s = leg.in_tube_until_s if leg.has_left_tube or approach.flown_s is None else approach.flown_s
+        laps = leg.judged.monitor.laps - leg.laps_before
+        self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), begun=waits or holds)
+        (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
+        rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps)
+        asked = guidance.course_at(vehicle_s).laps
+        returns = leg.plan.run.recurrent and asked is not None and laps >= asked and cause.amended is None
+        amended = cause.amended
+        if leg.plan.run.recurrent and amended is None and asked is not None:
+            amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=asked))
+        self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, returns))
+
+    def _state(self, ahead_s: float) -> Reference:
+        """Where the vehicle will be, by its last report."""
+        (x, y), (vx, vy) = self._watch.place_m, self._watch.velocity_m_s
+        altitude_m = self._watch.plan.trajectory.altitude_m
+        return Reference((x + ahead_s * vx, y + ahead_s * vy, altitude_m), (vx, vy, 0.0), (0.0, 0.0, 0.0))
+
+    def _hear(self, asked: _Asked, guidance: Guidance, vehicle_s: float, now_s: float) -> str:
+        """Listen for the answer, and hold where what is flown meanwhile is no longer safe."""
+        answer = self._replanner.answer()
+        aside_of = asked.approach.flown_s is None
+        if answer is None or answer.number != asked.number:
+            if not asked.begun and aside_of and not self._watch.legs.now.is_clear(self._watch.place_m):
+                self._asked, self._tries = None, _MOST_TRIES
+            overdue = now_s - asked.asked_s[1] > _LONGEST_S
+            why = f"there was no plan within {_LONGEST_S:.0f} s" if overdue else self._replanner.trouble
+            return self._refused(why, guidance, vehicle_s) if why else ""
+        begin = asked.approach.begin
+        if any(begin.velocity_m_s) and (answer.plan is None or not _begins_with(answer.plan, begin)):
+            self._asked, self._flies_on = None, False  # from rest there may be one
+            return ""
+        if answer.plan is None:
+            return self._refused(answer.refusal, guidance, vehicle_s)
+        asked.plan = answer.plan
+        if asked.begun:
+            return ""
+        if aside_of:
+            end_m = begin.position_m[:2]
+            asked.approach = aside(self._state(0.0), bounds_of(self._watch.plan), vehicle_s, end_m)
+        elif vehicle_s >= asked.approach.from_s:
+            self._late_s = 2.0 * (vehicle_s - asked.asked_s[0])
+            return self._again("the plan came too late")
+        if asked.approach.course is not None:
+            self._session.redirect(asked.approach.course, asked.approach.from_s)
+        asked.begun = True
+        return ""
+
+    def _arrive(self, cause: Cause, asked: _Asked, plan: FlightPlan, guidance: Guidance, vehicle_s: float) -> str:
+        """Fly the new plan, once the vehicle is where it begins."""
+        approach = asked.approach
+        if vehicle_s < approach.until_s - _SOONEST_S:
+            return ""
+        if approach.flown_s is None and not self._is_calm(approach, vehicle_s):
+            restless = vehicle_s - approach.until_s > _RESTLESS_S
+            return self._refused("the vehicle does not come to rest", guidance, vehicle_s) if restless else ""
+        if not asked.foreseen.agrees(self._watch.monitor.known):
+            if self._tries >= 2 * _MOST_TRIES:
+                why = "each time that there was a plan, another word had been spelled"
+                return self._refused(why, guidance, vehicle_s)
+            return self._again("another word was spelled meanwhile")
+        self._take_over(cause, plan, max(approach.until_s, vehicle_s))
+        return ""
+
+    def _take_over(self, cause: Cause, plan: FlightPlan, at_s: float) -> None:
+        laps_before = self._watch.legs.laps
+        self.plans += 1
+        self._record.write(
+            "event",
+            at_s,
+            name="leg",
+            number=self.plans,
+            reason=cause.reason,
+            start_m=plan.start_m,
+            laps_before=laps_before,
+            duration_s=plan.trajectory.duration_s,
+        )
+        self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
+        self._watch.take_over(plan, at_s, laps_before)
+        self._end("")
+
+    def _is_calm(self, approach: Approach, vehicle_s: float) -> bool:
+        """Whether the vehicle has stood for a while where the new plan begins."""
+        off_m = max(abs(a - b) for a, b in zip(self._watch.place_m, approach.begin.position_m, strict=False))
+        calm = off_m <= _CALM_SHARE * self._watch.plan.certificate.tube_m
+        calm &= math.hypot(*self._watch.velocity_m_s) <= _CALM_M_S
+        self._calm_from_s = min(self._calm_from_s, vehicle_s) if calm else math.inf
+        return vehicle_s - self._calm_from_s >= _CALM_FOR_S
+
+    def _again(self, why: str) -> str:
+        self._tries, self._asked = self._tries + 1, None
+        self._record.write("event", self._session.vehicle.clock.newest_s, name="asked again", reason=why)
+        return ""
+
+    def _refused(self, why: str, guidance: Guidance, vehicle_s: float) -> str:
+        """There is no plan: the flight ends; or who asked is told, and the old plan is flown on if it may be."""
+        cause, waits = self._cause, guidance.course_at(vehicle_s).waits
+        self._end(why)
+        if cause is None or cause.told is None:
+            if not waits and self._still_leads_on(guidance, vehicle_s):
+                self._excused_s = vehicle_s + _AGAIN_S
+                return ""
+            return f"{'' if cause is None else cause.reason}, and there is no plan from there: {why}"
+        if not cause.holds:
+            self.go_on(guidance, vehicle_s)
+        return ""
+
+    def _still_leads_on(self, guidance: Guidance, vehicle_s: float) -> bool:
+        """Whether the plan that is flown still leads to where it was to, although the vehicle is off it."""
+        leg, (from_s, _), course = self._watch.legs.now, guidance.pace_at(vehicle_s), guidance.course_at(vehicle_s)
+        until_s = min(course.duration_s, from_s + _FORESEEN_S)
+        times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _FORESEEN_STEP_S))
+        ahead = course.trajectory.state(times)[0].tolist()
+        foreseen = leg.judged.monitor.foreseen((self._watch.place_m, *((x, y) for x, y in ahead)))
+        if not leg.is_clear(self._watch.place_m) or foreseen.state == DEAD or not foreseen.word:
+            return False
+        return leg.plan.run.recurrent or leg.plan.required.satisfied_by(LassoWord(foreseen.word, foreseen.word[-1:]))
+
+    def go_on(self, guidance: Guidance, vehicle_s: float) -> None:
+        """Fly the plan on that was slowed to rest, if one was."""
+        course = guidance.course_at(vehicle_s)
+        approach = standing(course, vehicle_s, guidance.pace_at(vehicle_s)[0])
+        if not course.waits or approach.flown_s is None:
+            return
+        plan = self._watch.plan
+        trajectory = plan.trajectory if course.laps is None else replace(plan.trajectory, laps=course.laps)
+        onward = taken_up(trajectory, approach.flown_s, course.bounds.acceleration_m_s2)
+        bounds, nose = bounds_of(plan), course.nose
+        self._session.redirect(
+            Course(onward, 0.0, bounds, nose, planned_s=onward.planned_s), max(approach.until_s, vehicle_s)
+        )
+
+    def _end(self, why: str) -> None:
+        """Nothing is waited for any more; say why there was no plan, or that there was one."""
+        cause, self._cause, self._asked = self._cause, None, None
+        if why:
+            self._record.write("event", self._session.vehicle.clock.newest_s, name="no plan", reason=why)
+        if cause is not None and cause.told is not None:
+            cause.told(why)

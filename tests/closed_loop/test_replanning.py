@@ -1,0 +1,72 @@
+"""Flights that leave their tube and go on by another plan: nothing is skipped, and the verdict is that of all legs."""
+
+import pytest
+
+from mission.link.ending import Ending
+from mission.plan import FlightPlan
+from mission.spec.loader import parse_mission
+from mission.verify.flown.judging import judged
+from mission.verify.logs.flight_record import track_of_record
+from tests.support.replanned import Replanned
+from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
+
+FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+REPLANNED = "flight:\n  replan: true\n"
+
+
+def replanned(text: str) -> FlightPlan:
+    return plan_of(text.replace("flight:\n", REPLANNED))
+
+
+@pytest.fixture(scope="module")
+def small() -> FlightPlan:
+    return replanned(SMALL)
+
+
+def test_a_mission_says_whether_it_is_replanned(small: FlightPlan) -> None:
+    assert small.spec.flight.replan
+    assert not parse_mission(SMALL.encode()).flight.replan
+
+
+@FLAVOURS
+def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour: str) -> None:
+    flown = Replanned(small, flavour, "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20")
+    assert flown.result.achieved, flown.result.reason
+    assert flown.result.ending is Ending.LANDED
+    assert len(flown.result.plans) > 1
+    assert flown.entered() == ["home", "goal", "home"]
+    begun = flown.events("leg")
+    assert [line["number"] for line in begun] == list(range(2, len(flown.result.plans) + 1))
+    assert "out of its tube" in begun[0]["reason"]
+    # Whoever judges flights of any autopilot says the same, of the mission as it was written.
+    assert judged(small.spec, track_of_record(flown.record), fastest_m_s=20.0).achieved
+
+
+def test_the_same_seed_gives_the_same_flight(small: FlightPlan) -> None:
+    gust = "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20"
+    one, other = (Replanned(small, "ardupilot", gust) for _ in range(2))
+    assert one.sink.getvalue() == other.sink.getvalue()
+
+
+@FLAVOURS
+def test_laps_are_counted_over_all_plans(flavour: str) -> None:
+    plan = replanned(ROUNDS)
+    flown = Replanned(plan, flavour, "gust, since: takeoff, at_s: 16, for_s: 3, east_m_s: 20")
+    assert flown.result.achieved, flown.result.reason
+    assert len(flown.result.plans) > 1
+    assert flown.result.laps == 2
+    assert "2 laps were flown" in flown.result.reason or "2 of 2 laps were flown" in flown.result.reason
+    visited = flown.entered()
+    assert visited[-1] == "home"
+    assert min(visited.count("east"), visited.count("north")) >= 2
+
+
+@FLAVOURS
+def test_a_field_is_covered_by_both_plans_together(flavour: str) -> None:
+    plan = replanned(PHOTOGRAPHED)
+    flown = Replanned(plan, flavour, "gust, since: takeoff, at_s: 20, for_s: 3, north_m_s: 20")
+    assert flown.result.achieved, flown.result.reason
+    assert len(flown.result.plans) > 1
+    [covered] = flown.result.covered
+    assert covered.share >= 0.9
+    assert flown.entered()[-1] == "home"
