@@ -179,7 +179,7 @@ class Replanning:
             session.redirect(approach.course, approach.from_s)
         leg, foreseen = watch.legs.now, watch.monitor.foreseen((watch.place_m, *approach.through_m))
         flown_s = leg.in_tube_until_s if leg.has_left_tube or approach.flown_s is None else approach.flown_s
-        laps = leg.judged.monitor.laps - leg.laps_before
+        laps = foreseen.laps - leg.laps_before
         self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
         rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps)

@@ -7,6 +7,7 @@ standard semantics only; at the end of a flight that stays, the last label repea
 
 import math
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
@@ -215,9 +216,10 @@ class Monitor:
     @property
     def laps(self) -> int:
         """How often the loop of a recurrent run has been flown."""
-        if self._laps is None:
-            return self._laps_before
-        return self._laps_before + (self._rounds.laps if self._any_way else self._laps.laps)
+        return self._counted(self._rounds, self._laps)
+
+    def _counted(self, rounds: RoundCounter, laps: LapCounter | None) -> int:
+        return self._laps_before + (0 if laps is None else rounds.laps if self._any_way else laps.laps)
 
     @property
     def whereabouts(self) -> Whereabouts | None:
@@ -228,7 +230,7 @@ class Monitor:
 
     def foreseen(self, places_m: Sequence[Point]) -> "Foreseen":
         """What the word would be, and the automaton's state, if the vehicle flew straight through places in order."""
-        rounds, letters = self._rounds.copy(), list(self.word)
+        rounds, laps, letters = self._rounds.copy(), copy(self._laps), list(self.word)
         last = self._visits[-1].triangle if self._visits else OUTSIDE
         for start, end in pairwise(places_m):
             for triangle, _ in self._locator.crossed(start, end, likely=last):
@@ -236,12 +238,14 @@ class Monitor:
                     rounds.read(int(self._labelling.letter_of[triangle]))
                     letters.append(self._labelling.label(triangle))
                     last = triangle
-        return Foreseen(tuple(letters), rounds.state, rounds.due, self._laps_before + rounds.laps)
+                    if laps is not None:
+                        laps.enter(triangle)
+        return Foreseen(tuple(letters), rounds.state, rounds.due, self._counted(rounds, laps))
 
     @property
     def known(self) -> "Foreseen":
         """The word so far, and the automaton's state."""
-        return Foreseen(self.word, self._rounds.state, self._rounds.due, self._laps_before + self._rounds.laps)
+        return Foreseen(self.word, self._rounds.state, self._rounds.due, self.laps)
 
     def verdict_at_end(self, *, stays: bool) -> Outcome:
         """The verdict on the flight as if it ended now.
