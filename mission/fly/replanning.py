@@ -120,6 +120,7 @@ class Replanning:
         self._tries, self._late_s, self._flies_on = 0, 0.0, True
         self._calm_from_s = math.inf
         self._excused_s = -math.inf
+        self._laps: int | None = watch.plan.trajectory.laps
 
     @property
     def busy(self) -> bool:
@@ -141,6 +142,7 @@ class Replanning:
         if self._cause is None and self._left_tube and vehicle_s >= self._excused_s:
             self.begin(Cause(f"the vehicle was {self._watch.tracking.error_m:.2f} m off, out of its tube"))
         if self._cause is None:
+            self._laps = guidance.course.laps
             return ""
         if self._asked is None:
             self._ask(self._cause, guidance, vehicle_s, now_s)
@@ -183,7 +185,7 @@ class Replanning:
         self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
         rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps)
-        asked = guidance.course_at(vehicle_s).laps
+        asked = self._laps
         returns = leg.plan.run.recurrent and asked is not None and laps >= asked and cause.amended is None
         amended = cause.amended
         if leg.plan.run.recurrent and amended is None and asked is not None:

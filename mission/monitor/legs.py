@@ -123,7 +123,8 @@ class FlightLegs:
         leg = broken[0] if broken else self.now
         outcome = leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
         returned = leg.laps_before > 0 and not leg.plan.run.recurrent
-        return replace(outcome, reason=f"{leg.laps_before} laps were flown; {outcome.reason}") if returned else outcome
+        flown = f"{leg.laps_before} lap{'s were' if leg.laps_before != 1 else ' was'} flown"
+        return replace(outcome, reason=f"{flown}; {outcome.reason}") if returned else outcome
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:
         """What was covered, visit by visit; of the last plan with so many laps."""
