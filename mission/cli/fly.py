@@ -9,13 +9,15 @@ from pathlib import Path
 from mission.cli.extent import extent, without
 from mission.cli.inputs import planned, unwritable
 from mission.cli.live import Display
-from mission.cli.report import MISSION_FILE, PLAN_FILE, write_again
+from mission.cli.report import MISSION_FILE, PLAN_FILE, later_plan_file, write_again
 from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.cli.signals import EndingSignals
 from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_options, link_to, warn
-from mission.clock import WallClock
+from mission.clock import Clock, WallClock
 from mission.errors import LinkError, MissionError, reason
 from mission.fly import FlightOptions, FlightResult, StopSignals, fly
+from mission.fly.planner_process import PlannerProcess
+from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.link.identity import LinkOptions
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
@@ -77,6 +79,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
         vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
         folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), arguments.laps)
         stack.enter_context(record)
+        replanner = _replanner(clock, stack, bundled=vehicle is not None)
         display = stack.enter_context(Display(plan))
         wall = WallClock()
         began_s = wall.now_s()
@@ -97,6 +100,8 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                 vehicle_failure=None if vehicle is None else vehicle.failure,
                 stop_request=stop.take,
                 on_warning=warn,
+                replanner=replanner,
+                on_plan=lambda number, text: _keep_plan(folder / later_plan_file(number), text),
             )
         except MissionError as failure:
             stack.close()
@@ -110,8 +115,17 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
             err.print(f"interrupted; the record is kept in {folder}", markup=False)
             raise
         elapsed_s = wall.now_s() - began_s
-    _keep_plan(folder, result.plan)
+    _keep_plan(folder / PLAN_FILE, plan_to_json(result.plans[0]))
     return _Flown(folder, heard=True, exit_code=result.exit_code, result=result, elapsed_s=elapsed_s)
+
+
+def _replanner(clock: Clock, stack: ExitStack, *, bundled: bool) -> Replanner:
+    """What plans in flight: beside the loop; the bundled vehicle waits for it, so that the same seed flies the same."""
+    if bundled:
+        return SynchronousReplanner(clock.now_s)
+    process = PlannerProcess()
+    stack.callback(process.close)
+    return process
 
 
 def _begin_record(root: Path, plan: FlightPlan, file: Path, laps: int | str | None = None) -> tuple[Path, FlightRecord]:
@@ -144,12 +158,12 @@ def _keep_pictures(folder: Path) -> None:
         write_pictures(read_record(folder).pictures, folder)
 
 
-def _keep_plan(folder: Path, plan: FlightPlan) -> None:
-    """What was flown, planned anew where the mission has a place; without it the flight was still made."""
+def _keep_plan(file: Path, text: str) -> None:
+    """What was flown, planned anew where the mission has a place or in flight; without it the flight is still made."""
     try:
-        write_whole(folder / PLAN_FILE, plan_to_json(plan))
+        write_whole(file, text)
     except OSError as error:
-        err.print(f"the plan that was flown could not be written: {reason(error)}", markup=False)
+        warn(f"the plan that is flown could not be written: {reason(error)}")
 
 
 def _report(folder: Path, *, pictures: bool, hurried: bool) -> None:

@@ -1,13 +1,14 @@
 """``mission report``: write the report and the pictures of a flight folder again."""
 
 from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 
 from mission.cli.inputs import bad_file, read_plan
 from mission.cli.screen import out
 from mission.errors import RecordError, reason
 from mission.plan import FlightPlan, plan_mission
-from mission.report.reading import Record, read_record
+from mission.report.reading import LaterPlan, Record, read_record
 from mission.report.record import RECORD_FILE
 from mission.report.report import PAGE_FILE, write_report
 
@@ -48,7 +49,26 @@ def write_again(folder: Path, *, pictures: bool) -> None:
         raise bad_file(folder, f"the flight cannot be read: {reason(error)}", "see its permissions") from error
     except RecordError as error:
         raise RecordError(f"{folder / RECORD_FILE}: {error}", line=error.line) from error
+    record = with_later_plans(record, folder)
     write_report(_as_flown(plan, record), record, folder, pictures=pictures, mission_text=mission_text)
+
+
+def with_later_plans(record: Record, folder: Path) -> Record:
+    """A record with the plans that were made in flight, from the files beside it.
+
+    Raises:
+        SpecError: One is not there, or is no plan.
+    """
+    later = tuple(
+        LaterPlan(from_s, read_plan(folder / later_plan_file(number))[0], laps)
+        for from_s, number, laps in record.takeovers
+    )
+    return replace(record, later=later)
+
+
+def later_plan_file(number: int) -> str:
+    """The name of a plan that was made in flight, numbered from 2."""
+    return f"plan-{number}.json"
 
 
 def _as_flown(plan: FlightPlan, record: Record) -> FlightPlan:

@@ -67,6 +67,7 @@ class Flight:
         *,
         planner: Callable[[Point], FlightPlan],
         replanner: Replanner,
+        on_plan: Callable[[int, str], None],
     ) -> None:
         self.plan, self.clock, self.record, self.options = plan, clock, record, options
         self.session = Session(
@@ -77,8 +78,8 @@ class Flight:
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
         self._given_up = False
-        self._planner, self._replanner = planner, replanner
-        self._replanning = Replanning(self.session, self.watch, record, replanner)
+        self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
+        self._replanning = Replanning(self.session, self.watch, record, replanner, on_plan)
         self._trusted_s = self._near_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, clock)
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
@@ -176,7 +177,7 @@ class Flight:
             self.plan = self._planner(stands_m)
             name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
             self.watch.vehicle = name
-            self._replanning = Replanning(self.session, self.watch, self.record, self._replanner)
+            self._replanning = Replanning(self.session, self.watch, self.record, self._replanner, self._on_plan)
         self.record.write(
             "event",
             self.newest_s,

@@ -31,6 +31,7 @@ def fly(
     on_warning: Callable[[str], None] | None = None,
     planner: Callable[[Point], FlightPlan] | None = None,
     replanner: Replanner | None = None,
+    on_plan: Callable[[int, str], None] | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -52,6 +53,7 @@ def fly(
             first one where no lap is flown; one more interrupts at once, as ``KeyboardInterrupt`` does.
         planner: What plans it anew; that of missions by default.
         replanner: What plans in flight; it is left open. By default, one that stops this loop while it plans.
+        on_plan: Given each plan that is taken over in flight, before it is: its number, from 2, and its JSON text.
         on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
 
     Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
@@ -69,6 +71,7 @@ def fly(
         recording,
         options or FlightOptions(),
         planner=planner or _planner_of(plan.spec, run),
+        on_plan=on_plan or _unwritten,
         replanner=replanner or SynchronousReplanner(clock.now_s, 0.0),
     )
     gone = vehicle_failure or _nothing
@@ -93,6 +96,10 @@ def _nothing() -> str:
 
 
 def _unsaid(_words: str) -> None:
+    return
+
+
+def _unwritten(_number: int, _text: str) -> None:
     return
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from mission.errors import MissionError
-from mission.plan import FlightPlan
+from mission.plan import FlightPlan, plan_to_json
 from mission.plan.rest import Rest, plan_rest, plan_return
 from mission.spec.model import MissionSpec
 
@@ -38,11 +38,13 @@ class PlanAnswer:
     Attributes:
         number: Of the request.
         plan: What was planned; None where there is no plan.
+        text: The same as JSON.
         refusal: Why, in plain words.
     """
 
     number: int
     plan: FlightPlan | None
+    text: str = ""
     refusal: str = ""
 
 
@@ -102,7 +104,9 @@ def answered(request: PlanRequest) -> PlanAnswer:
     """The answer to a request."""
     try:
         if request.returns:
-            return PlanAnswer(request.number, plan_return(request.plan, request.rest))
-        return PlanAnswer(request.number, plan_rest(request.plan, request.rest, request.amended))
+            plan = plan_return(request.plan, request.rest)
+        else:
+            plan = plan_rest(request.plan, request.rest, request.amended)
+        return PlanAnswer(request.number, plan, plan_to_json(plan))
     except MissionError as error:
-        return PlanAnswer(request.number, None, str(error))
+        return PlanAnswer(request.number, None, refusal=str(error))

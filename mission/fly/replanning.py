@@ -86,6 +86,7 @@ class _Asked:
         asked_s: When, by the vehicle's clock and the one here.
         begun: Whether the approach is flown.
         plan: What was planned; None until it is.
+        text: The same as JSON.
     """
 
     number: int
@@ -94,6 +95,7 @@ class _Asked:
     asked_s: tuple[float, float]
     begun: bool
     plan: FlightPlan | None = None
+    text: str = ""
 
 
 def _begins_with(plan: FlightPlan, begin: Reference) -> bool:
@@ -110,9 +112,17 @@ class Replanning:
         plans: How many plans were flown so far.
     """
 
-    def __init__(self, session: Session, watch: FlightWatch, record: RecordWriter, replanner: Replanner) -> None:
-        """Replan nothing yet."""
+    def __init__(
+        self,
+        session: Session,
+        watch: FlightWatch,
+        record: RecordWriter,
+        replanner: Replanner,
+        on_plan: Callable[[int, str], None],
+    ) -> None:
+        """Replan nothing yet; ``on_plan`` is given each plan that is taken over, its number and its text."""
         self.plans = 1
+        self._on_plan = on_plan
         self._session, self._watch, self._record, self._replanner = session, watch, record, replanner
         self._cause: Cause | None = None
         self._asked: _Asked | None = None
@@ -214,7 +224,7 @@ class Replanning:
             return ""
         if answer.plan is None:
             return self._refused(answer.refusal, guidance, vehicle_s)
-        asked.plan = answer.plan
+        asked.plan, asked.text = answer.plan, answer.text
         if asked.begun:
             return ""
         if aside_of:
@@ -241,6 +251,7 @@ class Replanning:
                 why = "each time that there was a plan, another word had been spelled"
                 return self._refused(why, guidance, vehicle_s)
             return self._again("another word was spelled meanwhile")
+        self._on_plan(self.plans + 1, asked.text)
         self._take_over(cause, plan, max(approach.until_s, vehicle_s))
         return ""
 

@@ -216,6 +216,7 @@ def _flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
             (f"Smallest distance to {name}", _against_clearance(distance, numbers["planned"]["clearances_m"].get(name)))
             for name, distance in flown["distance_to_restricted_m"].items()
         ),
+        *([("Plans flown, one after the other", str(flown["plans"]))] if flown["plans"] > 1 else []),
         ("Length flown", _number(flown["length_m"], "m", 2)),
         (f"Time {'by the field' if by_field else 'on the trajectory'}", _number(flown["duration_s"], "s", 1)),
         *_gaps(flown["gaps"]),

@@ -12,9 +12,13 @@ import numpy as np
 from mission.errors import RecordError
 from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.monitor.stage import Stage
+from mission.plan import FlightPlan
 from mission.report.record import RECORD_FILE, SCHEMA
 
 Line = Mapping[str, Any]
+LEG = "leg"
+"""The event of a plan that is taken over in flight."""
+
 LARGEST_RECORD_BYTES = 2**30
 
 
@@ -78,6 +82,15 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
+class LaterPlan:
+    """A plan that was made in flight: flown from a vehicle time on, after so many laps."""
+
+    from_s: float
+    plan: FlightPlan
+    laps_before: int
+
+
+@dataclass(frozen=True, eq=False)
 class Record:
     """A flight as it was recorded.
 
@@ -86,6 +99,7 @@ class Record:
         vehicle: Identity of the vehicle, the last one recorded; empty where none was.
         verdict: The last verdict recorded; None for a flight that did not come to its end.
         cut: Whether the last line was cut, as by a kill in mid-write.
+        later: The plans that were flown after the first, which lie beside the record (``takeovers``).
     """
 
     mission: str
@@ -98,6 +112,16 @@ class Record:
     texts: tuple[Entry, ...]
     verdict: Line | None
     cut: bool
+    later: tuple[LaterPlan, ...] = ()
+
+    @property
+    def takeovers(self) -> tuple[tuple[float, int, int], ...]:
+        """Vehicle time, number of the plan, from 2, and laps that were over, of each plan that was taken over."""
+        return tuple(
+            (event.t_s, int(event.values["number"]), int(event.values.get("laps_before") or 0))
+            for event in self.events
+            if event.text == LEG
+        )
 
 
 def read_record(path: Path) -> Record:

@@ -1,30 +1,42 @@
-"""A recorded flight judged again, by the monitor that watched it, from the positions that were reported."""
+"""A recorded flight judged again, by the monitors that watched it, from the positions that were reported."""
 
 from collections.abc import Iterator
 
 from mission.monitor.flight import FlightMonitor
+from mission.monitor.legs import FlightLegs
 from mission.plan import FlightPlan
 from mission.report.reading import Record
+from mission.report.tracking import tracking_of
 
 
 def replay(plan: FlightPlan, record: Record) -> Iterator[tuple[float, FlightMonitor]]:
-    """The time of each report and what the monitor knows after it; the same monitor each time, going on.
+    """The time of each report and what the monitor of the plan that is flown then knows after it, which goes on.
 
     Args:
-        plan: As it was flown.
+        plan: As it was flown first.
         record: The flight's.
     """
-    judged = FlightMonitor(plan)
+    legs = legs_of(plan, record)
     track = record.track
     places = track.position_m[:, :2].tolist()
     for t_s, (east, north), stage in zip(track.t_s.tolist(), places, track.stages, strict=True):
-        judged.report(stage, t_s, (east, north))
-        yield t_s, judged
+        legs.report(stage, t_s, (east, north))
+        yield t_s, legs.now.judged
 
 
-def judged_again(plan: FlightPlan, record: Record) -> FlightMonitor:
-    """What the monitor knows at the end of a record, which may be that of a flight cut short."""
-    judged = FlightMonitor(plan)
-    for _, judged in replay(plan, record):  # noqa: B007 - the last one is wanted
-        pass
-    return judged
+def judged_again(plan: FlightPlan, record: Record) -> FlightLegs:
+    """What is known at the end of a record, which may be that of a flight cut short, of its coverage too."""
+    legs, track, tracking = legs_of(plan, record), record.track, tracking_of(record)
+    flown_s = dict(zip(tracking.t_s.tolist(), tracking.trajectory_s.tolist(), strict=True))
+    places = track.position_m[:, :2].tolist()
+    for t_s, (east, north), stage in zip(track.t_s.tolist(), places, track.stages, strict=True):
+        legs.report(stage, t_s, (east, north), flown_s.get(t_s))
+    return legs
+
+
+def legs_of(plan: FlightPlan, record: Record) -> FlightLegs:
+    """The legs of a flight, none of which has begun but the first."""
+    legs = FlightLegs(plan)
+    for later in record.later:
+        legs.take_over(later.plan, later.from_s, later.laps_before)
+    return legs

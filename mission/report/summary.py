@@ -102,6 +102,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
     speeds = np.hypot(*moved.velocity_m_s[:, :2].T)
     return {
         "record_is_cut": record.cut,
+        "plans": 1 + len(record.takeovers),
         "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == "gap"],
         "covered": [covered_values(visit) for visit in covered_again(plan, record)],
         "photographs": _photographs(plan, record),
@@ -136,17 +137,15 @@ def _photographs(plan: FlightPlan, record: Record) -> dict[str, Any]:
 
 def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
     """What the flight's monitor knows of the record; of a flight that was cut short, too."""
-    judged = judged_again(plan, record)
-    monitor, progress = judged.monitor, judged.monitor.progress
+    legs = judged_again(plan, record)
+    monitor, progress = legs.now.judged.monitor, legs.now.judged.monitor.progress
     return {
         "so_far": monitor.verdict.value,
         "done": progress.done,
         "total": progress.total,
         "awaited": list(progress.awaited),
-        "laps": monitor.laps,
-        "violations": [
-            {"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in monitor.violations
-        ],
+        "laps": legs.laps,
+        "violations": [{"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in legs.violations],
     }
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 import shapely
@@ -10,6 +11,8 @@ from shapely.geometry.base import BaseGeometry
 from mission.geometry.arrays import FloatArray
 from mission.monitor.stage import Stage
 from mission.report.reading import Record, Track
+
+_OF_NEITHER: Final = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,9 @@ def tracking_of(record: Record) -> Tracking:
     known = np.isfinite(track.position_m[:, :2]).all(axis=1) & np.isfinite(track.t_s)
     if len(times):
         known &= (track.t_s >= times[0]) & (track.t_s <= times[-1])
+        # Between two plans there may be setpoints of neither.
+        sent = np.isfinite(setpoints.t_s)
+        known &= np.interp(track.t_s, setpoints.t_s[sent], of_trajectory[sent].astype(np.float64)) > _OF_NEITHER
     else:
         known[:] = False
     at = track.t_s[known]

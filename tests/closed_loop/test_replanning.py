@@ -2,6 +2,7 @@
 
 import pytest
 
+from mission.fly.replanner import PlanRequest
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
 from mission.spec.loader import parse_mission
@@ -11,6 +12,7 @@ from tests.support.replanned import Replanned
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+EITHER = pytest.mark.parametrize("flavour", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 REPLANNED = "flight:\n  replan: true\n"
 
 
@@ -48,7 +50,7 @@ def test_the_same_seed_gives_the_same_flight(small: FlightPlan) -> None:
     assert one.sink.getvalue() == other.sink.getvalue()
 
 
-@FLAVOURS
+@EITHER
 def test_laps_are_counted_over_all_plans(flavour: str) -> None:
     plan = replanned(ROUNDS)
     flown = Replanned(plan, flavour, "gust, since: takeoff, at_s: 16, for_s: 3, east_m_s: 20")
@@ -61,7 +63,7 @@ def test_laps_are_counted_over_all_plans(flavour: str) -> None:
     assert min(visited.count("east"), visited.count("north")) >= 2
 
 
-@FLAVOURS
+@EITHER
 def test_a_field_is_covered_by_both_plans_together(flavour: str) -> None:
     plan = replanned(PHOTOGRAPHED)
     flown = Replanned(plan, flavour, "gust, since: takeoff, at_s: 20, for_s: 3, north_m_s: 20")
@@ -70,3 +72,26 @@ def test_a_field_is_covered_by_both_plans_together(flavour: str) -> None:
     [covered] = flown.result.covered
     assert covered.share >= 0.9
     assert flown.entered()[-1] == "home"
+
+
+class Gone:
+    """A planner that has ended."""
+
+    takes_s, trouble = 0.1, "the planner's process has ended"
+
+    def prepare(self, plan: FlightPlan) -> None:
+        """Nobody is there."""
+
+    def ask(self, request: PlanRequest) -> None:
+        """Nobody hears it."""
+
+    def answer(self) -> None:
+        """None comes."""
+
+
+def test_without_its_planner_it_flies_the_old_plan_on_while_that_is_safe(small: FlightPlan) -> None:
+    gust = "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20"
+    flown = Replanned(small, "ardupilot", gust, replanner=lambda _: Gone())
+    assert flown.result.achieved, flown.result.reason
+    assert len(flown.result.plans) == 1
+    assert flown.events("no plan")[0]["reason"] == Gone.trouble

@@ -58,7 +58,7 @@ def test_the_record_is_judged_as_the_flight_was(text: str, stop_after_s: float |
                 break
             moment = following
     assert compared > 50
-    end = judged_again(plan, record)
+    end = judged_again(plan, record).now.judged
     assert record.verdict is not None
     assert record.verdict["word"] == [sorted(letter) for letter in end.monitor.word]
     assert record.verdict["laps"] == end.monitor.laps

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 def coverage(plan: FlightPlan, record: Record | None) -> Figure:
     """The lanes of a plan; of its flight, what it left out of each region, and its images."""
     chart = chart_of(plan)
-    lanes = np.concatenate([visit.lanes_m for visit in plan.covers])
+    plans = [plan, *(each.plan for each in record.later)] if record else [plan]
+    lanes = np.concatenate([visit.lanes_m for each in plans for visit in each.covers])
     flown = () if record is None else covered_again(plan, record)
     images = np.array([each.position_m[:2] for each in record.pictures if each.position_m] if record else [])
     missed = shapely.MultiPolygon([part for part in _parts(flown) if part.area > 0.0])

@@ -96,21 +96,25 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
     """Figure 10: where the vehicle said that it was, over the planned path."""
     chart = chart_of(plan)
     planned = plan.curve.position(_times(plan.curve.duration_s))
+    later = [each.plan.curve.position(_times(each.plan.curve.duration_s)) for each in record.later]
     flown = record.track.position_m[:, :2]
     flown = flown[np.isfinite(flown).all(axis=1)]
     with drawing():
         legend: list[Artist] = [
             Line2D([], [], color=FLOWN, lw=3.2, label="flown, as reported"),
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
+            *([Line2D([], [], color=PLANNED, lw=1.0, ls="--", label="planned in flight")] if later else []),
         ]
         figure, axes = chart.figure("Flown and planned path", legend=legend + _end_handles())
         chart.draw_domain(axes)
         axes.plot(*flown.T, color=FLOWN, lw=3.2, zorder=3, gid="flown")
         axes.plot(*planned.T, color=PLANNED, lw=1.0, zorder=3.2, gid="planned")
+        for number, line in enumerate(later, 2):
+            axes.plot(*line.T, color=PLANNED, lw=1.0, ls="--", zorder=3.2, gid=f"planned {number}")
         if len(flown):
             _draw_arrows(axes, flown, chart.em_m, FLOWN)
             _draw_ends(axes, flown)
-        draw_region_names(axes, chart, [planned, flown] if len(flown) else [planned])
+        draw_region_names(axes, chart, [planned, *later, *([flown] if len(flown) else [])])
     return figure
 
 

@@ -1,0 +1,170 @@
+"""A planner as a process of its own, so that the loop that flies never waits for a plan.
+
+It is spawned with a pipe that nobody else has. Requests and answers are JSON: the plan that is flown, when it is
+another one than before, how far it is, and the mission where it was amended; and the new plan. A thread here writes and
+reads, so that not even a full pipe stops the loop. Whatever ends the process, the flight is told that no plan comes.
+"""
+
+import contextlib
+import json
+import queue
+import signal
+import threading
+import time
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
+from typing import Any, Final
+
+from mission.errors import MissionError, SpecError
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered
+from mission.plan import FlightPlan, plan_from_json, plan_to_json
+from mission.plan.rest import Rest
+from mission.spec.document import document_of
+from mission.spec.loader import parse_mission
+from mission.spec.model import MissionSpec
+
+_MOST_BYTES: Final = 1 << 28
+_TAKES_S: Final = 1.0
+"""Until it is known how long an answer takes."""
+
+_ENDS_WITHIN_S: Final = 2.0
+
+
+class PlannerProcess:
+    """Plans beside the loop; the process is started by ``prepare``.
+
+    Attributes:
+        takes_s: How long the last answer took, on the clock here.
+        trouble: Why no answer will come any more, in plain words; empty while one may.
+    """
+
+    def __init__(self) -> None:
+        """Start nothing yet."""
+        self.takes_s, self.trouble = _TAKES_S, ""
+        self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | None] = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
+        self._thread: threading.Thread | None = None
+        self._process: Any = None
+
+    def prepare(self, plan: FlightPlan) -> None:
+        """Start the process, and let it become acquainted with a plan."""
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._serve, daemon=True)
+            self._thread.start()
+        self._requests.put(plan)
+
+    def ask(self, request: PlanRequest) -> None:
+        """Begin to plan."""
+        if self._thread is None:
+            self.prepare(request.plan)
+        self._requests.put(request)
+
+    def answer(self) -> PlanAnswer | None:
+        """The next answer, if one has come."""
+        with contextlib.suppress(queue.Empty):
+            return self._answers.get_nowait()
+        return None
+
+    @property
+    def process_id(self) -> int | None:
+        """Of the process; None where there is none."""
+        return None if self._process is None else self._process.pid
+
+    def close(self) -> None:
+        """End the process."""
+        self._requests.put(None)
+        if self._process is not None:
+            self._process.kill()
+            self._process.join(_ENDS_WITHIN_S)
+
+    def _serve(self) -> None:
+        """In the thread: one request after the other."""
+        try:
+            context = get_context("spawn")
+            here, there = context.Pipe()
+            self._process = context.Process(target=serve, args=(there,), daemon=True)
+            self._process.start()
+            there.close()
+            self._talk(here)
+        except (EOFError, OSError, ValueError, SpecError) as error:
+            self.trouble = f"the planner's process has ended ({type(error).__name__})"
+
+    def _talk(self, connection: Connection) -> None:
+        known: FlightPlan | None = None
+        while (request := self._requests.get()) is not None:
+            asked = request if isinstance(request, PlanRequest) else None
+            plan = request if isinstance(request, FlightPlan) else request.plan
+            began_s = time.monotonic()
+            connection.send_bytes(_written(asked, plan if plan is not known else None).encode())
+            known = plan
+            answer = json.loads(connection.recv_bytes(_MOST_BYTES))
+            if asked is not None:
+                made = plan_from_json(answer["plan"]) if answer["plan"] else None
+                self._answers.put(PlanAnswer(asked.number, made, answer["plan"], answer["refusal"]))
+            self.takes_s = time.monotonic() - began_s if asked is not None else float(answer["took_s"])
+
+
+def _written(asked: PlanRequest | None, plan: FlightPlan | None) -> str:
+    rest = asked.rest if asked is not None else None
+    return json.dumps(
+        {
+            "plan": "" if plan is None else plan_to_json(plan),
+            "number": 0 if asked is None else asked.number,
+            "amended": None if asked is None or asked.amended is None else _mission_text(asked.amended),
+            "returns": asked is not None and asked.returns,
+            "rest": None
+            if rest is None
+            else {
+                "word": [sorted(letter) for letter in rest.word],
+                "place_m": rest.place_m,
+                "velocity_m_s": rest.velocity_m_s,
+                "acceleration_m_s2": rest.acceleration_m_s2,
+                "flown_s": rest.flown_s,
+                "laps": rest.laps,
+            },
+        }
+    )
+
+
+def _mission_text(spec: MissionSpec) -> list[str]:
+    """A mission as JSON, and the automaton that it names."""
+    return [json.dumps(document_of(spec)), spec.automaton.text if spec.automaton is not None else ""]
+
+
+def serve(connection: Connection) -> None:
+    """In the process: answer until the other side is gone."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the flight decides when it is over
+    plan: FlightPlan | None = None
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            data = json.loads(connection.recv_bytes(_MOST_BYTES))
+            plan = plan_from_json(data["plan"]) if data["plan"] else plan
+            if plan is None:
+                return
+            began_s = time.monotonic()
+            answer = _answer(plan, data)
+            took_s = time.monotonic() - began_s
+            connection.send_bytes(
+                json.dumps({"plan": answer.text, "refusal": answer.refusal, "took_s": took_s}).encode()
+            )
+
+
+def _answer(plan: FlightPlan, data: dict[str, Any]) -> PlanAnswer:
+    rest = data["rest"]
+    if rest is None:  # warm up: plan all of it
+        return answered(PlanRequest(0, plan, Rest((), plan.start_m)))
+    try:
+        amended = None
+        if data["amended"] is not None:
+            text, named = data["amended"]
+            amended = parse_mission(text.encode(), read=lambda _: named.encode())
+        word = tuple(frozenset(letter) for letter in rest["word"])
+        place, velocity, acceleration = (
+            (float(rest[key][0]), float(rest[key][1])) for key in ("place_m", "velocity_m_s", "acceleration_m_s2")
+        )
+        asked = Rest(word, place, velocity, acceleration, flown_s=rest["flown_s"], laps=int(rest["laps"]))
+        return answered(PlanRequest(data["number"], plan, asked, amended, data["returns"]))
+    except MissionError as error:
+        return PlanAnswer(data["number"], None, refusal=str(error))
+    except Exception as error:  # noqa: BLE001 - a failure to plan must not end the planner of a flight
+        return PlanAnswer(data["number"], None, refusal=f"the planner failed: {type(error).__name__}: {error}")

@@ -1,0 +1,68 @@
+"""The planner beside the loop answers as one in the loop does, and its end is told."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from threading import Event
+
+import pytest
+
+from mission.fly.planner_process import PlannerProcess
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered
+from mission.plan.rest import Rest
+from tests.support.small_missions import SMALL, plan_of
+
+WITHIN_S = 60.0
+
+
+def wait_until(holds: Callable[[], object]) -> None:
+    until_s = time.monotonic() + WITHIN_S
+    pause = Event()
+    while not holds():
+        assert time.monotonic() < until_s
+        pause.wait(0.01)
+
+
+def asked_of(planner: PlannerProcess, request: PlanRequest) -> PlanAnswer:
+    planner.ask(request)
+    heard: list[PlanAnswer] = []
+
+    def hears() -> bool:
+        answer = planner.answer()
+        if answer is not None:
+            heard.append(answer)
+        return bool(heard)
+
+    wait_until(hears)
+    return heard[0]
+
+
+def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
+    plan = plan_of(SMALL)
+    request = PlanRequest(7, plan, Rest((frozenset({"home"}), frozenset()), (18.0, 9.0), flown_s=3.0))
+    refused = PlanRequest(8, plan, Rest((frozenset({"home"}),), (9.0, 25.0)))
+    planner = PlannerProcess()
+    try:
+        planner.prepare(plan)
+        told, refusal = (asked_of(planner, each) for each in (request, refused))
+        assert told.number == request.number
+        assert told.text == answered(request).text
+        assert (refusal.number, refusal.plan) == (8, None)
+        assert refusal.refusal == answered(refused).refusal != ""
+        assert not planner.trouble
+        assert planner.process_id is not None
+        os.kill(planner.process_id, signal.SIGKILL if hasattr(signal, "SIGKILL") else signal.SIGTERM)
+        planner.ask(request)
+        wait_until(lambda: planner.trouble)
+        assert "planner's process has ended" in planner.trouble
+        assert planner.answer() is None
+    finally:
+        planner.close()
+
+
+@pytest.mark.parametrize("place", [(9.0, 25.0)])
+def test_what_cannot_be_planned_is_refused_in_words(place: tuple[float, float]) -> None:
+    refusal = answered(PlanRequest(1, plan_of(SMALL), Rest((frozenset({"home"}),), place)))
+    assert refusal.plan is None
+    assert "pond" in refusal.refusal
