@@ -37,6 +37,18 @@ and, as the first line of a mission file beside it, for editors that use the YAM
 
   # yaml-language-server: $schema=mission.schema.json
 """
+_AMEND = """\
+Change the mission of a flight that another process flies, while it flies. What is left of the mission is planned with
+the change from where the vehicle is, and taken over; what cannot be met is refused, and the old plan is flown on. Where
+the change forbids what lies ahead on the old plan, the vehicle stops at once. FILE is a whole mission file; without it,
+each line of standard input is a change:
+
+  restrict NAME [[x, y], [x, y], [x, y]]   a restricted region more, or {centre: [x, y], radius_m: r}
+  drop NAME                                a region less
+  formula FORMULA                          this from now on
+  laps N                                   so many laps in all
+  go on                                    where the vehicle holds after a refusal: fly the old plan on
+"""
 _IMPORT = """\
 Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, GPX, plans of QGroundControl, waypoint
 and fence files of ArduPilot's ground stations. It is planned before it is written, and where there is no plan, that is
@@ -161,6 +173,20 @@ def build_parser() -> argparse.ArgumentParser:
     _add_export(commands.add_parser("export", help="write a plan into a file of other programs", description=_EXPORT))
 
     add_flights(commands.add_parser)
+
+    amend = commands.add_parser(
+        "amend",
+        help="change the mission of a flight that is under way",
+        description=_AMEND,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    amend.add_argument("folder", metavar="FOLDER", help="the folder of a flight that is under way")
+    amend.add_argument(
+        "file", nargs="?", metavar="FILE", default="-", help="a mission file, or - for lines (default: -)"
+    )
+    amend.add_argument(
+        "--within", type=positive, metavar="S", default=60.0, help="how long to wait for an answer, s (default: 60)"
+    )
 
     report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
     report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")

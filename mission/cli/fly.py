@@ -16,6 +16,7 @@ from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_option
 from mission.clock import Clock, WallClock
 from mission.errors import LinkError, MissionError, reason
 from mission.fly import FlightOptions, FlightResult, StopSignals, fly
+from mission.fly.amendments import AmendmentFolder
 from mission.fly.planner_process import PlannerProcess
 from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.link.identity import LinkOptions
@@ -101,6 +102,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                 stop_request=stop.take,
                 on_warning=warn,
                 replanner=replanner,
+                amendments=AmendmentFolder(folder),
                 on_plan=lambda number, text: _keep_plan(folder / later_plan_file(number), text),
             )
         except MissionError as failure:

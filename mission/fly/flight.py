@@ -8,6 +8,7 @@ from traceback import format_exception
 
 from mission.clock import Clock
 from mission.errors import FlightError, LinkError, MissionError, VehicleError
+from mission.fly.amending import Amending, Amendments
 from mission.fly.by_field import field_orders, is_sealed
 from mission.fly.conclusion import concluded, joined, shortcomings
 from mission.fly.fencing import guarded
@@ -68,6 +69,7 @@ class Flight:
         planner: Callable[[Point], FlightPlan],
         replanner: Replanner,
         on_plan: Callable[[int, str], None],
+        amendments: Amendments | None,
     ) -> None:
         self.plan, self.clock, self.record, self.options = plan, clock, record, options
         self.session = Session(
@@ -79,7 +81,8 @@ class Flight:
         self.interrupted = False
         self._given_up = False
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
-        self._replanning = Replanning(self.session, self.watch, record, replanner, on_plan)
+        self._amendments = amendments
+        self._replanning, self._amending = self._replans()
         self._trusted_s = self._near_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, clock)
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
@@ -107,6 +110,8 @@ class Flight:
             if session.stage is Stage.STANDBY:
                 self.depart()
             self.look_after()
+            if self._amending is not None:
+                self._amending.turn(self.clock.now_s())
             if reason := self._replanning.turn(self.clock.now_s()):
                 self.stop(reason)
         if request := stop_request():
@@ -177,7 +182,7 @@ class Flight:
             self.plan = self._planner(stands_m)
             name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
             self.watch.vehicle = name
-            self._replanning = Replanning(self.session, self.watch, self.record, self._replanner, self._on_plan)
+            self._replanning, self._amending = self._replans()
         self.record.write(
             "event",
             self.newest_s,
@@ -192,10 +197,17 @@ class Flight:
         contact = self.session.contact
         if self.options.fence:
             contact.fence, anchoring = guarded(self.plan, anchoring, contact, keep=self.options.keep_fence)
-        if self.plan.spec.flight.replan:
+        if self.plan.spec.flight.replan or self._amendments is not None:
             self._replanner.prepare(self.plan)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
+
+    def _replans(self) -> tuple[Replanning, Amending | None]:
+        """What replans this flight, and what amends its mission."""
+        replanning = Replanning(self.session, self.watch, self.record, self._replanner, self._on_plan)
+        if self._amendments is None:
+            return replanning, None
+        return replanning, Amending(self.session, self.watch, replanning, self._amendments)
 
     def look_after(self) -> None:
         """Give the flight up where going on would be wrong."""

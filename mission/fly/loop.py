@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from mission.clock import Clock
 from mission.errors import LinkError
+from mission.fly.amending import Amendments
 from mission.fly.flight import Flight, FlightOptions
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.recording import Recording, RecordWriter
@@ -32,6 +33,7 @@ def fly(
     planner: Callable[[Point], FlightPlan] | None = None,
     replanner: Replanner | None = None,
     on_plan: Callable[[int, str], None] | None = None,
+    amendments: Amendments | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -54,6 +56,7 @@ def fly(
         planner: What plans it anew; that of missions by default.
         replanner: What plans in flight; it is left open. By default, one that stops this loop while it plans.
         on_plan: Given each plan that is taken over in flight, before it is: its number, from 2, and its JSON text.
+        amendments: Where changes of the mission come from, while it is flown.
         on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
 
     Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
@@ -72,6 +75,7 @@ def fly(
         options or FlightOptions(),
         planner=planner or _planner_of(plan.spec, run),
         on_plan=on_plan or _unwritten,
+        amendments=amendments,
         replanner=replanner or SynchronousReplanner(clock.now_s, 0.0),
     )
     gone = vehicle_failure or _nothing

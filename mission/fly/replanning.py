@@ -29,7 +29,7 @@ from mission.monitor.monitor import Foreseen
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.plan.rest import Rest
-from mission.spec.model import MissionSpec
+from mission.spec.model import UNTIL_STOPPED, MissionSpec
 
 _LEFT_FOR_S: Final = 0.2
 """So long the vehicle has been out of its tube before a plan is asked for."""
@@ -66,12 +66,14 @@ class Cause:
         reason: In plain words.
         holds: Whether the old plan must not be flown on meanwhile.
         amended: The mission as it is from now on; None where it stays as it is.
+        fresh: Whether that asks for something else, so that what was done so far does not count.
         told: Called with why there is no plan, empty once one is taken over; None where the flight ends without one.
     """
 
     reason: str
     holds: bool = False
     amended: MissionSpec | None = None
+    fresh: bool = False
     told: Callable[[str], None] | None = None
 
 
@@ -195,11 +197,11 @@ class Replanning:
         self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
         rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps)
-        asked = self._laps
-        returns = leg.plan.run.recurrent and asked is not None and laps >= asked and cause.amended is None
-        amended = cause.amended
-        if leg.plan.run.recurrent and amended is None and asked is not None:
-            amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=asked))
+        amended, recurrent = cause.amended, leg.plan.run.recurrent
+        if recurrent and amended is None and self._laps is not None:
+            amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=self._laps))
+        left = UNTIL_STOPPED if amended is None else amended.flight.laps
+        returns = recurrent and not cause.fresh and left != UNTIL_STOPPED and laps >= left
         self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, returns))
 
     def _state(self, ahead_s: float) -> Reference:
@@ -308,6 +310,13 @@ class Replanning:
         if not leg.is_clear(self._watch.place_m) or foreseen.state == DEAD or not foreseen.word:
             return False
         return leg.plan.run.recurrent or leg.plan.required.satisfied_by(LassoWord(foreseen.word, foreseen.word[-1:]))
+
+    def hold(self, guidance: Guidance, vehicle_s: float) -> None:
+        """Slow the plan that is flown to rest, unless the vehicle waits already."""
+        if not guidance.course_at(vehicle_s).waits:
+            approach = along(guidance, vehicle_s + _SOONEST_S, vehicle_s)
+            if approach.course is not None:
+                self._session.redirect(approach.course, approach.from_s)
 
     def go_on(self, guidance: Guidance, vehicle_s: float) -> None:
         """Fly the plan on that was slowed to rest, if one was."""

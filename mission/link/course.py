@@ -149,6 +149,11 @@ class Course:
         """How long a flight may take that does not slow down: by the field, or where it waits, nobody knows."""
         return self.duration_s if self.orders is None and not self.waits else math.inf
 
+    @property
+    def planned(self) -> bool:
+        """Whether some of a plan is flown."""
+        return self.planned_s(0.0) is not None
+
     def planned_s(self, t_s: float) -> float | None:
         """A time as one on the trajectory of the plan; None where nothing of a plan is flown."""
         return t_s if self._planned_s is None else self._planned_s(t_s)

@@ -8,6 +8,7 @@ from itertools import groupby
 from typing import Any
 
 from mission.fly import FlightOptions, Progress, fly
+from mission.fly.amending import Amendments
 from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
@@ -28,6 +29,7 @@ class Replanned:
         replanner: Callable[[LockstepVehicle], Replanner] | None = None,
         at_step: Callable[["Replanned", float], None] | None = None,
         options: FlightOptions | None = None,
+        amendments: Amendments | None = None,
         drag_per_s: float = 0.3,
     ) -> None:
         """Fly; ``at_step`` is called with the seconds since the trajectory began."""
@@ -46,6 +48,7 @@ class Replanned:
             FlightRecord(self.sink, mission="replanned"),
             on_progress=self._look,
             options=options,
+            amendments=amendments,
             replanner=replanner(self.vehicle) if replanner else SynchronousReplanner(self.vehicle.now_s),
         )
 

@@ -1,0 +1,161 @@
+"""Changes of the mission in flight: read, held for where the old plan would do what they forbid, planned, answered."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final, Protocol
+
+import numpy as np
+import shapely
+
+from mission.errors import MissionError, SpecError
+from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
+from mission.fly.replanning import Cause, Replanning
+from mission.fly.watch import FlightWatch
+from mission.link.guidance import Guidance
+from mission.link.session import Session
+from mission.monitor.stage import Stage
+from mission.spec.amendment import amended, asking_for, asks_the_same
+from mission.spec.areas import boundary_ground, region_ground
+from mission.spec.loader import parse_mission
+from mission.spec.model import UNTIL_STOPPED, BoundaryDomain, MissionSpec, RegionKind
+
+_STEP_S: Final = 0.1
+_LONGEST_S: Final = 3600.0
+_MOST_SAID: Final = 200
+
+_BEFORE: Final = frozenset(
+    {
+        Stage.CONNECT,
+        Stage.STREAMS,
+        Stage.READY,
+        Stage.STANDBY,
+        Stage.MODE,
+        Stage.CHECKS,
+        Stage.ARM,
+        Stage.TAKE_OFF,
+        Stage.CLIMB,
+        Stage.STREAM,
+        Stage.OFFBOARD,
+        Stage.SETTLE,
+    }
+)
+
+
+class Amendments(Protocol):
+    """Where changes come from."""
+
+    def take(self) -> Amendment | None:
+        """The next, if there is one."""
+        ...
+
+    def answer(self, amendment: Amendment, answer: AmendmentAnswer) -> None:
+        """Say what came of one."""
+        ...
+
+    def keep(self, number: int, mission: MissionSpec) -> None:
+        """Keep a mission that was amended, with the number of its plan."""
+        ...
+
+
+class Amending:
+    """Takes changes while the trajectory is flown, one at a time."""
+
+    def __init__(
+        self,
+        session: Session,
+        watch: FlightWatch,
+        replanning: Replanning,
+        amendments: Amendments,
+    ) -> None:
+        """Take none yet."""
+        self._session, self._watch, self._replanning, self._amendments = session, watch, replanning, amendments
+        self._mission = watch.plan.spec
+
+    def turn(self, now_s: float) -> None:
+        """Take the next change, once nothing else is planned; those that come before the flight wait for it."""
+        if self._replanning.busy or self._session.stage in _BEFORE:
+            return
+        change = self._amendments.take()
+        if change is None:
+            return
+        guidance, vehicle_s = self._session.guidance, self._session.vehicle.clock.now_s(now_s)
+        if not self._session.redirectable or not isinstance(guidance, Guidance) or vehicle_s is None:
+            why = self._session.pilot.words or f"the vehicle is {self._session.stage}"
+            self._refuse(change, f"the mission cannot be changed now: {why}")
+        elif change.lines == (GO_ON,):
+            self._replanning.go_on(guidance, vehicle_s)
+            self._amendments.answer(change, AmendmentAnswer(accepted=True, words="the plan that was left is flown on"))
+        else:
+            self._begin(change, guidance, vehicle_s)
+
+    def _begin(self, change: Amendment, guidance: Guidance, vehicle_s: float) -> None:
+        leg = self._watch.legs.now
+        try:
+            mission = self._changed(change)
+        except MissionError as error:
+            if isinstance(error, SpecError) and all(fault.path.startswith("start") for fault in error.faults):
+                self._replanning.hold(guidance, vehicle_s)
+                self._refuse(change, f"{_words(error)}; the vehicle holds: change the mission again, or `{GO_ON}`")
+            else:
+                self._refuse(change, _words(error))
+            return
+        fresh = not asks_the_same(mission, self._mission)
+        wanted = mission if fresh else _left_of(mission, leg.plan.spec, leg.laps_before)
+        threats = [] if not guidance.course.planned else [*_threats(self._watch, guidance, vehicle_s, mission)]
+
+        def told(why: str) -> None:
+            if not why:
+                self._mission = mission
+                self._amendments.keep(self._replanning.plans, mission)
+                self._amendments.answer(change, AmendmentAnswer(accepted=True, words="another plan is flown"))
+            elif threats:
+                holds = f"the vehicle holds, as the old plan leads through {', '.join(threats)}: change it again, or"
+                self._refuse(change, f"{why}; {holds} `{GO_ON}`")
+            else:
+                self._refuse(change, f"{why}; the old plan is flown on")
+
+        said = f"amended: {' '.join('; '.join(change.lines).split()) or 'another mission file'}"[:_MOST_SAID]
+        self._replanning.begin(Cause(said, holds=bool(threats), amended=wanted, fresh=fresh, told=told))
+
+    def _changed(self, change: Amendment) -> MissionSpec:
+        if change.mission:
+            return parse_mission(change.mission.encode())
+        return amended(self._mission, change.lines, self._watch.place_m)
+
+    def _refuse(self, change: Amendment, why: str) -> None:
+        self._amendments.answer(change, AmendmentAnswer(accepted=False, words=why))
+
+
+def _left_of(mission: MissionSpec, flown: MissionSpec, laps_before: int) -> MissionSpec:
+    """A mission that asks for what is left, as the plan that is flown does."""
+    laps = mission.flight.laps
+    left = laps if laps == UNTIL_STOPPED else laps - laps_before
+    return asking_for(replace(mission, flight=replace(mission.flight, laps=left)), flown)
+
+
+def _threats(watch: FlightWatch, guidance: Guidance, vehicle_s: float, mission: MissionSpec) -> Iterator[str]:
+    """What the tube of the plan that is flown meets ahead and must no longer, in plain words."""
+    course, (from_s, _) = guidance.course_at(vehicle_s), guidance.pace_at(vehicle_s)
+    plan = watch.plan
+    until_s = min(course.duration_s, from_s + _LONGEST_S)
+    times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _STEP_S))
+    line = shapely.LineString(course.trajectory.state(times)[0])
+    tube = line.buffer(plan.certificate.tube_m, cap_style="square", join_style="mitre")
+    for region in mission.regions:
+        ground = None
+        if region.kind is RegionKind.RESTRICTED and region not in plan.spec.regions:
+            ground = region_ground(region, mission.domain)
+        if ground is not None and shapely.intersects(tube, ground.kept):
+            yield region.name
+    domain = mission.domain
+    if domain == plan.spec.domain or not isinstance(domain, BoundaryDomain):
+        return
+    if not shapely.covers(boundary_ground(domain).kept, tube):
+        yield "what is beyond the boundary"
+
+
+def _words(error: MissionError) -> str:
+    """An error for whoever handed something in, with what to do about it."""
+    if not isinstance(error, SpecError):
+        return str(error)
+    return "; ".join(f"{each.message}{f' ({each.hint})' if each.hint else ''}" for each in error.faults)

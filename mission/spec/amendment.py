@@ -1,0 +1,104 @@
+"""Changes of a mission in words: a region more or less, another formula, other laps. Each gives another whole mission.
+
+=============================  ========================================================================================
+line                           what it does
+=============================  ========================================================================================
+``restrict NAME SHAPE``        adds a restricted region; SHAPE is a list of corners, or a mapping as in a mission file
+``drop NAME``                  takes a region away
+``formula FORMULA``            asks for this from now on, instead of formula, tasks and automaton
+``laps N``                     how often the loop is flown in all, or ``until_stopped``
+=============================  ========================================================================================
+"""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+import yaml
+
+from mission.errors import Fault, SpecError
+from mission.spec.document import document_of
+from mission.spec.loader import parse_mission
+from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
+
+MOST_LINES: Final = 100
+MOST_CHARACTERS: Final = 100_000
+_HINT: Final = "write `restrict NAME [[x, y], ...]`, `drop NAME`, `formula FORMULA` or `laps N`"
+
+_Document = dict[str, Any]
+
+
+def amended(spec: MissionSpec, lines: Sequence[str], place_m: Point) -> MissionSpec:
+    """A mission with changes, one a line, that is begun where the vehicle is.
+
+    Raises:
+        SpecError: A line is none of these, or the mission would have faults.
+    """
+    if len(lines) > MOST_LINES or sum(map(len, lines)) > MOST_CHARACTERS:
+        raise SpecError((Fault(0, 0, "", f"these are more than {MOST_LINES} lines, or too long ones"),))
+    document = document_of(spec)
+    document["start"]["position_m"] = list(place_m)
+    text = "" if spec.automaton is None else spec.automaton.text
+    for number, line in enumerate(lines, 1):
+        word, _, rest = line.strip().partition(" ")
+        change = _CHANGES.get(word)
+        if change is None:
+            raise _fault(number, f"`{word}` is no change of a mission")
+        change(document, rest.strip(), number)
+    return parse_mission(json.dumps(document).encode(), read=lambda _: text.encode())
+
+
+def asking_for(spec: MissionSpec, other: MissionSpec) -> MissionSpec:
+    """A mission that asks for what another one asks for, formula, tasks and automaton."""
+    return replace(spec, formula=other.formula, tasks=other.tasks, automaton=other.automaton, semantics=other.semantics)
+
+
+def asks_the_same(one: MissionSpec, other: MissionSpec) -> bool:
+    """Whether two missions have the same formula, tasks and automaton."""
+    return (one.formula, one.tasks, one.automaton) == (other.formula, other.tasks, other.automaton)
+
+
+def _restrict(document: _Document, rest: str, line: int) -> None:
+    name, _, drawn = rest.partition(" ")
+    try:
+        shape = yaml.safe_load(drawn)
+    except yaml.YAMLError as error:
+        raise _fault(line, f"the shape of `{name}` cannot be read") from error
+    if name in document["regions"]:
+        raise _fault(line, f"there is a region `{name}` already", "take another name, or drop that first")
+    if not isinstance(shape, list | dict) or not name:
+        raise _fault(line, "a region has a name and a shape")
+    drawn_as = {"polygon": shape} if isinstance(shape, list) else shape
+    document["regions"][name] = {**drawn_as, "kind": "restricted"}
+
+
+def _drop(document: _Document, name: str, line: int) -> None:
+    if document["regions"].pop(name, None) is None:
+        raise _fault(line, f"there is no region `{name}`", f"there are {', '.join(document['regions'])}")
+
+
+def _ask(document: _Document, formula: str, line: int) -> None:
+    if not formula:
+        raise _fault(line, "there is no formula")
+    document["mission"]["formula"] = formula
+    document["mission"].pop("automaton", None)
+    document.pop("tasks", None)
+
+
+def _count(document: _Document, laps: str, line: int) -> None:
+    if laps != UNTIL_STOPPED and not laps.isdecimal():
+        raise _fault(line, f"`{laps}` is no number of laps", f"write a whole number, or {UNTIL_STOPPED}")
+    document["mission"]["laps"] = laps if laps == UNTIL_STOPPED else int(laps)
+
+
+_CHANGES: Final[dict[str, Callable[[_Document, str, int], None]]] = {
+    "restrict": _restrict,
+    "drop": _drop,
+    "formula": _ask,
+    "laps": _count,
+}
+
+
+def _fault(line: int, message: str, hint: str = _HINT) -> SpecError:
+    return SpecError((Fault(line, 1, "", message, hint),))

@@ -1,0 +1,115 @@
+"""The mission is changed while it is flown: taken over in flight, refused in words, or held for."""
+
+from itertools import pairwise
+
+import pytest
+from shapely import LineString, Point, Polygon
+
+from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
+from mission.plan import FlightPlan
+from mission.spec.model import MissionSpec
+from tests.support.replanned import Replanned
+from tests.support.small_missions import SMALL, plan_of
+
+FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+AHEAD = Polygon([(20, 0), (23, 0), (23, 13), (20, 13)])
+RESTRICT_AHEAD = "restrict popped [[20, 0], [23, 0], [23, 13], [20, 13]]"
+
+
+@pytest.fixture(scope="module")
+def small() -> FlightPlan:
+    return plan_of(SMALL)
+
+
+class Said:
+    """Changes at times after the trajectory began, and what was answered when."""
+
+    def __init__(self, *changes: tuple[float, str]) -> None:
+        self.waiting = [*changes]
+        self.flown: Replanned | None = None
+        self.taken_s: list[float] = []
+        self.answers: list[tuple[float, AmendmentAnswer]] = []
+        self.kept: list[MissionSpec] = []
+
+    def look(self, flown: Replanned, since_s: float) -> None:
+        self.flown, self.since_s = flown, since_s
+
+    def take(self) -> Amendment | None:
+        if self.flown is None or not self.waiting or self.since_s < self.waiting[0][0]:
+            return None
+        _, line = self.waiting.pop(0)
+        self.taken_s.append(self.flown.vehicle.now_s())
+        return Amendment(f"{len(self.waiting)}", lines=(line,))
+
+    def answer(self, _amendment: Amendment, answer: AmendmentAnswer) -> None:
+        assert self.flown is not None
+        self.answers.append((self.flown.vehicle.now_s(), answer))
+
+    def keep(self, _number: int, mission: MissionSpec) -> None:
+        self.kept.append(mission)
+
+
+def flown(plan: FlightPlan, flavour: str, *changes: tuple[float, str]) -> tuple[Replanned, Said]:
+    said = Said(*changes)
+    return Replanned(plan, flavour, at_step=said.look, amendments=said), said
+
+
+def line_of(flight: Replanned, from_s: float) -> LineString:
+    rows = [row for row in flight.lines if row["kind"] == "telemetry" and row["t_s"] >= from_s]
+    return LineString([row["position_m"][:2] for row in rows])
+
+
+@FLAVOURS
+def test_a_restricted_region_ahead_is_flown_around(small: FlightPlan, flavour: str) -> None:
+    flight, said = flown(small, flavour, (1.0, RESTRICT_AHEAD))
+    assert flight.result.achieved, flight.result.reason
+    [(_, answer)] = said.answers
+    assert answer.accepted, answer.words
+    assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
+    assert flight.entered() == ["home", "goal", "home"]
+    assert [region.name for region in said.kept[0].regions] == ["home", "goal", "pond", "popped"]
+
+
+@FLAVOURS
+def test_one_under_the_vehicle_stops_it_until_it_is_told_to_go_on(small: FlightPlan, flavour: str) -> None:
+    under = "restrict under [[6, 5], [12, 5], [12, 11], [6, 11]]"
+    flight, said = flown(small, flavour, (0.8, under), (12.0, GO_ON))
+    (refused_s, refused), (_, onward) = said.answers
+    assert not refused.accepted
+    assert "the vehicle holds" in refused.words
+    assert "under" in refused.words
+    assert onward.accepted
+    still = [
+        row for row in flight.lines if row["kind"] == "telemetry" and refused_s + 3.0 < row["t_s"] < said.taken_s[1]
+    ]
+    assert max(Point(row["position_m"]).distance(Point(still[0]["position_m"])) for row in still) < 0.5
+    assert flight.result.achieved, flight.result.reason
+    assert flight.entered() == ["home", "goal", "home"]
+
+
+@FLAVOURS
+def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan, flavour: str) -> None:
+    flight, said = flown(small, flavour, (1.0, "formula F (goal & F pond)"), (3.0, "fly faster"), (3.5, "drop gaol"))
+    answers = [answer for _, answer in said.answers]
+    assert [answer.accepted for answer in answers] == [False] * 3
+    assert "pond" in answers[0].words
+    assert "old plan is flown on" in answers[0].words
+    assert "`fly` is no change" in answers[1].words
+    assert "there is no region `gaol`" in answers[2].words
+    assert len(flight.result.plans) == 1
+    assert flight.result.achieved, flight.result.reason
+
+
+def test_another_formula_holds_from_then_on_without_a_jump(small: FlightPlan) -> None:
+    flight, said = flown(small, "ardupilot", (2.0, "formula F G home & G !goal"))
+    [(_, answer)] = said.answers
+    assert answer.accepted, answer.words
+    assert flight.result.achieved, flight.result.reason
+    assert set(flight.entered()) == {"home"}
+    rows = [row for row in flight.lines if row["kind"] == "setpoint" and row["trajectory_s"] is not None]
+    for before, after in pairwise(rows):
+        passed_s = after["t_s"] - before["t_s"]
+        for axis in (0, 1):
+            mean = 0.5 * (before["velocity_m_s"][axis] + after["velocity_m_s"][axis])
+            assert after["position_m"][axis] - before["position_m"][axis] == pytest.approx(mean * passed_s, abs=5e-3)
+            assert abs(after["acceleration_m_s2"][axis] - before["acceleration_m_s2"][axis]) < 0.6
