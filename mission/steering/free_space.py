@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+from mission.steering.solid_cells import SolidCells
 
 HAIR: Final = 1e-9
 """By what part of the extent of free space its rims are moved, and a place may lie outside."""
@@ -20,6 +21,10 @@ _LEAST_HAIR_M: Final = 1e-8
 _LONGEST_MITRE: Final = 10.0
 _PART: Final = 4.0
 """How long parts are of ways that are looked at, if edges of rims lie a length apart."""
+
+
+_FEW: Final = 1000
+"""Edges below which ways are looked at as quickly without cells."""
 
 
 class FreeSpace:
@@ -42,6 +47,7 @@ class FreeSpace:
         reflex = rims.arriving[:, 0] * rims.leaving[:, 1] - rims.arriving[:, 1] * rims.leaving[:, 0] < 0.0
         nodes = np.flatnonzero(reflex)
         self._ring_of_edge = rims.ring
+        self._rims = rims
         self._begins = np.searchsorted(rims.ring[nodes], np.arange(int(rims.ring[-1]) + 2))
         self.corners_m, self.part_of_corner = rims.corners_m[nodes], rims.part[nodes]
         self._before, self._after = -rims.arriving[nodes], rims.leaving[nodes]
@@ -79,6 +85,18 @@ class FreeSpace:
             open_ = np.setdiff1d(open_[count[open_] > done], way[index])
         return np.concatenate([way for way, _ in found]), np.concatenate([ring for _, ring in found])
 
+    def solid(self, begins_m: FloatArray, ends_m: FloatArray) -> tuple[IntArray, IntArray]:
+        """Those of straight ways, shapes (N, 2), that are quickly seen to meet a barrier; and a ring of each."""
+        none = np.empty(0, dtype=np.int64)
+        return (none, none) if self._cells is None else self._cells.met(begins_m, ends_m)
+
+    @cached_property
+    def _cells(self) -> SolidCells | None:
+        rims = self._rims
+        if len(rims.corners_m) < _FEW:
+            return None
+        return SolidCells(rims.corners_m, rims.corners_m[rims.following], rims.ring, rims.is_hole)
+
     def corners_of(self, rings: set[int]) -> IntArray:
         """The corners of some rings, ascending."""
         wanted = np.zeros(len(self._begins) - 1, dtype=np.bool_)
@@ -114,6 +132,7 @@ class _Rims:
         following: Shape (K,), the corner at which each edge ends.
         ring: Shape (K,), the ring of each corner.
         part: Shape (K,), the part of free space that the ring belongs to.
+        is_hole: For each ring whether it is that of a hole.
     """
 
     corners_m: FloatArray
@@ -122,6 +141,7 @@ class _Rims:
     following: IntArray
     ring: IntArray
     part: IntArray
+    is_hole: BoolArray
 
     @staticmethod
     def of(parts: Sequence[shapely.Polygon]) -> "_Rims":
@@ -139,7 +159,7 @@ class _Rims:
         hole = np.append(False, part[1:] == part[:-1])  # a part's first ring is its outside
         turned = (shapely.is_ccw(rings) == hole)[ring][:, None]
         arriving, leaving = np.where(turned, -leaving, arriving), np.where(turned, -arriving, leaving)
-        return _Rims(corners, arriving, leaving, following, ring, part[ring])
+        return _Rims(corners, arriving, leaving, following, ring, part[ring], hole)
 
 
 def _outwards(arriving: FloatArray, leaving: FloatArray) -> FloatArray:

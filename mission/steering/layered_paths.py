@@ -316,11 +316,19 @@ class LayeredPaths:
         self._joined.append((begins, ends, np.full(len(begins), stage), np.full(len(begins), both), lengths))
 
     def _settle(self) -> None:
-        """Take what was joined to the other ways: none of it was looked at yet."""
+        """Take what was joined to the other ways, but for what is seen at once to be not free."""
         if not self._joined:
             return
-        begins, ends, stage, both, lengths = (np.concatenate(each) for each in zip(*self._joined, strict=True))
+        joined = tuple(np.concatenate(each) for each in zip(*self._joined, strict=True))
         self._joined.clear()
+        begins, ends, stage, *_ = joined
+        free = np.ones(len(begins), dtype=np.bool_)
+        for number in np.unique(stage).tolist():
+            these = np.flatnonzero(stage == number)
+            solid, ring = self._spaces[number].solid(self._points[begins[these]], self._points[ends[these]])
+            free[these[solid]] = False
+            self._meet(number, set(ring.tolist()) - self._met[number])
+        begins, ends, stage, both, lengths = (each[free] for each in joined)
         count = len(begins)
         self._begins, self._ends = np.append(self._begins, begins), np.append(self._ends, ends)
         self._stage, self._both = np.append(self._stage, stage), np.append(self._both, both)
