@@ -1,7 +1,10 @@
 """Time as an argument: what the flight loop reads instead of the machine's clock."""
 
 import time
-from typing import Protocol
+from typing import Final, Protocol
+
+_LONGEST_S: Final = 1.0
+"""Between two looks at the clock; a program that waits looks twenty times a second."""
 
 
 class Clock(Protocol):
@@ -18,3 +21,30 @@ class WallClock:
     def now_s(self) -> float:
         """Seconds since some moment before the program began."""
         return time.monotonic()
+
+
+class SteadyClock:
+    """A clock in which hardly any time passes that this program did not live through.
+
+    Where two looks at it are far apart, the program stood still (it planned, or the machine slept) or the clock was
+    set: silence of that length tells nothing about a vehicle. So it leaps by a second at most, and never runs
+    backwards.
+
+    Attributes:
+        left_out_s: How much was left out so far, backward steps included.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        """Go on from what the clock shows now."""
+        self._clock = clock
+        self._shown_s = self._seen_s = clock.now_s()
+        self.left_out_s = 0.0
+
+    def now_s(self) -> float:
+        """Seconds that passed for this program, from what the clock showed at first."""
+        seen_s = self._clock.now_s()
+        passed_s, self._seen_s = seen_s - self._seen_s, seen_s
+        counted_s = min(max(passed_s, 0.0), _LONGEST_S)
+        self._shown_s += counted_s
+        self.left_out_s += abs(passed_s - counted_s)
+        return self._shown_s

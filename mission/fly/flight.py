@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from traceback import format_exception
 
-from mission.clock import Clock
+from mission.clock import Clock, SteadyClock
 from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.amending import Amending, Amendments
 from mission.fly.by_field import field_orders, is_sealed
@@ -71,7 +71,8 @@ class Flight:
         on_plan: Callable[[int, str], None],
         amendments: Amendments | None,
     ) -> None:
-        self.plan, self.clock, self.record, self.options = plan, clock, record, options
+        self.plan, self.record, self.options = plan, record, options
+        self.clock = SteadyClock(clock)
         self.session = Session(
             needs_origin=plan.spec.origin is not None or options.fence,
             options=options.link,
@@ -84,7 +85,8 @@ class Flight:
         self._amendments = amendments
         self._replanning, self._amending = self._replans()
         self._trusted_s = self._near_s = self._looked_s = -math.inf
-        self.listening = Listening(self.session, clock)
+        self.listening = Listening(self.session, self.clock)
+        self._told_left_out_s = 0.0
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
 
     @property
@@ -107,6 +109,7 @@ class Flight:
             self.tell_pace()
             self.tell_trouble()
             self.tell_fence()
+            self.tell_leap()
             if session.stage is Stage.STANDBY:
                 self.depart()
             self.look_after()
@@ -163,6 +166,13 @@ class Flight:
             parameters=guard.parameters,
             items=[asdict(item) for item in guard.items],
         )
+
+    def tell_leap(self) -> None:
+        """Say that this program stood still, or that its clock was set."""
+        leapt_s = self.clock.left_out_s - self._told_left_out_s
+        if leapt_s > 0.0:
+            self._told_left_out_s = self.clock.left_out_s
+            self.record.write("event", self.newest_s, name="this computer stood still", for_s=leapt_s)
 
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
