@@ -33,6 +33,8 @@ from mission.spec.model import Point
 _STRAY_M = 10.0
 _STRAY_FOR_S = 5.0
 _UNTRUSTED_FOR_S = 2.0
+_CRITICAL_FOR_S = 3.0
+"""A vehicle that does something about its battery itself has told of that by then, in two heartbeats."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class Flight:
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
         self._amendments = amendments
         self._replanning, self._amending = self._replans()
-        self._trusted_s = self._near_s = self._looked_s = -math.inf
+        self._trusted_s = self._near_s = self._charged_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, self.clock)
         self._told_left_out_s = 0.0
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
@@ -227,15 +229,17 @@ class Flight:
         self._looked_s = now_s
         vehicle, tracking, seen_s = session.vehicle, self.watch.tracking, session.vehicle.clock.seen_s
         if math.isinf(self._near_s):
-            self._trusted_s = self._near_s = seen_s
+            self._trusted_s = self._near_s = self._charged_s = seen_s
         if vehicle.estimate_trusted:
             self._trusted_s = seen_s
+        if not vehicle.battery_critical:
+            self._charged_s = seen_s
         if tracking.error_m <= self.options.stray_m:
             self._near_s = seen_s
         reason = reason_to_stop(
             Situation(
                 estimate_healthy=seen_s - self._trusted_s < _UNTRUSTED_FOR_S,
-                battery_critical=vehicle.battery_critical,
+                battery_critical=seen_s - self._charged_s >= _CRITICAL_FOR_S,
                 violation=self.watch.violation(),
                 verdict=self.watch.monitor.verdict,
                 astray=seen_s - self._near_s > _STRAY_FOR_S,

@@ -52,7 +52,8 @@ class Takeover:
             return None
         if not heartbeat.armed:
             return (Ending.HANDED_OVER, f"{self.words} and disarmed it") if self.words else None
-        if heartbeat.custom_mode in step.modes:
+        stopped = step.armed and heartbeat.in_failsafe and heartbeat.custom_mode == kind.hold_mode
+        if heartbeat.custom_mode in step.modes and not stopped:
             self.changed, self.words = bool(self.words), ""
             return None
         if vehicle.heartbeats_in_mode < HEARTBEATS:

@@ -43,11 +43,13 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
         (Fault.LINK_LOSES, FINE, FINE),
         (Fault.GPS_LOST, Rule(LANDS, LANDS, COMPLETES), Rule(LANDS, LANDS, COMPLETES)),
         (Fault.GPS_LOST_BRIEFLY, FINE, FINE),
-        (Fault.ESTIMATOR, Rule(LANDS, LANDS, COMPLETES), Rule(LANDS, LANDS, COMPLETES)),
+        # PX4 stops landing once its estimator has gone over to where the receiver says that it is.
+        (Fault.ESTIMATOR, Rule(LANDS, LANDS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES)),
         (Fault.MOTOR, FINE, FINE),
         (Fault.BATTERY, Rule(LANDS, LANDS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES, given_up=True)),
         (Fault.FENCE, Rule(RETURNS, RETURNS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES)),
-        (Fault.PILOT, Rule(STAYS, HOLDS, HOLDS), Rule(STAYS, HOLDS, HOLDS)),
+        # As PX4 the vehicle takes off within the second in which its next heartbeat would have told of the pilot.
+        (Fault.PILOT, Rule(STAYS, HOLDS, HOLDS), Rule(COMPLETES, HOLDS, HOLDS)),
         (Fault.GROUND_STATION, Rule(STAYS, RETURNS, RETURNS), Rule(STAYS, RETURNS, RETURNS)),
         (Fault.KILLED, Rule(STAYS, HOLDS, LANDS), Rule(STAYS, HOLDS, LANDS)),
         (Fault.DISK, FINE, FINE),

@@ -61,8 +61,8 @@ ALONE_S: Final = 150.0
 """How long the vehicle is left to itself after the flight: to return, land and disarm from anywhere."""
 
 HOVERS_S: Final = 20.0
-STILL_M_S: Final = 0.5
-"""A vehicle that is still for so long has been left where it is."""
+HOVERS_M: Final = 1.5
+"""A vehicle that stays so near for so long has been left where it is."""
 
 
 class Moment(StrEnum):
@@ -85,7 +85,6 @@ class Outcome(StrEnum):
     RETURNS = "returns"
     LANDS = "lands"
     STAYS = "stays on the ground"
-    FALLS = "falls"
     FLIES_ON = "flies on"
 
 
@@ -166,7 +165,7 @@ class Bench(LockstepVehicle):
             for name, value in (("BATT_CRT_VOLT", 10.5), ("BATT_FS_CRT_ACT", 1.0), ("BATT_LOW_TIMER", 2.0)):
                 self.vehicle.parameters.set(name, value)
         self.station = Station(self.endpoint)
-        self.happened = self.dead = self.flew = False
+        self.happened = self.dead = self.flew = self.hovers = False
         self.modes: list[Mode] = []
         self.ahead_s = 0.0
 
@@ -202,13 +201,14 @@ class Bench(LockstepVehicle):
         """Let the vehicle go on without anybody, until it is disarmed."""
         vehicle = self.vehicle
         until_s = vehicle.time_s + ALONE_S
-        moved_s = vehicle.time_s
+        place_m, moved_s = vehicle.truth.position_ned_m, vehicle.time_s
         while vehicle.time_s < until_s and vehicle.time_s < moved_s + HOVERS_S and vehicle.autopilot.armed:
             self.endpoint.advance()
             self.endpoint.outgoing(LINK)
             self.look()
-            if math.hypot(*vehicle.truth.velocity_ned_m_s) > STILL_M_S:
-                moved_s = vehicle.time_s
+            if math.dist(place_m, vehicle.truth.position_ned_m) > HOVERS_M:
+                place_m, moved_s = vehicle.truth.position_ned_m, vehicle.time_s
+        self.hovers = vehicle.time_s >= moved_s + HOVERS_S and not vehicle.truth.on_ground
 
 
 def _break_fence(bench: Bench) -> None:
@@ -340,6 +340,5 @@ def _outcome(bench: Bench, *, achieved: bool) -> Outcome:
     if not bench.flew:
         return Outcome.STAYS
     if vehicle.autopilot.armed:
-        still = math.hypot(*vehicle.truth.velocity_ned_m_s) < STILL_M_S
-        return Outcome.HOLDS if still and not vehicle.truth.on_ground else Outcome.FLIES_ON
+        return Outcome.HOLDS if bench.hovers else Outcome.FLIES_ON
     return Outcome.RETURNS if Mode.RETURN in bench.modes else Outcome.LANDS
