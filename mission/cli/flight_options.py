@@ -56,6 +56,11 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     fly.add_argument(
         "--laps", type=laps, metavar="N", help="fly so many laps, or until-stopped (default: as in the file)"
     )
+    fly.add_argument(
+        "--resume-when-handed-back",
+        action="store_true",
+        help="where a pilot takes the vehicle over, wait for GUIDED or OFFBOARD to be set again, and go on from there",
+    )
     fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
     fly.add_argument(

@@ -93,6 +93,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                 options=FlightOptions(
                     link=link,
                     land_when_stopped=vehicle is not None,
+                    resume_when_handed_back=arguments.resume_when_handed_back,
                     fence=arguments.fence,
                     keep_fence=arguments.keep_fence,
                 ),

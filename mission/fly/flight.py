@@ -48,11 +48,13 @@ class FlightOptions:
         fence: Whether the vehicle's own geofence is set to keep it where the plan allows it to be, and put back at the
             end. Nothing of the vehicle is changed unless that is asked for.
         keep_fence: Whether that fence stays after the flight.
+        resume_when_handed_back: Whether a flight that a pilot has taken over waits to be handed back, and goes on.
         stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
     """
 
     link: LinkOptions = field(default_factory=LinkOptions)
     land_when_stopped: bool = False
+    resume_when_handed_back: bool = False
     fence: bool = False
     keep_fence: bool = False
     stray_m: float = _STRAY_M
@@ -79,6 +81,7 @@ class Flight:
             needs_origin=plan.spec.origin is not None or options.fence,
             options=options.link,
             land_when_stopped=options.land_when_stopped,
+            waits_for_pilot=options.resume_when_handed_back,
         )
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
@@ -209,17 +212,21 @@ class Flight:
         contact = self.session.contact
         if self.options.fence:
             contact.fence, anchoring = guarded(self.plan, anchoring, contact, keep=self.options.keep_fence)
-        if self.plan.spec.flight.replan or self._amendments is not None:
+        if self.plan.spec.flight.replan or self._amendments is not None or self.options.resume_when_handed_back:
             self._replanner.prepare(self.plan)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
 
     def _replans(self) -> tuple[Replanning, Amending | None]:
         """What replans this flight, and what amends its mission."""
-        replanning = Replanning(self.session, self.watch, self.record, self._replanner, self._on_plan)
+        replanning = Replanning(self.session, self.watch, self.record, self._replanner, (self._on_plan, self.say))
         if self._amendments is None:
             return replanning, None
         return replanning, Amending(self.session, self.watch, replanning, self._amendments)
+
+    def say(self, text: str) -> None:
+        """Tell whoever watches the vehicle what is intended."""
+        self.record.write("event", self.newest_s, name="intention", reason=text)
 
     def look_after(self) -> None:
         """Give the flight up where going on would be wrong."""

@@ -42,6 +42,8 @@ _SAME: Final = 1e-3
 """m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
 
 _SOONEST_S: Final = 0.05
+_FOLLOWED_M: Final = 0.5
+_REST: Final = (0.0, 0.0, 0.0)
 _AGAIN_S: Final = 1.0
 """So long after there was no plan one is asked for again, if the vehicle is still out of its tube."""
 
@@ -120,11 +122,20 @@ class Replanning:
         watch: FlightWatch,
         record: RecordWriter,
         replanner: Replanner,
-        on_plan: Callable[[int, str], None],
+        told: tuple[Callable[[int, str], None], Callable[[str], None]],
     ) -> None:
-        """Replan nothing yet; ``on_plan`` is given each plan that is taken over, its number and its text."""
+        """Replan nothing yet.
+
+        Args:
+            session: The flight.
+            watch: What is known of it.
+            record: Where it is written down.
+            replanner: Who plans.
+            told: Given each plan that is taken over, its number and its text; and what is intended, in plain words.
+        """
         self.plans = 1
-        self._on_plan = on_plan
+        self._on_plan, self._say = told
+        self._piloted = False
         self._session, self._watch, self._record, self._replanner = session, watch, record, replanner
         self._cause: Cause | None = None
         self._asked: _Asked | None = None
@@ -147,6 +158,8 @@ class Replanning:
         """
         session = self._session
         vehicle_s, guidance = session.vehicle.clock.now_s(now_s), session.guidance
+        if isinstance(guidance, Guidance) and vehicle_s is not None and session.stage is Stage.FLY:
+            self._wait_for_pilot(guidance, vehicle_s)
         if vehicle_s is None or not isinstance(guidance, Guidance) or not session.redirectable:
             if self._cause is not None:
                 self._end("no trajectory is flown any more" if session.stage is not Stage.FLY else session.pilot.words)
@@ -167,6 +180,29 @@ class Replanning:
         """Ask for a plan at the next turn, whatever was asked for before."""
         self._cause, self._asked, self._tries, self._late_s, self._flies_on = cause, None, 0, 0.0, True
         self._record.write("event", self._session.vehicle.clock.newest_s, name="replanning", reason=cause.reason)
+
+    def _wait_for_pilot(self, guidance: Guidance, vehicle_s: float) -> None:
+        """While a pilot flies, ask for where the vehicle is; once it is handed back, come to rest and go on from there.
+
+        An autopilot takes setpoints back only while they are sent.
+        """
+        flown, self._piloted = self._piloted, bool(self._session.pilot.words)
+        bounds = bounds_of(self._watch.plan)
+        if self._piloted:
+            here = self._state(0.0)
+            course, (x, y) = guidance.course_at(vehicle_s), self._watch.place_m
+            at_x, at_y, _ = course.reference(course.duration_s).position_m
+            if course.planned or math.hypot(x - at_x, y - at_y) > _FOLLOWED_M:
+                at_rest = here._replace(velocity_m_s=_REST)
+                standing_by = aside(at_rest, bounds, vehicle_s, (x, y))
+                if standing_by.course is not None:
+                    guidance.redirect(standing_by.course, vehicle_s)
+        elif flown:
+            self._say("handed back: planning from here")
+            approach = aside(self._state(_SOONEST_S), bounds, vehicle_s + _SOONEST_S)
+            if approach.course is not None:
+                self._session.redirect(approach.course, approach.from_s)
+            self.begin(Cause("the pilot has handed the vehicle back"))
 
     @property
     def _left_tube(self) -> bool:
@@ -270,6 +306,8 @@ class Replanning:
             laps_before=laps_before,
             duration_s=plan.trajectory.duration_s,
         )
+        onward = next((letter for letter in plan.certificate.word[1:] if letter), frozenset({"its end"}))
+        self._say(f"going on from here to {', '.join(sorted(onward))}")
         self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
         self._watch.take_over(plan, at_s, laps_before)
         self._end("")

@@ -52,7 +52,12 @@ class Session:
     """
 
     def __init__(
-        self, *, needs_origin: bool, options: LinkOptions | None = None, land_when_stopped: bool = False
+        self,
+        *,
+        needs_origin: bool,
+        options: LinkOptions | None = None,
+        land_when_stopped: bool = False,
+        waits_for_pilot: bool = False,
     ) -> None:
         """Wait for a vehicle.
 
@@ -60,6 +65,7 @@ class Session:
             needs_origin: Whether the mission lies at a place on Earth, so that the vehicle must know where it is.
             options: Ids and patience.
             land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot.
+            waits_for_pilot: Whether a pilot who takes the vehicle from its trajectory may hand it back.
         """
         self.contact = Contact(options or LinkOptions(), needs_origin=needs_origin)
         self.stage = Stage.CONNECT
@@ -70,7 +76,7 @@ class Session:
         self._origin = OriginWatch(None)
         self._procedure = self._procedure_of()
         self._disarmed_from_s = math.inf
-        self._land_when_stopped = land_when_stopped
+        self._land_when_stopped, self._waits_for_pilot = land_when_stopped, waits_for_pilot
         self._outcome: tuple[Ending, str] = (Ending.LANDED, "the vehicle has landed")
         self._failure: MissionError | None = None
         self._failing_from_s = math.inf
@@ -91,11 +97,6 @@ class Session:
     def guidance(self) -> Leader | None:
         """What leads the vehicle; None before it is armed."""
         return self.lead.guidance
-
-    @property
-    def altitude_m(self) -> float:
-        """Height above the take-off point that is reported; 0 before take-off."""
-        return self.lead.altitude_m
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take what has arrived, and all that waits.
@@ -288,7 +289,7 @@ class Session:
             self._disarmed_from_s = min(self._disarmed_from_s, vehicle_s)
         since_s = self._lately_s(now_s)
         step, kind = self._procedure.step, self.contact.autopilot
-        end = self.pilot.look(heartbeat, step, kind, self.vehicle, since_s, self.lead.by_field)
+        end = self.pilot.look(heartbeat, step, kind, self.vehicle, since_s, self.lead.by_field or self._waits_for_pilot)
         if self.pilot.changed and end is None:
             self._note(Held(vehicle_s, self.pilot.words))
         if end is not None:
@@ -317,10 +318,7 @@ class Session:
 
     def _proceed(self, vehicle_s: float, now_s: float) -> None:
         self._take_ground()
-        try:
-            self._procedure.advance(lambda in_step_s: self._scene(vehicle_s, in_step_s), vehicle_s, now_s)
-        except MissionError as error:
-            self.give_up(error, now_s)
+        self._take_steps(vehicle_s, now_s)
         if self._failure is not None and self._stands_still(now_s):
             raise self._failure
         step = self._procedure.step
@@ -341,6 +339,14 @@ class Session:
             self._note(due[1])
         if self._failure is None:
             self.contact.ask_for_overdue(now_s, origin=self._origin.doubts)
+
+    def _take_steps(self, vehicle_s: float, now_s: float) -> None:
+        if self.pilot.words:
+            return  # whoever flies the vehicle is told nothing
+        try:
+            self._procedure.advance(lambda in_step_s: self._scene(vehicle_s, in_step_s), vehicle_s, now_s)
+        except MissionError as error:
+            self.give_up(error, now_s)
 
     def _take_ground(self) -> None:
         anchored = self.lead.take_ground()
@@ -371,7 +377,7 @@ class Session:
             self._procedure = self._procedure_of(disarm_step(None) if self.vehicle.armed else unarm_step())
             return True
         hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), None)
-        landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), self.altitude_m)
+        landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), self.lead.altitude_m)
         self._procedure = self._procedure_of(hold, *(landing if self._land_when_stopped else ()))
         return True
 

@@ -1,0 +1,61 @@
+"""A pilot takes the vehicle from its trajectory and hands it back elsewhere: the flight goes on from there."""
+
+import pytest
+
+from mission.fly import FlightOptions
+from mission.link.ending import Ending
+from mission.plan import FlightPlan
+from tests.support.replanned import Replanned
+from tests.support.small_missions import SMALL, plan_of
+from vehicle_sim.autopilot import Mode
+
+FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+PILOTED = {"ardupilot": Mode.POSITION, "px4": Mode.HOLD}
+FROM_S, FOR_S = 3.0, 20.0
+GUST = "gust, since: takeoff, at_s: 16, for_s: 8, north_m_s: 8"
+"""What carries the vehicle across triangles while the pilot has it."""
+
+
+class Pilot:
+    """Takes the vehicle, and hands it back."""
+
+    def __init__(self, *, hands_back: bool = True) -> None:
+        self.took = self.gave = False
+        self.hands_back = hands_back
+
+    def fly(self, flown: Replanned, since_s: float) -> None:
+        autopilot = flown.vehicle.vehicle.autopilot
+        if since_s >= FROM_S and not self.took:
+            self.took = True
+            autopilot.set_mode(PILOTED[flown.flavour])
+        elif self.took and not self.gave and self.hands_back and since_s >= FROM_S + FOR_S:
+            self.gave = True
+            autopilot.set_mode(Mode.GUIDED)
+
+
+@pytest.fixture(scope="module")
+def plan() -> FlightPlan:
+    return plan_of(SMALL)
+
+
+@FLAVOURS
+def test_handed_back_it_goes_on_from_where_it_is(plan: FlightPlan, flavour: str) -> None:
+    options = FlightOptions(resume_when_handed_back=True)
+    flight = Replanned(plan, flavour, GUST, at_step=Pilot().fly, options=options, drag_per_s=0.5)
+    assert flight.result.achieved, flight.result.reason
+    assert flight.result.ending is Ending.LANDED
+    assert len(flight.result.plans) == 2
+    assert flight.entered() == ["home", "goal", "home"]
+    [held], [back] = flight.events("held by a pilot"), flight.events("handed back")
+    assert back["t_s"] - held["t_s"] == pytest.approx(FOR_S, abs=3.0)
+    commands = [row["t_s"] or 0.0 for row in flight.events("command")]
+    assert not [t_s for t_s in commands if held["t_s"] <= t_s <= back["t_s"]]  # nobody is fought
+    assert [row["reason"] for row in flight.events("intention")] == [
+        "handed back: planning from here",
+        "going on from here to goal",
+    ]
+
+
+def test_without_being_asked_to_wait_it_lets_go(plan: FlightPlan) -> None:
+    flight = Replanned(plan, "ardupilot", at_step=Pilot(hands_back=False).fly)
+    assert flight.result.ending is Ending.HANDED_OVER
