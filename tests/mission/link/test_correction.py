@@ -51,9 +51,10 @@ def test_it_never_reaches_beyond_its_bounds(told: list[tuple]) -> None:  # type:
             assert abs(asked.velocity_m_s[axis] - PLANNED.velocity_m_s[axis]) <= 1.0 + 1e-12
             assert 0.0 <= correction.lead_s <= MOST_LEAD_S
             assert 0.0 <= correction.delay_s <= MOST_LEAD_S
-            # Drag is made up for along the planned velocity only.
-            push = asked.acceleration_m_s2[axis] - PLANNED.acceleration_m_s2[axis]
-            assert 0.0 <= push / PLANNED.velocity_m_s[axis] <= 2.0 + 1e-12
+            # Drag is made up for along the planned velocity only; beside that the velocity's error is damped.
+            damping = max(-1.0, min(-correction.error_m_s[axis], 1.0))
+            push = asked.acceleration_m_s2[axis] - PLANNED.acceleration_m_s2[axis] - damping
+            assert -1e-12 <= push / PLANNED.velocity_m_s[axis] <= 2.0 + 1e-12
         assert (asked.position_m[2], asked.velocity_m_s[2], asked.acceleration_m_s2[2]) == (5.0, 0.0, 0.0)
 
 
@@ -62,6 +63,18 @@ def test_without_an_error_nothing_is_changed() -> None:
     for tick in range(100):
         correction.observe(tick * PERIOD_S, (0.0, 0.0), PLANNED, PLANNED.velocity_m_s, (0.0, 0.0, 0.0))
     assert correction.corrected(PLANNED) == PLANNED
+
+
+def test_the_error_of_the_velocity_is_damped_within_a_bound_and_less_on_a_late_link() -> None:
+    correction = Correction(REACH_M)
+    correction.observe(0.0, (0.1, 0.0), AT_REST, (0.4, -3.0, 0.0), None)
+    assert correction.corrected(AT_REST).acceleration_m_s2 == pytest.approx((-0.4, 1.0, 0.0))
+    pull_m_s = correction.corrected(AT_REST).velocity_m_s[0]
+    correction.know_delay(1.2)
+    assert correction.corrected(AT_REST).acceleration_m_s2[0] == pytest.approx(-0.1)
+    assert correction.corrected(AT_REST).velocity_m_s[0] == pytest.approx(0.25 * pull_m_s)
+    correction.rest()
+    assert correction.corrected(AT_REST).acceleration_m_s2 == (0.0, 0.0, 0.0)
 
 
 @given(st.floats(-3.0, 3.0))
