@@ -1,7 +1,7 @@
 """Flights against the worst disturbance within the bound of the file: none may leave the tube of its proof.
 
-`python -m pytest -m long -n 2 -s tests/closed_loop/test_worst_disturbance.py` flies all of them, and says for each
-autopilot how many there were and which share of its tube the worst one took. `-n 0` shows it as it comes.
+`python -m pytest -m long -rP tests/closed_loop/test_worst_disturbance.py` flies all of them, for half an hour on two
+cores, and says how many there were and which share of its tube the worst one took.
 """
 
 import io
@@ -77,7 +77,7 @@ def planned(mission: str, speed_m_s: float) -> FlightPlan:
 
 @pytest.fixture(scope="module")
 def small() -> FlightPlan:
-    return planned("small", 4.0)
+    return planned("small", 6.0)
 
 
 @pytest.mark.parametrize(
@@ -89,10 +89,8 @@ def small() -> FlightPlan:
         ("px4", "away"),
     ],
 )
-def test_the_worst_disturbance_leaves_the_vehicle_in_its_tube(
-    small: FlightPlan, vehicle: str, disturbance: str
-) -> None:
-    """Without the damping of the setpoints' correction, the second one took 1.1 of its tube."""
+def test_the_worst_disturbance_is_not_enough(small: FlightPlan, vehicle: str, disturbance: str) -> None:
+    """Without the damping of the setpoints' correction, the second one takes 1.15 of its tube."""
     assert VEHICLES[vehicle].flown(small, 1, DISTURBANCES[disturbance](1)) <= 1.0
 
 
@@ -112,8 +110,6 @@ def test_hundreds_of_flights(vehicle: str, mission: str, speed_m_s: float) -> No
         for wind_m_s, seed in product(WINDS_M_S, (*SEEDS, 3)):
             shares[wind_m_s, seed] = VEHICLES[vehicle].flown(plan, seed, None, wind_m_s=wind_m_s)
     worst = max(shares, key=lambda key: shares[key])
-    told = ", ".join(map(str, worst))
-    print(
-        f"\n{vehicle}, {mission} at {speed_m_s:g} m/s: {len(shares)} flights, {shares[worst]:.2f} of the tube ({told})"
-    )  # noqa: T201
+    told = f"{len(shares)} flights, {shares[worst]:.2f} of the tube ({', '.join(map(str, worst))})"
+    print(f"\n{vehicle}, {mission} at {speed_m_s:g} m/s: {told}")  # noqa: T201
     assert shares[worst] <= 1.0
