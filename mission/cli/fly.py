@@ -190,6 +190,7 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     out.print(f"flown     {flown:.0f} s of vehicle time in {elapsed_s:.1f} s", markup=False)
     out.print(f"word      {word}", markup=False)
     out.print(f"tracking  {tracked(result)}", markup=False)
+    out.print(f"link      {result.cadence.text}", markup=False)
     if result.behind_s:
         out.print(f"pace      this computer did not keep up: {result.behind_s:.1f} s behind at most", markup=False)
     if result.pictures or result.planned_pictures:

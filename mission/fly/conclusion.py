@@ -5,6 +5,7 @@ from mission.fly.result import FlightResult
 from mission.fly.watch import FlightWatch
 from mission.link.ending import Ending
 from mission.link.session import Session
+from mission.monitor.cadence import slowed_text
 from mission.monitor.coverage import Covered, coverage_text, judged
 from mission.monitor.gaps import gaps_text
 from mission.monitor.pictures import pictures_text
@@ -49,6 +50,8 @@ def concluded(
         behind_s=behind_s,
         word=watch.legs.word,
         laps=watch.legs.laps,
+        cadence=watch.cadence.cadence,
+        link_delay_s=session.contact.arrival.largest_s,
         gaps=tuple(watch.gaps),
         violations=watch.legs.violations,
         covered=covered,
@@ -63,7 +66,8 @@ def shortcomings(session: Session, watch: FlightWatch, lost_text: str) -> tuple[
     pictures = pictures_text(watch.pictures, watch.legs.planned_pictures(), trouble)
     guard = session.contact.fence
     fence = "" if guard is None else guard.trouble
-    return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), pictures, fence, lost_text
+    slowed = slowed_text(watch.cadence.cadence, session.contact.arrival.largest_s)
+    return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), slowed, pictures, fence, lost_text
 
 
 def joined(*parts: str) -> str:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from mission.link.ending import Ending
+from mission.monitor.cadence import NONE_SENT, Cadence
 from mission.monitor.coverage import Covered, covered_values
 from mission.monitor.gaps import Gap
 from mission.monitor.monitor import Violation
@@ -81,6 +82,8 @@ class FlightResult:
         behind_s: How far this computer was behind what the vehicle said, at most, by its time; 0 where it kept up.
         planned_pictures: How many pictures there were to be.
         plans: What was flown, one plan after the other; the last is ``plan``.
+        cadence: How regularly setpoints were sent.
+        link_delay_s: How long the link took both ways together, at most, by the vehicle's time.
     """
 
     plan: FlightPlan
@@ -104,6 +107,8 @@ class FlightResult:
     pictures: tuple[int, ...] = ()
     planned_pictures: int = 0
     plans: tuple[FlightPlan, ...] = ()
+    cadence: Cadence = NONE_SENT
+    link_delay_s: float = 0.0
 
     def values(self) -> dict[str, object]:
         """The verdict as values for a record."""
@@ -117,6 +122,8 @@ class FlightResult:
             "largest_velocity_error_m_s": self.largest_velocity_error_m_s,
             "beyond_tube_s": self.beyond_tube_s,
             "behind_s": self.behind_s,
+            **self.cadence.values(),
+            "link_delay_s": round(self.link_delay_s, 3),
             "covered": [covered_values(visit) for visit in self.covered],
             "pictures": len(self.pictures),
             "pictures_planned": self.planned_pictures,

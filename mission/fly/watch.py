@@ -25,6 +25,7 @@ from mission.link.events import (
     WentOn,
 )
 from mission.link.session import Session
+from mission.monitor.cadence import CadenceWatch
 from mission.monitor.coverage import Covered
 from mission.monitor.gaps import GAP_S, Gap, Missing
 from mission.monitor.legs import FlightLegs
@@ -48,6 +49,7 @@ class FlightWatch:
         began_s: Vehicle time at which the trajectory began; None before.
         vehicle: Name of the autopilot; empty before it is known.
         gaps: Where nothing was known of the position, or the trajectory paused, from its start on.
+        cadence: How regularly setpoints were sent.
         pictures: The numbers of the pictures that were told of.
         returning: Whether the vehicle was asked to return after the lap that it was in.
         place_m: Where the vehicle is, by its last report, ENU in the domain.
@@ -66,6 +68,7 @@ class FlightWatch:
         self.place_m = plan.start_m
         self.velocity_m_s: Point = (0.0, 0.0)
         self.gaps: list[Gap] = []
+        self.cadence = CadenceWatch()
         self.pictures: list[int] = []
         self._told_s = math.inf
         self._record = record
@@ -94,6 +97,7 @@ class FlightWatch:
             self._moved(event)
         elif isinstance(event, SetpointSent):
             reference = event.reference
+            self.cadence.note(event.t_s, event.trajectory_s)
             if event.gap is not None:
                 self._note_gap(event.gap)
             self._record.write(

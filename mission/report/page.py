@@ -22,6 +22,10 @@ _SAID_OF_THE_ENDING = (
     ("ending", "Ending"),
     ("interrupted", "Interrupted by the user"),
     ("laps", "Laps"),
+    ("slowed_s", "Seconds that the trajectory took longer"),
+    ("p99_gap_s", "Seconds between two setpoints, in 99 of 100 cases at most"),
+    ("largest_gap_s", "Seconds between two setpoints, at most"),
+    ("link_delay_s", "Seconds that the link took, both ways"),
     ("behind_s", "This computer did not keep up: seconds behind"),
 )
 STYLE = """\

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from mission.fly import FlightResult, Progress, fly
+from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.plan import FlightPlan
 from mission.report.reading import Record, parse_record
@@ -120,3 +121,22 @@ def test_who_has_time_is_not_behind(plan: FlightPlan, monkeypatch: pytest.Monkey
     assert result.behind_s == 0.0
     assert flight.said == []
     assert flight.gaps_s[0] <= 0.1
+
+
+@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+def test_setpoints_come_at_50_hz_and_the_record_says_how_regularly(
+    plan: FlightPlan, monkeypatch: pytest.MonkeyPatch, flavour: str
+) -> None:
+    flight = CostlyFlight(flavour, 0.0)
+    result = flight.run(plan, monkeypatch)
+    gaps_s = sorted(flight.gaps_s)
+    period_s = LinkOptions().setpoint_s
+    assert period_s == 1.0 / 50.0
+    assert gaps_s[int(0.99 * len(gaps_s))] <= 1.5 * period_s
+    verdict = flight.record.verdict
+    assert verdict is not None
+    assert verdict["setpoints"] == len(flight.sent_s)
+    assert verdict["median_gap_s"] == pytest.approx(period_s, abs=1e-3)
+    assert verdict["p99_gap_s"] <= 1.5 * period_s
+    assert verdict["largest_gap_s"] == pytest.approx(result.cadence.largest_gap_s, abs=1e-4)
+    assert verdict["largest_gap_s"] == pytest.approx(gaps_s[-1], abs=0.011)
