@@ -14,13 +14,15 @@ from mission.fly.conclusion import concluded, joined, shortcomings
 from mission.fly.fencing import guarded
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
+from mission.fly.news import News
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
 from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner
 from mission.fly.replanning import Replanning
-from mission.fly.result import FlightResult
+from mission.fly.result import FlightResult, Progress
 from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
+from mission.link.announcer import Announcer
 from mission.link.events import WentOn
 from mission.link.identity import LinkOptions
 from mission.link.session import Session
@@ -28,6 +30,7 @@ from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
+from mission.printable import printable
 from mission.spec.model import Point
 
 _STRAY_M = 10.0
@@ -92,6 +95,7 @@ class Flight:
         self._trusted_s = self._near_s = self._charged_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, self.clock)
         self._told_left_out_s = 0.0
+        self._news: News | None = None
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
 
     @property
@@ -124,8 +128,38 @@ class Flight:
                 self.stop(reason)
         if request := stop_request():
             self.heed(request)
-        for frame in session.outgoing():
+        for frame in (*self.announcements(), *session.outgoing()):
             transport.send(frame)
+
+    def announcements(self) -> list[bytes]:
+        """What ground stations are told now, once the vehicle is known that passes it on."""
+        contact, t_s = self.session.contact, self.session.vehicle.clock.now_s(self.clock.now_s())
+        if contact.autopilot is None or t_s is None:
+            return []
+        if self._news is None:
+            announcer = Announcer(contact.system_id, self.options.link.signatures)
+            self._news = News(announcer, printable(self.plan.spec.name))
+        return self._news.frames(t_s, self.progress, self._state) if self._news.announcer.is_due(t_s) else []
+
+    def announce_verdict(self, transport: Transport, verdict: str, *, achieved: bool) -> None:
+        """Tell ground stations how it ended, as far as the link still carries that."""
+        t_s = self.newest_s
+        with contextlib.suppress(Exception):
+            if self._news is not None and t_s is not None:
+                frames = self._news.last_frames(t_s, self.progress, self._state, verdict, achieved=achieved)
+                for frame in frames:
+                    transport.send(frame)
+
+    @property
+    def progress(self) -> Progress:
+        """Where the flight is now."""
+        return self.watch.progress(self.session, self.listening)
+
+    @property
+    def _state(self) -> int:
+        """Of the mission's automaton; -1 where it is in none."""
+        place = self.watch.monitor.whereabouts
+        return -1 if place is None else place.state
 
     def tell_pace(self) -> None:
         """Say when this computer begins not to keep up with the vehicle, and when it has caught up again."""
@@ -227,6 +261,8 @@ class Flight:
     def say(self, text: str) -> None:
         """Tell whoever watches the vehicle what is intended."""
         self.record.write("event", self.newest_s, name="intention", reason=text)
+        if self._news is not None:
+            self._news.say(text)
 
     def look_after(self) -> None:
         """Give the flight up where going on would be wrong."""
@@ -325,6 +361,8 @@ class Flight:
             self.record.write(
                 "verdict", self.newest_s, achieved=False, reason=reason, ending="failed", behind_s=self.behind_s
             )
+        if not gone():
+            self.announce_verdict(transport, reason, achieved=False)
         if isinstance(error, (LinkError, VehicleError)):
             return type(error)(reason)
         return FlightError(reason) if self.session.departed else error

@@ -123,12 +123,14 @@ def _loop(
         try:
             flight.turn(transport, stop_request)
             if flight.session.ending is not None and not flight.session.contact.unfinished:
-                return flight.result()
+                result = flight.result()
+                flight.announce_verdict(transport, result.reason, achieved=result.achieved)
+                return result
             if failure := vehicle_failure():
                 raise LinkError(failure)
             now_s = flight.clock.now_s()
             if on_progress is not None and now_s - shown_s >= _PROGRESS_S:
                 shown_s = now_s
-                on_progress(flight.watch.progress(flight.session, flight.listening))
+                on_progress(flight.progress)
         except KeyboardInterrupt:
             flight.heed(INTERRUPTED)

@@ -268,6 +268,11 @@ class Contact:
             self.pictures.advance(self._vehicle_s(now_s))
 
     @property
+    def system_id(self) -> int:
+        """Of the vehicle; 0 before it was heard."""
+        return self._system_id
+
+    @property
     def own(self) -> Partner:
         """Who we are."""
         return Partner(self.options.system_id, self.options.component_id)

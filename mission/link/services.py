@@ -1,4 +1,4 @@
-"""The messages of two services of the vehicle, read and written: its plans, such as the geofence, and its parameters.
+"""Messages of services: the vehicle's plans, such as its geofence, its parameters, and what is told to ground stations.
 
 https://mavlink.io/en/services/mission.html and https://mavlink.io/en/services/parameter.html.
 """
@@ -33,6 +33,7 @@ CIRCLE_TO_STAY_OUT_OF: Final = int(mavlink.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION)
 _BY_NAME: Final = -1
 _INTEGERS: Final = frozenset(range(mavlink.MAV_PARAM_TYPE_UINT8, mavlink.MAV_PARAM_TYPE_INT64 + 1))
 _AUTOPILOT: Final = 1
+_PIECE_BYTES: Final = 50
 
 
 def _partner(m: Message) -> Partner:
@@ -60,6 +61,30 @@ READERS: Final[Mapping[str, Callable[[Message], Body]]] = {
     "MISSION_ACK": lambda m: PlanAnswer(_partner(m), m.mission_type, m.type),
     "PARAM_VALUE": _parameter,
 }
+
+
+def beat_on_board() -> Message:
+    """The HEARTBEAT of a computer that belongs to the vehicle."""
+    return mavlink.MAVLink_heartbeat_message(
+        mavlink.MAV_TYPE_ONBOARD_CONTROLLER, mavlink.MAV_AUTOPILOT_INVALID, 0, 0, mavlink.MAV_STATE_ACTIVE, 3
+    )
+
+
+def named_value(t_s: float, name: str, value: float) -> Message:
+    """A NAMED_VALUE_FLOAT at a vehicle time, of a name of at most ten letters."""
+    return mavlink.MAVLink_named_value_float_message(round(t_s * 1e3) & 0xFFFFFFFF, name.encode(), value)
+
+
+def text_pieces(severity: int, text: str, number: int) -> list[Message]:
+    """A text as STATUSTEXT, in pieces that share ``number`` where it is longer than one holds.
+
+    A piece that is full is followed by another: https://mavlink.io/en/messages/common.html#STATUSTEXT.
+    """
+    data = text.encode("ascii", "replace")
+    if len(data) <= _PIECE_BYTES:
+        return [mavlink.MAVLink_statustext_message(severity, data)]
+    pieces = [data[start : start + _PIECE_BYTES] for start in range(0, len(data) + 1, _PIECE_BYTES)]
+    return [mavlink.MAVLink_statustext_message(severity, piece, number, place) for place, piece in enumerate(pieces)]
 
 
 def plan_count(system_id: int, kind: PlanKind, count: int) -> Message:
