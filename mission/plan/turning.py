@@ -38,6 +38,7 @@ _CELLS: Final = 256
 _CELLS_PER_WAVE: Final = 8
 _HALVINGS: Final = 12
 _LITTLE_RAD: Final = 0.1
+_TINY: Final = 1e-100  # against a division by nothing
 _SAMPLES: Final = 5  # of a cell, its ends among them
 _SPARE: Final = 0.95  # of the yaw rate, for what is between samples
 _MOST_PARTS: Final = 400
@@ -185,8 +186,8 @@ def slow_to_turn(
         np.maximum(turning.max(axis=1), turned / np.diff(knots)),
         np.hypot(slope[..., 0], slope[..., 1]).max(axis=1),
     )
-    steep = np.maximum(steep, np.finfo(np.float64).tiny)
-    rates = _SPARE * spec.limits.yaw_rate_rad_s / np.maximum(most, np.finfo(np.float64).tiny)
+    steep, most = np.maximum(steep, _TINY), np.maximum(most, _TINY)
+    rates = _SPARE * spec.limits.yaw_rate_rad_s / most
     slow = rates < min(spec.limits.speed_m_s, spec.flight.speed_m_s) / steep
     for visit in visits:
         for before, after in zip(visit.lanes_s[:-1, 1].tolist(), visit.lanes_s[1:, 0].tolist(), strict=True):

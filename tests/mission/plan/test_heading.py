@@ -167,6 +167,12 @@ def test_lanes_without_a_camera_are_looked_along_where_the_mission_says_so() -> 
     assert plan.trajectory.duration_s > hasty.trajectory.duration_s
 
 
+def test_a_way_that_nowhere_turns_is_no_slower_for_a_nose_that_turns_at_once() -> None:
+    straight = SMALL.replace("F (goal & F G home)", "F goal")
+    fast, free = (planned(straight, heading, 360.0).trajectory.duration_s for heading in (AHEAD, None))
+    assert fast == pytest.approx(free, abs=1e-6)
+
+
 def test_without_a_heading_nothing_is_slower() -> None:
     one, other = planned(ROUNDS, None).trajectory, planned(ROUNDS, None, 20.0).trajectory
     for before, after in zip(one.legs, other.legs, strict=True):
