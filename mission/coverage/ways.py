@@ -98,16 +98,23 @@ class Network:
             area: Polygon or MultiPolygon, metres.
             tolerance_m: Ways may leave the area by this much, so that they can run along its rim.
         """
-        self._room = shapely.buffer(area, tolerance_m, join_style="mitre")
+        self._room, self._tolerance_m = shapely.buffer(area, tolerance_m, join_style="mitre"), tolerance_m
         shapely.prepare(self._room)
         before, corners, after = _corners(area)
+        self._edges = np.stack((corners, after), axis=1)
+        self._tree = shapely.STRtree(shapely.linestrings(self._edges))
         arriving, leaving = corners - before, after - corners
         reflex = arriving[:, 0] * leaving[:, 1] - arriving[:, 1] * leaving[:, 0] < 0.0
         self._corners, self._before, self._after = corners[reflex], before[reflex], after[reflex]
 
     def sees(self, begins_m: FloatArray, ends_m: FloatArray) -> BoolArray:
         """Whether the straight way between the points beside each other, shapes (N, 2), is free; shape (N,)."""
-        seen: BoolArray = shapely.covers(self._room, shapely.linestrings(np.stack((begins_m, ends_m), axis=1)))
+        lines = shapely.linestrings(np.stack((begins_m, ends_m), axis=1))
+        seen: BoolArray = shapely.covers(self._room, lines)
+        # What is thinner than the tolerance is open to it: nothing leads from one side of an edge to the other.
+        line, edge = self._tree.query(lines, predicate="intersects")
+        way, rim = np.stack((begins_m[line], ends_m[line]), axis=1), self._edges[edge]
+        seen[line[_apart(way, rim, self._tolerance_m) & _apart(rim, way, self._tolerance_m)]] = False
         # Older versions of GEOS do not find a line of no length anywhere.
         seen |= (begins_m == ends_m).all(axis=1)
         return seen
@@ -182,6 +189,16 @@ class Network:
         slack = _NO_LENGTH * (1.0 + np.abs(steps).sum(axis=2))
         touched: BoolArray = (np.minimum(*sides) >= -slack) | (np.maximum(*sides) <= slack)
         return touched
+
+
+def _apart(lines: FloatArray, others: FloatArray, least_m: float) -> BoolArray:
+    """Whether the ends of others lie on both sides of lines, and farther from them than that; shapes (N, 2, 2)."""
+    along = lines[:, 1] - lines[:, 0]
+    steps = others - lines[:, :1]
+    sides = along[:, None, 0] * steps[..., 1] - along[:, None, 1] * steps[..., 0]
+    beyond = np.abs(sides) > least_m * np.linalg.norm(along, axis=1)[:, None]
+    apart: BoolArray = beyond.all(axis=1) & (np.sign(sides[:, 0]) != np.sign(sides[:, 1]))
+    return apart
 
 
 def _least(values: FloatArray, owner: IntArray, none: FloatArray) -> tuple[FloatArray, IntArray]:

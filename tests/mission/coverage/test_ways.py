@@ -73,3 +73,19 @@ def test_parts_that_do_not_meet_have_no_way() -> None:
     for area in (shapely.MultiPolygon(parts), shapely.MultiPolygon([parts[0], bent])):
         ways = Network(area, SLACK_M).ways(np.array([[1.0, 1.0], [21.0, 1.0]]), np.array([[0, 1]]))
         assert np.isinf(ways.lengths_m[0])
+
+
+@pytest.mark.parametrize("thin_m", [1e-9, 0.5 * SLACK_M, 1.9 * SLACK_M, 0.1])
+def test_no_way_leads_through_what_is_thinner_than_the_tolerance(thin_m: float) -> None:
+    """A spike from below that ends at (5, 8) and a sliver that stands by itself are both gone round."""
+    spike = shapely.Polygon([(5.0 - 0.5 * thin_m, 0.0), (5.0 + 0.5 * thin_m, 0.0), (5.0, 8.0)])
+    sliver = shapely.box(12.0, 1.0, 12.0 + thin_m, 9.0)
+    area = shapely.box(0.0, 0.0, 20.0, 10.0).difference(spike).difference(sliver)
+    ways = Network(area, SLACK_M).ways(
+        np.array([[1.0, 1.0], [9.0, 1.0], [15.0, 5.0]]), np.array([[0, 1], [1, 2], [0, 2]])
+    )
+    over = 2.0 * np.hypot(4.0, 7.0)
+    round_the_sliver = np.hypot(3.0, 8.0) + np.hypot(3.0 - thin_m, 4.0) + thin_m
+    below = np.hypot(3.0, 0.0) + np.hypot(3.0 - thin_m, 4.0) + thin_m
+    assert ways.lengths_m[0] == pytest.approx(over, abs=2.0 * thin_m + 1e-4)
+    assert ways.lengths_m[1] == pytest.approx(min(round_the_sliver, below), abs=1e-4)
