@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from mission.plan.covering import CoveredVisit
-from mission.plan.turning import looked_along, run_ins, slow_to_turn, turns_at_rest
+from mission.plan.turning import RunIn, looked_along, run_ins, slow_to_turn, turns_at_rest
 from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
 from mission.steering.grid import Limits, Slow
 from mission.steering.joined import Curve, JoinedCurve, joins_smoothly
@@ -62,13 +62,16 @@ def trajectory_of(
     slow, turns_s = (*slow, *slowly), (*turns_at_rest(spec, curve, lap), *turns_s)
     if begins is not None:
         turns_s = tuple((s, seconds) for s, seconds in turns_s if s > 0.0)
-    fastest = _trajectory(spec, curve, (stops, turns_s), lap, slow, begins=begins)
-    turns = run_ins(fastest, lanes, spec.limits.yaw_rate_rad_s)
-    if not turns:
-        return fastest
-    waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
-    slow = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
-    return _trajectory(spec, curve, (stops, (*turns_s, *waits)), lap, slow, begins=begins)
+    flown = _trajectory(spec, curve, (stops, turns_s), lap, slow, begins=begins)
+    turns: tuple[RunIn, ...] = ()
+    # Where one part is flown more slowly another one may be faster than it was, and lack time in turn.
+    while more := tuple(each for each in run_ins(flown, lanes, spec.limits.yaw_rate_rad_s) if each not in turns):
+        turns += more
+        waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
+        slower = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
+        # Of two waits at one place the first says where it is: the begin of a lane, and nowhere behind it.
+        flown = _trajectory(spec, curve, (stops, (*waits, *turns_s)), lap, slower, begins=begins)
+    return flown
 
 
 def _trajectory(
