@@ -136,7 +136,7 @@ class CorridorPlanner:
         self, run: Run, begins: Beginning, certify: Callable[[JoinedCurve], Certificate], margin_m: float
     ) -> CorridorPath:
         grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m)
-        stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run)
+        stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run, begins.place_m)
         free, onward = stages.stages[0].free, begins.onward(self.pace)
         halt = begins.halt(free, self.pace) if begins.halts else None
         lead_m = begins.lead_m(free, self.pace) if halt is None else halt.position([halt.duration_s])

@@ -146,7 +146,10 @@ class _Question:
             passed = self.map_of(opened | _scaled(rest, share))
             if passed is None or closed is None:
                 return found
-            found.append(_narrow(passed, closed, rest))
+            narrow = _narrow(passed, closed, rest)
+            if narrow is None:
+                return found
+            found.append(narrow)
 
     def said(self, given: Values, others: Values) -> str:
         """What is closed, how wide it is, and which clearances, or which tube, open it; empty where that is not found.
@@ -244,8 +247,8 @@ class _Map:
         return shapely.LineString([self.start_m, *middles, mesh.incentres_m[states[-1]]])
 
 
-def _narrow(passed: _Map, closed: _Map, rest: Values) -> _Narrow:
-    """What a little more closes of what a run passes.
+def _narrow(passed: _Map, closed: _Map, rest: Values) -> _Narrow | None:
+    """What a little more closes of what a run passes; None where that is no place: the start is in a region no more.
 
     Args:
         passed: The map with the run.
@@ -270,10 +273,13 @@ def _swallowed(passed: _Map, name: str, rest: Values) -> _Narrow:
     return _Narrow(tuple(dict.fromkeys(passed.keys[each] for each in blamed)), text)
 
 
-def _between(passed: _Map, closed: _Map, rest: Values) -> _Narrow:
-    """Of a passage that the run takes, and that a little more closes."""
+def _between(passed: _Map, closed: _Map, rest: Values) -> _Narrow | None:
+    """Of a passage that the run takes, and that a little more closes; None where nothing crosses it."""
     shut = shapely.union_all([area for _, area in closed.forbidden.values()])
-    point = _crossed(passed.line, shapely.buffer(shut, joined_m(passed.partition.extent_m)))
+    shut = shapely.buffer(shut, joined_m(passed.partition.extent_m))
+    if not shapely.intersects(passed.line, shut):
+        return None
+    point = _crossed(passed.line, shut)
     apart = {name: float(shapely.distance(area, point)) for name, (_, area) in passed.forbidden.items()}
     first, *others = sorted(apart, key=apart.__getitem__)
     second = others[0] if others and apart[others[0]] <= _BESIDE_M else first

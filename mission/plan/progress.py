@@ -25,7 +25,7 @@ from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.inclusion import included, simulated
 from mission.logic.automata.rabin import DEAD, Pair
 from mission.planning.run import Run
-from mission.spec.model import Semantics
+from mission.spec.model import Point, Semantics
 from mission.steering.taut import Stretch
 
 
@@ -198,8 +198,12 @@ class StagesOfRuns:
         self._simulated = [simulated(part) for part in automaton.parts]
         self._accepted = [included(part) for part in automaton.parts]
 
-    def of(self, run: Run) -> Stages:
+    def of(self, run: Run, start_m: Point | None = None) -> Stages:
         """The stages of a run.
+
+        Args:
+            run: The run.
+            start_m: Where the flight begins; None where all of the square lies in the start triangle's letter there.
 
         Raises:
             NoStagesError: What is read counts triangles, or a region is too small for the square.
@@ -212,8 +216,9 @@ class StagesOfRuns:
             after = int(self._whole.targets[state, letters[index]])
             if index and after != state and self._no_worse(state, after, None):
                 continue  # what is read here only makes more to be done: it is left out
-            if index and not self._alike(state, after, None):
-                steps.append(_Step(state, after, 0, index))
+            step = _Step(state, after, 0, index)
+            if (index or self._begins_beside(step, start_m)) and not self._alike(state, after, None):
+                steps.append(step)
             state = after
         start = _Step(DEAD, DEAD, 0, 0)
         stages = list(chain.from_iterable(self._cut_all(steps, [start, *steps[:-1]], letters, None)))
@@ -227,6 +232,13 @@ class StagesOfRuns:
             begin for begin, step in zip(begins, steps, strict=False) if self._no_worse(state, step.state, None)
         )
         return Stages((*stages, *chain.from_iterable(laps)), len(stages), entries)
+
+    def _begins_beside(self, step: _Step, start_m: Point | None) -> bool:
+        """Whether not all of the square about the start makes the step that the start itself makes."""
+        if start_m is None:
+            return False
+        made = self._grounds.touching_only(self._ends(step, None))
+        return not shapely.intersects(made, shapely.Point(start_m))
 
     def _ending(
         self, stages: Sequence[Stage], states: tuple[int, int], start: int, lap: Area, pair: Pair
@@ -301,7 +313,7 @@ class StagesOfRuns:
         Where all of the tube lies in triangles with such a letter, no other need be entered.
         """
         if earlier.state == DEAD:
-            return {letters[0]}
+            return {letters[0]} if step.index else set()
         return self._ends(earlier, lap) - self._making(step, earlier.state, lap)
 
     def _making(self, step: _Step, state: int, lap: Pair | None) -> set[int]:

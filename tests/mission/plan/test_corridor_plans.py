@@ -101,3 +101,19 @@ def test_who_begins_where_the_flight_may_end_stays_there() -> None:
     assert plan.certificate.holds
     assert not plan.instead
     assert plan.curve.length_m == 0.0
+
+
+@pytest.mark.parametrize("loiter", ["", ", loiter_s: 3"])
+def test_a_flight_that_begins_beside_the_rim_of_what_it_visits_goes_into_it_first(loiter: str) -> None:
+    """0.2 m inside of b, less than the tube of half a metre; to begin inside is not to enter, so it does not stay."""
+    text = (
+        SQUARE.replace("FORMULA", "F b & F a")
+        .replace("[6, 6]", "[46.2, 30]")
+        .replace("[46, 34]]", f"[46, 34]]{loiter}")
+    )
+    plan = plan_mission(parse_mission(text.encode()))
+    assert isinstance(plan.path, Polyline)
+    assert not plan.instead
+    assert plan.certificate.word[0] == {"b"}
+    assert plan.path.position(np.linspace(0.0, plan.path.duration_s, 500))[:, 0].max() > 46.45
+    assert plan.stops == ()

@@ -198,3 +198,11 @@ def test_a_clearance_that_closes_what_is_too_narrow_for_the_tube_anyway() -> Non
     assert passage.startswith("south and north are 0.9 m apart near (30, 18.4); with ")
     assert passage.endswith("domain.restricted_clearance_m: 0.44 at most, instead of 1, it is open")
     assert tube == "the tube of the proof needs up to 0.707 m more on each side of the path"
+
+
+def test_a_start_beside_the_rim_of_a_region_is_no_passage() -> None:
+    """The tube reaches out of the region that the flight must begin in, and nothing else is in the way."""
+    text = (SITE % (1.0, "clearance_m: 0", "", WALLS + TUBE, "home & F field")).replace("[7, 20]", "[11.9, 20]")
+    with pytest.raises(NoPlanError) as refused:
+        plan_mission(parse_mission(text.encode()))
+    assert "there is a plan without" not in str(refused.value)
