@@ -10,7 +10,7 @@ import numpy as np
 
 from mission.clock import Clock
 from mission.decimals import decimal
-from mission.errors import VehicleError
+from mission.errors import LinkError, VehicleError
 from mission.fly.flight import FlightOptions
 from mission.fly.interruption import StopRequest
 from mission.fly.loop import fly
@@ -18,6 +18,7 @@ from mission.fly.result import Progress
 from mission.geometry.arrays import FloatArray
 from mission.link.drag import DragEstimate
 from mission.link.transport import Transport
+from mission.monitor.gaps import gaps_text
 from mission.plan.figure_of_eight import figure_of_eight
 from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
@@ -98,7 +99,7 @@ def calibrate(
 
     Raises:
         NoPlanError: There is no room for it.
-        LinkError: The vehicle could not be found, or was lost.
+        LinkError: The vehicle could not be found, or was lost for a while.
         VehicleError: It refused or failed, or the flight was ended before the figure was complete.
     """
     sink = io.BytesIO()
@@ -116,6 +117,9 @@ def calibrate(
     )
     if not result.achieved:
         raise VehicleError(f"nothing was measured: {result.reason}")
+    if result.gaps:
+        # The vehicle waits for setpoints meanwhile, and is as far off as that takes it.
+        raise LinkError(f"nothing was measured: {gaps_text(result.gaps)}; see to the link, then measure again")
     return measured(tracking_of(parse_record(sink.getvalue())), spec.flight.margins)
 
 

@@ -65,6 +65,8 @@ def closed_by_clearances(error: NoPlanError, spec: MissionSpec, start_m: Point) 
         return error
     if not text:
         return error
+    if error.regions and not error.cause:  # what cannot be covered says how
+        text = f"{error}\n{text}"
     return NoPlanError(
         text, cause=Cause.CLEARANCE, conjuncts=error.conjuncts, restricted=error.restricted, regions=error.regions
     )

@@ -113,7 +113,7 @@ class Steering:
         try:
             return self._by_fields(instead)
         except NoPlanError as error:
-            if not instead:
+            if instead in {"", str(error)}:
                 raise
             raise NoPlanError(
                 f"no curve in a corridor is proved: {instead}; and of fields in triangles instead, {error}",

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from mission.errors import VehicleError
+from mission.errors import LinkError, VehicleError
 from mission.fly import FlightOptions, StopRequest
 from mission.fly.calibration import calibrate
 from mission.spec.loader import parse_mission
@@ -67,4 +67,20 @@ def test_a_calibration_that_is_stopped_measures_nothing_and_lands(field: Mission
 
     with pytest.raises(VehicleError, match="nothing was measured: ended by the test"):
         calibrate(field, vehicle, vehicle, options=LANDS, stop_request=once)
+    assert not vehicle.vehicle.autopilot.armed
+
+
+class Silent(LockstepVehicle):
+    """Nothing comes from it for two seconds of its flight."""
+
+    def receive(self, within_s: float) -> list[bytes]:
+        heard = super().receive(within_s)
+        return [] if 40.0 <= self.now_s() < 42.0 else heard
+
+
+def test_a_link_that_was_silent_for_a_while_measures_nothing(field: MissionSpec) -> None:
+    """The vehicle is metres off then, for want of setpoints."""
+    vehicle = Silent(vehicle_of("ardupilot"))
+    with pytest.raises(LinkError, match="nothing was measured: where it was is unknown for 2"):
+        calibrate(field, vehicle, vehicle, options=LANDS)
     assert not vehicle.vehicle.autopilot.armed
