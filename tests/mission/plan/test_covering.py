@@ -118,8 +118,12 @@ def test_a_region_too_narrow_for_its_tube_is_refused_with_the_widths() -> None:
     outline = "[[40, 20], [130, 20], [140, 90], [100, 90], [95, 60], [60, 60], [55, 90], [30, 90]]"
     strip = FIELD_WITH_A_BARN.replace(outline, "[[40, 20], [130, 20], [130, 26], [40, 26]]")
     narrow = strip.replace("disturbance_m_s2: 0.3", "disturbance_m_s2: 5")
-    with pytest.raises(NoPlanError, match="field cannot be covered by lanes 8 m apart in a tube of 5 m on each side"):
+    with pytest.raises(NoPlanError, match=r"the tube does not fit into field; a tube of 2\.11 m per axis") as refused:
         plan_of(narrow)
+    assert "not with this one of 5 m per axis" in str(refused.value)
+    between = strip.replace("disturbance_m_s2: 0.3", "disturbance_m_s2: 2.9")
+    with pytest.raises(NoPlanError, match=r"covered by lanes 8 m apart in a tube of 2\.9 m on each side"):
+        plan_of(between)
 
 
 @pytest.mark.parametrize("forbidden", ["G !pond", "(!pond U home) & F home", "(field -> !pond) U G home"])
