@@ -8,7 +8,7 @@ as a disc and not as the tube's square, and what is visited shrinks by it: both 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import shapely
@@ -75,8 +75,8 @@ class Ground:
         grown = [shapely.buffer(shape, clearance_m, quad_segs=4) if clearance_m else shape for shape in obstacles]
         free = kept.difference(shapely.union_all(grown))
         self.corners = np.unique(shapely.get_coordinates(free), axis=0)
-        self._free = shapely.buffer(free, 1e-6)
-        shapely.prepare(self._free)
+        self.free = shapely.buffer(free, 1e-6)
+        shapely.prepare(self.free)
         among = self.seen(self.corners, self.corners)
         self._among = dijkstra(np.where(np.isfinite(among), among, 0.0))
 
@@ -89,14 +89,14 @@ class Ground:
             for ring in (part.exterior,)
         ]
         found = np.concatenate(points)
-        return np.asarray(found[shapely.covers(self._free, shapely.points(found))])
+        return np.asarray(found[shapely.covers(self.free, shapely.points(found))])
 
     def seen(self, some: Floats, others: Floats) -> Floats:
         """Distances between points that see each other, infinite elsewhere."""
         pairs = np.stack(np.broadcast_arrays(some[:, None], others[None, :]), axis=2)
         lengths = np.linalg.norm(pairs[:, :, 0] - pairs[:, :, 1], axis=-1)
         lines = shapely.linestrings(pairs.reshape(-1, 2, 2))
-        return np.where(shapely.covers(self._free, lines).reshape(lengths.shape), lengths, np.inf)
+        return np.where(shapely.covers(self.free, lines).reshape(lengths.shape), lengths, np.inf)
 
     def between(self, some: Floats, others: Floats) -> Floats:
         """Lengths of shortest ways."""
@@ -118,6 +118,24 @@ class Ground:
             legs.append(float(ways[before[at], at]))
             at = int(before[at])
         return Bound(tuple(reversed(legs)), tuple(order))
+
+    def connection_m(self, places: Sequence[Floats]) -> float:
+        """How long a path is at least from the first of some sets of points to the last, through all others.
+
+        In whatever order, and each set is left where that is best, wherever it was entered: Held and Karp's programme
+        over sets ("A dynamic programming approach to sequencing problems", 1962).
+        """
+        apart = np.zeros((len(places), len(places)))
+        for i, j in combinations(range(len(places)), 2):
+            apart[i, j] = apart[j, i] = self.between(places[i], places[j]).min()
+        inner = len(places) - 2
+        best = np.full((1 << inner, inner), np.inf)
+        best[1 << np.arange(inner), np.arange(inner)] = apart[0, 1:-1]
+        for done in range(1, 1 << inner):
+            for after in (k for k in range(inner) if not done >> k & 1):
+                onward = (best[done] + apart[1:-1, 1 + after]).min()
+                best[done | 1 << after, after] = min(best[done | 1 << after, after], onward)
+        return float((best[-1] + apart[1:-1, -1]).min()) if inner else float(apart[0, -1])
 
     def tour(self, order: Sequence[str], rims: dict[str, Floats]) -> Bound:
         """The shortest round through regions in an order; its first leg leads from the last region to the first."""
