@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import NoReturn
 
-from mission.cli.flight_options import add_flights, add_run
+from mission.cli.flight_options import add_check, add_flights, add_run
 from mission.cli.option_values import place, positive, positive_whole, system_id
 from mission.printable import printable
 
@@ -103,8 +103,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND")
 
-    check = commands.add_parser("check", help="report every fault of mission files, without flying")
-    check.add_argument("files", nargs="+", metavar="FILE", help="mission file (YAML)")
+    add_check(commands.add_parser)
 
     commands.add_parser(
         "schema",

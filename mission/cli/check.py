@@ -1,18 +1,27 @@
-"""``mission check``: report every fault of mission files, and whether each has a plan."""
+"""``mission check``: report every fault of mission files, whether each has a plan, and whether a vehicle may fly it."""
 
+import json
 from argparse import Namespace
+from contextlib import ExitStack
 
 from mission.cli.extent import extent
+from mission.cli.findings import print_table
 from mission.cli.inputs import planned
 from mission.cli.screen import count, err, out, print_error, print_warnings, tube_text
+from mission.cli.vehicle_link import UNHEARD, link_options, open_link
+from mission.clock import WallClock
 from mission.decimals import decimal
-from mission.errors import MissionError
+from mission.errors import Fault, LinkError, MissionError, SpecError
+from mission.fly.preflight import NoGoError, inspect
+from mission.link.address import parse_address
+from mission.plan import FlightPlan
 from mission.printable import printable
 from mission.spec.model import FIELD
 
 
 def run(arguments: Namespace) -> int:
     """Check each file; the exit code is that of the worst of them."""
+    _check_options(arguments)
     codes = []
     for name in arguments.files:
         try:
@@ -22,24 +31,67 @@ def run(arguments: Namespace) -> int:
             codes.append(error.exit_code)
             continue
         codes.append(0)
-        by_field = plan.spec.flight.guidance == FIELD
-        out.print(
-            f"{printable(name)}: sound; "
-            f"{count(plan.partition.size, 'triangle')}, {count(plan.shortest_runs, 'shortest run')}, "
-            f"{extent(plan, 1)}, {'led by the field, without a proof of a tube' if by_field else 'proved'}",
-            markup=False,
-        )
-        if not by_field and (causes := tube_text(plan.spec.flight)):
-            out.print(f"  tube  {causes}", markup=False, highlight=False)
-        if plan.spec.tasks or plan.spec.automaton:
-            for kind, text in plan.written:
-                out.print(f"  {kind}  {text}", markup=False, highlight=False)
-        for task in plan.dropped:
-            out.print(
-                f"  dropped  {task.task} (weight {decimal(task.weight)}): {task.reason}", markup=False, highlight=False
-            )
+        if not arguments.json:
+            _print_plan(plan, name)
         print_warnings(plan.warnings, source=name)
+        if arguments.connect is not None:
+            codes.append(_look(arguments, plan))
     bad = sum(code > 0 for code in codes)
-    if bad and len(codes) > 1:
+    if bad and len(codes) > 1 and arguments.connect is None:
         err.print(f"[bold red]{bad:,} of {count(len(codes), 'file')} cannot be flown[/]")
     return max(codes)
+
+
+def _check_options(arguments: Namespace) -> None:
+    """Refuse what belongs to a vehicle without one, and several missions for one.
+
+    Raises:
+        SpecError: There is such.
+    """
+    if arguments.connect is not None:
+        parse_address(arguments.connect)
+        if len(arguments.files) > 1:
+            raise SpecError((Fault(0, 0, "--connect", "looks at a vehicle for one mission", "name one file"),))
+        return
+    for option, given in (("--json", arguments.json), ("--system-id", arguments.system_id is not None)):
+        if given:
+            raise SpecError((Fault(0, 0, option, "is for a vehicle", "say with --connect where it is"),))
+
+
+def _look(arguments: Namespace, plan: FlightPlan) -> int:
+    """Look at the vehicle, and say go or no-go."""
+    link = link_options(arguments)
+    with ExitStack() as stack:
+        transport = open_link(arguments.connect, link)
+        stack.callback(transport.close)
+        try:
+            findings = inspect(plan, transport, WallClock(), link=link)
+        except LinkError as error:
+            raise LinkError(f"{error}; {UNHEARD}") from error
+        finally:
+            if link.signatures is not None:
+                link.signatures.end()
+    if arguments.json:
+        out.out(json.dumps({"mission": plan.spec.name, **findings.values()}, indent=2, ensure_ascii=False))
+    else:
+        print_table(findings, out)
+    return 0 if findings.go else NoGoError(findings).exit_code
+
+
+def _print_plan(plan: FlightPlan, name: str) -> None:
+    by_field = plan.spec.flight.guidance == FIELD
+    out.print(
+        f"{printable(name)}: sound; "
+        f"{count(plan.partition.size, 'triangle')}, {count(plan.shortest_runs, 'shortest run')}, "
+        f"{extent(plan, 1)}, {'led by the field, without a proof of a tube' if by_field else 'proved'}",
+        markup=False,
+    )
+    if not by_field and (causes := tube_text(plan.spec.flight)):
+        out.print(f"  tube  {causes}", markup=False, highlight=False)
+    if plan.spec.tasks or plan.spec.automaton:
+        for kind, text in plan.written:
+            out.print(f"  {kind}  {text}", markup=False, highlight=False)
+    for task in plan.dropped:
+        out.print(
+            f"  dropped  {task.task} (weight {decimal(task.weight)}): {task.reason}", markup=False, highlight=False
+        )

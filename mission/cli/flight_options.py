@@ -5,6 +5,11 @@ from collections.abc import Callable
 
 from mission.cli.option_values import laps, positive, seed, system_id, whole, wind
 
+_CHECK = """\
+Report every fault of mission files, and whether each has a plan. With --connect also whether the vehicle there may fly
+the plan: its battery, place, limits, failsafes and more, each with its figures and what to do. It is asked for
+telemetry and parameters; nothing is armed or changed.
+"""
 _FLY = """\
 Fly a mission. Without --connect, the bundled vehicle is started on loopback and stopped again.
 
@@ -43,6 +48,20 @@ def add_flights(add_parser: Callable[..., argparse.ArgumentParser]) -> None:
         )
 
 
+def add_check(add_parser: Callable[..., argparse.ArgumentParser]) -> None:
+    """Add the command that looks before a flight."""
+    check = add_parser(
+        "check",
+        help="report every fault of mission files, without flying; with --connect, go or no-go",
+        description=_CHECK,
+        epilog=ADDRESSES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    check.add_argument("files", nargs="+", metavar="FILE", help="mission file (YAML)")
+    add_link(check, "look at")
+    check.add_argument("--json", action="store_true", help="with --connect: print one JSON object instead of a table")
+
+
 def add_run(command: argparse.ArgumentParser) -> None:
     """Add the choice among the shortest runs."""
     command.add_argument(
@@ -62,6 +81,13 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
         help="where a pilot takes the vehicle over, wait for GUIDED or OFFBOARD to be set again, and go on from there",
     )
     fly.add_argument("--out", metavar="FOLDER", default="flights", help="where its folder goes (default: %(default)s)")
+    fly.add_argument(
+        "--force",
+        action="append",
+        default=[],
+        metavar="ROW",
+        help="fly although this row of the check before the flight is a no-go, by its name; several times for several",
+    )
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
     fly.add_argument(
         "--fence",

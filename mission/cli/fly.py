@@ -4,9 +4,11 @@ from argparse import Namespace
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 from mission.cli.extent import extent, without
+from mission.cli.findings import print_departure
 from mission.cli.inputs import planned, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, later_plan_file, write_again
@@ -18,6 +20,7 @@ from mission.errors import LinkError, MissionError, reason
 from mission.fly import FlightOptions, FlightResult, StopSignals, fly
 from mission.fly.amendments import AmendmentFolder
 from mission.fly.planner_process import PlannerProcess
+from mission.fly.preflight import Checks, NoGoError, check_forced
 from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.link.identity import LinkOptions
 from mission.plan import FlightPlan, plan_to_json
@@ -35,6 +38,7 @@ AUTOMATON_SUFFIX = ".hoa"
 def run(arguments: Namespace) -> int:
     """Fly, and return the verdict as an exit code, whether or not somebody reads what is said of it."""
     check_vehicle_options(arguments)
+    check_forced(arguments.force)
     link = link_options(arguments)
     plan = planned(arguments.file, arguments.run, arguments.laps)
     with suppress(OSError):
@@ -96,6 +100,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                     resume_when_handed_back=arguments.resume_when_handed_back,
                     fence=arguments.fence,
                     keep_fence=arguments.keep_fence,
+                    checks=Checks(arguments.force, partial(print_departure, bundled=vehicle is not None)),
                 ),
                 run=arguments.run,
                 on_progress=display.show,
@@ -108,7 +113,10 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
             )
         except MissionError as failure:
             stack.close()
-            print_error(failure)
+            if isinstance(failure, NoGoError):
+                err.print("[bold red]no-go:[/] nothing was armed; `--force ROW` overrides a row by its name")
+            else:
+                print_error(failure)
             if isinstance(failure, LinkError) and not display.heard:
                 err.print(f"    {UNHEARD}", markup=False)
             err.print(f"the record is kept in {folder}", markup=False)

@@ -80,7 +80,7 @@ def link_to(
     vehicle = None
     if arguments.connect is None:
         vehicle = stack.enter_context(BundledVehicle(_vehicle_options(arguments, spec)))
-    transport = _opened(arguments.connect if vehicle is None else vehicle.address, link)
+    transport = open_link(arguments.connect if vehicle is None else vehicle.address, link)
     stack.callback(transport.close)
     if vehicle is None:
         return None, transport, WallClock()
@@ -88,7 +88,12 @@ def link_to(
     return vehicle, lockstep, lockstep
 
 
-def _opened(address: str, link: LinkOptions) -> Transport:
+def open_link(address: str, link: LinkOptions) -> Transport:
+    """The link at an address.
+
+    Raises:
+        LinkError: It cannot be opened; with what to do.
+    """
     try:
         return open_transport(address, None if link.signatures is None else link.signatures.is_genuine)
     except LinkError as error:

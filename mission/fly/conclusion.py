@@ -12,14 +12,14 @@ from mission.monitor.pictures import pictures_text
 
 
 def concluded(
-    session: Session, watch: FlightWatch, *, lost_text: str, interrupted: bool, behind_s: float
+    session: Session, watch: FlightWatch, *, remarks: str, interrupted: bool, behind_s: float
 ) -> FlightResult:
     """The verdict on a flight that came to its end.
 
     Args:
         session: At its end.
         watch: What was watched.
-        lost_text: How much of the record could not be written, in plain words; empty where all was.
+        remarks: What else is to be said of the flight, in plain words; empty where there is nothing.
         interrupted: Whether the user ended it.
         behind_s: How far this computer was behind what the vehicle said, at most.
 
@@ -37,7 +37,7 @@ def concluded(
         plan=watch.plan,
         plans=tuple(leg.plan for leg in watch.legs.legs),
         achieved=achieved,
-        reason=joined(reason, *shortcomings(session, watch, lost_text)),
+        reason=joined(reason, *shortcomings(session, watch, remarks)),
         ending=ending,
         interrupted=interrupted,
         vehicle=watch.vehicle,
@@ -60,14 +60,14 @@ def concluded(
     )
 
 
-def shortcomings(session: Session, watch: FlightWatch, lost_text: str) -> tuple[str, ...]:
+def shortcomings(session: Session, watch: FlightWatch, remarks: str) -> tuple[str, ...]:
     """What is wrong with the flight, or known of it alone, whatever its end; empty words where nothing is."""
     trouble = session.contact.photography.trouble
     pictures = pictures_text(watch.pictures, watch.legs.planned_pictures(), trouble)
     guard = session.contact.fence
     fence = "" if guard is None else guard.trouble
     slowed = slowed_text(watch.cadence.cadence, session.contact.arrival.largest_s)
-    return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), slowed, pictures, fence, lost_text
+    return coverage_text(_covered(session, watch)), gaps_text(watch.gaps), slowed, pictures, fence, remarks
 
 
 def joined(*parts: str) -> str:

@@ -16,6 +16,7 @@ from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.news import News
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
+from mission.fly.preflight import Checks, Gate
 from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner
 from mission.fly.replanning import Replanning
@@ -53,6 +54,7 @@ class FlightOptions:
         keep_fence: Whether that fence stays after the flight.
         resume_when_handed_back: Whether a flight that a pilot has taken over waits to be handed back, and goes on.
         stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
+        checks: What is checked before the vehicle is armed, and what of it does not count.
     """
 
     link: LinkOptions = field(default_factory=LinkOptions)
@@ -61,6 +63,7 @@ class FlightOptions:
     fence: bool = False
     keep_fence: bool = False
     stray_m: float = _STRAY_M
+    checks: Checks = field(default_factory=Checks)
 
 
 class Flight:
@@ -86,6 +89,7 @@ class Flight:
             land_when_stopped=options.land_when_stopped,
             waits_for_pilot=options.resume_when_handed_back,
         )
+        self.gate = Gate(self.session.contact, options.checks)
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
         self._given_up = False
@@ -109,6 +113,11 @@ class Flight:
         largest_s = self.listening.largest_behind_s
         return largest_s if largest_s > BEHIND_S else 0.0
 
+    @property
+    def remarks(self) -> str:
+        """What was lost of the record, and what the flight was made against; empty where nothing was."""
+        return joined(self.record.lost_text, self.gate.forced_text)
+
     def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
         """One turn of the loop: listen, think, speak."""
         session = self.session
@@ -119,7 +128,8 @@ class Flight:
             self.tell_trouble()
             self.tell_fence()
             self.tell_leap()
-            if session.stage is Stage.STANDBY:
+            if session.stage is Stage.STANDBY and self.gate.open:
+                self.gate.judge(self.plan, self.options.link, self.record, fenced=self.options.fence)
                 self.depart()
             self.look_after()
             if self._amending is not None:
@@ -325,7 +335,7 @@ class Flight:
         result = concluded(
             self.session,
             self.watch,
-            lost_text=self.record.lost_text,
+            remarks=self.remarks,
             interrupted=self.interrupted,
             behind_s=self.behind_s,
         )
@@ -356,7 +366,7 @@ class Flight:
             left = self.session.left
             put_back(self.session, transport, self.clock, gone)
         self._take_what_can_be_taken()
-        reason = joined(str(why), left, *shortcomings(self.session, self.watch, self.record.lost_text))
+        reason = joined(str(why), left, *shortcomings(self.session, self.watch, self.remarks))
         with contextlib.suppress(Exception):
             self.record.write(
                 "verdict", self.newest_s, achieved=False, reason=reason, ending="failed", behind_s=self.behind_s

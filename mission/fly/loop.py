@@ -64,6 +64,7 @@ def fly(
     Raises:
         LinkError: The vehicle could not be found, or was lost; the record is complete up to there.
         VehicleError: It refused, failed, or did not do what it accepted.
+        NoGoError: The check before the flight found what forbids it.
         NoPlanError: It stands where this mission cannot be flown from.
         FlightError: It was in flight when something failed here; the cause is chained.
     """

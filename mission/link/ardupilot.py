@@ -8,7 +8,7 @@ LOITER obeys the throttle stick, so without a pilot the mode that holds is BRAKE
 from collections.abc import Mapping
 from typing import Final
 
-from mission.link.autopilot import COMMON_ONCE, COMMON_RATES_HZ, Autopilot
+from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
 from mission.link.fence_rules import FenceRules
 from mission.link.messages import AUTOPILOT_ARDUPILOT, Stream, arm, change_mode, land, take_off
 from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
@@ -101,8 +101,7 @@ ARDUPILOT: Final = Autopilot(
     land_mode=_LAND,
     hold=change_mode("BRAKE", _BRAKE),
     land=land(_HERE),
-    rates_hz={**COMMON_RATES_HZ, Stream.EKF_STATUS_REPORT: 2.0},
-    once=(*COMMON_ONCE, Stream.WIND),
+    rates_hz={**COMMON_RATES_HZ, Stream.EKF_STATUS_REPORT: 2.0, Stream.WIND: 0.5},
     bytewise=False,
     fence=FenceRules(
         switch="FENCE_ENABLE",

@@ -23,7 +23,6 @@ class Autopilot:
         hold: The command that leads to ``hold_mode``.
         land: The command that leads to ``land_mode``.
         rates_hz: The messages that it is asked for, and how often.
-        once: The messages that it is asked for once.
         bytewise: Whether it sends the bytes of an integer parameter, and not its value.
         fence: What it has to be told of its geofence.
         departure: The steps from disarmed on the ground to flying setpoints, for an altitude above the take-off point.
@@ -38,7 +37,6 @@ class Autopilot:
     hold: Command
     land: Command
     rates_hz: Mapping[Stream, float]
-    once: tuple[Stream, ...]
     bytewise: bool
     fence: FenceRules
     departure: Callable[[float], tuple[Step, ...]]
@@ -56,13 +54,6 @@ COMMON_RATES_HZ: Mapping[Stream, float] = {
     Stream.SYS_STATUS: 2.0,
     Stream.GPS_GLOBAL_ORIGIN: 1.0,
     Stream.BATTERY_STATUS: 0.5,
+    Stream.GPS_RAW_INT: 1.0,
 }
 """What every autopilot is asked for."""
-
-COMMON_ONCE: tuple[Stream, ...] = (
-    Stream.GPS_GLOBAL_ORIGIN,
-    Stream.AUTOPILOT_VERSION,
-    Stream.HOME_POSITION,
-    Stream.GPS_RAW_INT,
-)
-"""What every autopilot is asked for once."""

@@ -23,6 +23,7 @@ from mission.link.values import (
     Body,
     Command,
     EstimatorReport,
+    Fix,
     GlobalPosition,
     Health,
     Heartbeat,
@@ -45,7 +46,10 @@ _BODIES: Final[dict[Stream, type[Body]]] = {
     Stream.ESTIMATOR_STATUS: EstimatorReport,
     Stream.EXTENDED_SYS_STATE: Landing,
     Stream.AUTOPILOT_VERSION: Version,
+    Stream.GPS_RAW_INT: Fix,
 }
+_NOT_ALWAYS: Final = frozenset((Stream.WIND, Stream.WIND_COV))
+"""A vehicle that makes no estimate of the wind sends none, however often it is asked."""
 
 
 def is_vehicle(received: Received) -> bool:
@@ -90,7 +94,8 @@ class StreamRequests:
         self._round = deque(
             (
                 *(set_message_interval(stream, rate) for stream, rate in autopilot.rates_hz.items()),
-                *map(request_message, autopilot.once),
+                request_message(Stream.GPS_GLOBAL_ORIGIN),
+                request_message(Stream.AUTOPILOT_VERSION),
             )
         )
 
@@ -101,12 +106,12 @@ class StreamRequests:
     def begin_again(self, heard: set[type[Body]]) -> None:
         """Begin a round for what has not come though it was asked for: at its rate, and once."""
         for stream, rate_hz in self._rates_hz.items():
-            if _BODIES[stream] not in heard:
+            if stream not in _NOT_ALWAYS and _BODIES[stream] not in heard:
                 self._round += (set_message_interval(stream, rate_hz), request_message(stream))
 
     def renewal(self, bodies: tuple[type[Body], ...]) -> Command:
         """The command of one of these messages, in turn; each is one that this autopilot is asked for."""
-        streams = [stream for stream in self._rates_hz if _BODIES[stream] in bodies]
+        streams = [stream for stream in self._rates_hz if _BODIES.get(stream) in bodies]
         self._turn += 1
         stream = streams[self._turn % len(streams)]
         return set_message_interval(stream, self._rates_hz[stream])

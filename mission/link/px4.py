@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-from mission.link.autopilot import COMMON_ONCE, COMMON_RATES_HZ, Autopilot
+from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
 from mission.link.fence_rules import FenceRules
 from mission.link.messages import AUTOPILOT_PX4, Stream, arm, change_mode, land, take_off
 from mission.link.steps import Scene, Step, arm_steps, change_mode_step, climb_step
@@ -113,8 +113,7 @@ PX4: Final = Autopilot(
     land_mode=_LAND,
     hold=change_mode("AUTO.LOITER", _AUTO, _SUB_HOLD),
     land=land(_HERE),
-    rates_hz={**COMMON_RATES_HZ, Stream.ESTIMATOR_STATUS: 2.0},
-    once=(*COMMON_ONCE, Stream.WIND_COV),
+    rates_hz={**COMMON_RATES_HZ, Stream.ESTIMATOR_STATUS: 2.0, Stream.WIND_COV: 0.5},
     bytewise=True,
     fence=FenceRules(
         switch="GF_ACTION",

@@ -15,7 +15,6 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
-    Home,
     LandedState,
     Landing,
     LocalPosition,
@@ -82,7 +81,6 @@ class VehicleState:
         self.landed = LandedState.UNDEFINED
         self.version: Version | None = None
         self.fix: Fix | None = None
-        self.home: Home | None = None
         self.wind: Wind | None = None
         self.heard_kinds: set[type[Body]] = set()
         self._no_numbers: set[type[Body]] = set()
@@ -234,8 +232,6 @@ class VehicleState:
             self.version = body
         elif isinstance(body, Fix):
             self.fix = body
-        elif isinstance(body, Home):
-            self.home = body
         elif isinstance(body, Wind):
             self.wind = body if math.isfinite(body.speed_m_s + body.from_deg) else None
 

@@ -2,14 +2,13 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from html import escape as escaped
 from typing import Any
 
 from mission.decimals import decimal
 from mission.monitor.gaps import Missing
 from mission.plan import FlightPlan
-from mission.printable import printable
 from mission.report.figures import Picture
+from mission.report.markup import STYLE, Row, details, escape, facts, table
 from mission.report.reading import Entry, Record
 from mission.spec.model import FIELD
 from mission.spec.tasks import task_text
@@ -17,6 +16,9 @@ from mission.spec.tasks import task_text
 SEVERITIES = ("emergency", "alert", "critical", "error", "warning", "notice", "info", "debug")
 FIRST = "10_flown_path.png"
 """The picture that a reader looks for first: it stands above all numbers."""
+PREFLIGHT = "preflight"
+"""The event that holds the table of the check before the flight."""
+
 _SAID_OF_THE_ENDING = (
     ("vehicle", "Vehicle"),
     ("ending", "Ending"),
@@ -28,37 +30,6 @@ _SAID_OF_THE_ENDING = (
     ("link_delay_s", "Seconds that the link took, both ways"),
     ("behind_s", "This computer did not keep up: seconds behind"),
 )
-STYLE = """\
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif; color: #111; background: #fff;
-  max-width: 60rem; margin: 2rem auto; padding: 0 1.25rem; }
-h1 { font-size: 1.7rem; line-height: 1.2; margin: 0 0 .25rem; }
-h2 { font-size: 1.2rem; margin: 2.2rem 0 .6rem; border-bottom: 1px solid #bbb; padding-bottom: .2rem; }
-.verdict { border-left: .5rem solid #595959; background: #f4f4f4; padding: .7rem 1rem; margin: 1.2rem 0; }
-.verdict strong { font-size: 1.15rem; }
-.achieved { border-color: #009e73; }
-.failed { border-color: #d55e00; }
-pre, code { font-family: ui-monospace, "DejaVu Sans Mono", Consolas, monospace; font-size: .9rem; }
-pre { background: #f4f4f4; padding: .7rem 1rem; overflow-x: auto; white-space: pre-wrap; overflow-wrap: anywhere; }
-table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { text-align: left; vertical-align: top; padding: .25rem .8rem .25rem 0; border-bottom: 1px solid #ddd;
-  overflow-wrap: anywhere; }
-tbody th { font-weight: normal; color: #444; width: 34%; padding-right: 1.2rem; }
-.log td:nth-child(-n+2), .log th { white-space: nowrap; width: 1%; padding-right: 1.2rem; }
-summary { cursor: pointer; padding: .3rem 0; }
-figure { margin: 1.6rem 0; break-inside: avoid; }
-figure img { max-width: 100%; height: auto; display: block; margin: 0 auto; }
-figcaption { color: #333; margin-top: .5rem; }
-@media print { body { margin: 0; max-width: none; font-size: 11pt; } h2 { break-after: avoid; }
-  tr { break-inside: avoid; } }
-"""
-
-Row = tuple[str, str]
-
-
-def escape(text: str) -> str:
-    """Text for the page: neither markup, nor what would change how the rest reads."""
-    return escaped(printable(text, keep="\n\t"))
 
 
 def page(
@@ -87,21 +58,22 @@ def page(
         "<h2>Mission</h2>",
         f"<p>Specification ({escape(spec.semantics.value)} semantics):</p><pre>{escape(plan.specification)}</pre>",
         _tasks(plan),
-        _details(f"Automaton {spec.automaton.file}", spec.automaton.text) if spec.automaton else "",
-        _details("Mission file", mission_text) if mission_text else "",
+        details(f"Automaton {spec.automaton.file}", spec.automaton.text) if spec.automaton else "",
+        details("Mission file", mission_text) if mission_text else "",
         "<h2>Plan</h2>",
-        _facts(_planned_rows(numbers["planned"])),
+        facts(_planned_rows(numbers["planned"])),
         "<h2>Certificate</h2>",
-        _facts(_certificate_rows(numbers["certificate"], numbers["planned"])),
+        facts(_certificate_rows(numbers["certificate"], numbers["planned"])),
     ]
     if record is not None:
         parts += [
             "<h2>Flight</h2>",
-            _facts(_flown_rows(numbers)),
+            facts(_flown_rows(numbers)),
             "<h2>Word flown</h2>",
             _word(numbers["flown"]["word"]),
             "<h2>Vehicle</h2>",
-            _facts([(name.replace("_", " "), _text(value)) for name, value in record.vehicle.items() if name != "t_s"]),
+            facts([(name.replace("_", " "), _text(value)) for name, value in record.vehicle.items() if name != "t_s"]),
+            *map(_preflight, (event for event in record.events if event.text == PREFLIGHT)),
         ]
     others = [_figure(picture) for picture in pictures if picture.file != FIRST]
     parts += ["<h2>Pictures</h2>" if others else "", *others]
@@ -113,10 +85,6 @@ def page(
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<title>{escape(title)}</title>\n'
         f"<style>\n{STYLE}</style>\n</head>\n<body>\n" + "\n".join(filter(None, parts)) + "\n</body>\n</html>\n"
     )
-
-
-def _details(title: str, text: str) -> str:
-    return f"<details><summary>{escape(title)}</summary><pre>{escape(text)}</pre></details>"
 
 
 def _tasks(plan: FlightPlan) -> str:
@@ -132,7 +100,7 @@ def _tasks(plan: FlightPlan) -> str:
         )
         for i, task in enumerate(plan.spec.tasks)
     ]
-    return _table(("task", "weight", ""), rows)
+    return table(("task", "weight", ""), rows)
 
 
 def _verdict(verdict: Mapping[str, Any] | None) -> str:
@@ -148,7 +116,7 @@ def _verdict(verdict: Mapping[str, Any] | None) -> str:
         if verdict.get(name) not in (None, "", False, 0)
     ]
     reason = f"<br>{escape(_sentence(str(verdict['reason'])))}" if verdict["reason"] else ""
-    return f'<p class="verdict {kind}"><strong>{words}</strong>{reason}</p>' + (_facts(more) if more else "")
+    return f'<p class="verdict {kind}"><strong>{words}</strong>{reason}</p>' + (facts(more) if more else "")
 
 
 def _planned_rows(planned: Mapping[str, Any]) -> list[Row]:
@@ -293,7 +261,7 @@ def _word(word: Iterable[Mapping[str, Any]]) -> str:
         (_time(letter["t_s"]), _letter(letter["labels"]), " ".join(_triangle(i) for i in letter["triangles"]))
         for letter in word
     ]
-    return _table(("vehicle time, s", "labels", "triangles"), rows) if rows else "<p>No triangle was visited.</p>"
+    return table(("vehicle time, s", "labels", "triangles"), rows) if rows else "<p>No triangle was visited.</p>"
 
 
 def _log(record: Record) -> str:
@@ -301,14 +269,24 @@ def _log(record: Record) -> str:
         values = ", ".join(f"{name} {_text(value)}" for name, value in entry.values.items() if name != "severity")
         return entry.t_s, kind, entry.text, values
 
-    entries = [row(entry, "event") for entry in record.events]
+    entries = [row(entry, "event") for entry in record.events if entry.text != PREFLIGHT]
     entries += [row(entry, _severity(entry.values.get("severity"))) for entry in record.texts]
     entries.sort(key=lambda entry: entry[0])
     rows = [(_time(t_s), kind, f"{text} ({values})" if values else text) for t_s, kind, text, values in entries]
     if not rows:
         return "<p>None.</p>"
-    table = _table(("time, s", "kind", "what"), rows, kind="log")
-    return f"<details><summary>{len(rows):,} entries, in vehicle time</summary>{table}</details>"
+    shown = table(("time, s", "kind", "what"), rows, kind="log")
+    return f"<details><summary>{len(rows):,} entries, in vehicle time</summary>{shown}</details>"
+
+
+def _preflight(checked: Entry) -> str:
+    """What was looked at before the flight; a row that was overridden says so."""
+    rows = [
+        (each["row"], f"{each['level']}, forced" if each["forced"] else each["level"], each["figure"], each["advice"])
+        for each in checked.values["rows"]
+    ]
+    title = f"Check before the flight: {'go' if checked.values['go'] else 'no-go'}"
+    return f"<h2>{title}</h2>{table(('', '', 'figures', 'what to do'), rows)}"
 
 
 def _figure(picture: Picture) -> str:
@@ -316,18 +294,6 @@ def _figure(picture: Picture) -> str:
         f'<figure><img src="{escape(picture.file)}" alt="{escape(picture.title)}">'
         f"<figcaption><strong>{escape(picture.title)}.</strong> {escape(picture.caption)}</figcaption></figure>"
     )
-
-
-def _facts(rows: Iterable[Row]) -> str:
-    lines = [f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td></tr>' for name, value in rows]
-    return "<table><tbody>\n" + "\n".join(lines) + "\n</tbody></table>" if lines else "<p>Nothing is known.</p>"
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]], *, kind: str = "") -> str:
-    top = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
-    lines = ["<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows]
-    attribute = f' class="{kind}"' if kind else ""
-    return f"<table{attribute}><thead><tr>{top}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table>"
 
 
 def _letter(labels: Sequence[str]) -> str:

@@ -7,6 +7,7 @@ import pytest
 
 from mission.errors import LinkError, NoPlanError, VehicleError
 from mission.fly import FlightOptions, StopRequest
+from mission.fly.preflight import Checks, NoGoError
 from mission.link.ending import Ending
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
@@ -101,8 +102,16 @@ def test_a_flight_from_where_none_was_proved_is_refused(start_m: tuple[float, fl
             8.0 + (-2.0 - start_m[0]) / (METRES_PER_DEGREE * math.cos(math.radians(47.0))),
         )
     )
+    flight = Flight(vehicle, placed)
+    with pytest.raises(NoGoError, match=words) as caught:
+        flight.run()
+    assert caught.value.exit_code == 2
+    assert flight.record.verdict is not None
+    assert words in flight.record.verdict["reason"]
+    flight = Flight(vehicle, placed)
+    flight.options = FlightOptions(checks=Checks(forced=("origin",)))
     with pytest.raises(NoPlanError, match=words):
-        Flight(vehicle, placed).run()
+        flight.run()
     assert not vehicle.setpoints
     assert not vehicle.armed
 
@@ -123,8 +132,9 @@ def test_positions_that_contradict_each_other_are_not_flown_on() -> None:
         honest()
 
     vehicle._report = report_a_shifted_place  # type: ignore[method-assign]
-    with pytest.raises(VehicleError, match="m apart"):
+    with pytest.raises(NoGoError, match="m apart") as caught:
         flight.run()
+    assert caught.value.exit_code == 4
 
 
 def test_a_pilot_who_takes_over_ends_the_mission_unachieved(plan: FlightPlan) -> None:

@@ -56,7 +56,7 @@ flight:
   disturbance_m_s2: 0.4
 limits:
   speed_m_s: 8.0
-  acceleration_m_s2: 3
+  acceleration_m_s2: 2.5
   tilt_deg: 25
 """
 """Two places again and again, from and to a third."""

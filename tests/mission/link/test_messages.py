@@ -18,7 +18,6 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
-    Home,
     LandedState,
     Landing,
     LocalPosition,
@@ -118,10 +117,6 @@ def test_parameters_of_commands() -> None:
         ),
         (mavlink.MAVLink_wind_message(-90.0, 4.0, 1.0), Wind(4.0, 270.0)),
         (mavlink.MAVLink_wind_cov_message(0, 0.0, 4.0, 0.0, 0, 0, 0, 0, 0), Wind(4.0, 270.0)),
-        (
-            mavlink.MAVLink_home_position_message(473977420, 85455940, 0, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0),
-            Home(473977420 * 1e-7, 85455940 * 1e-7),
-        ),
         (
             mavlink.MAVLink_sys_status_message(0x7, 0x3, 0x1, 0, 0, 0, 55, 0, 0, 0, 0, 0, 0),
             Health(Sensors(0x3), Sensors(0x1), 55),
