@@ -164,7 +164,7 @@ def _covered(plan: FlightPlan, visit: CoveredVisit, lap: int, rows: FloatArray) 
         return None
     area = plan.area_of(visit.region)
     covered = swath(rows[:, 2:], rows[:, 0], spacing_m=visit.spacing_m, longest_gap_s=GAP_S, counts=counts)
-    left_out = uncovered(area, covered)
+    left_out = uncovered(area, covered if visit.before is None else shapely.union_all([covered, visit.before]))
     return Covered(visit.region, lap, 1.0 - left_out.area / area.area, visit.share, left_out)
 
 

@@ -9,6 +9,7 @@ import shapely
 
 from mission.errors import UnprovedError
 from mission.geometry.arrays import FloatArray
+from mission.plan.begun import LanesLeft, StayLeft
 from mission.spec.model import Point
 from mission.steering.bezier import DEGREE, BezierCurve
 from mission.steering.corridor import Pace
@@ -46,12 +47,16 @@ class Beginning:
         velocity_m_s: East and north.
         acceleration_m_s2: Likewise; nothing at rest.
         halts: Whether the vehicle first comes to rest, straight ahead.
+        lanes: What is left of visits that cover, which are under way.
+        stays: What is left of stays.
     """
 
     place_m: Point
     velocity_m_s: Point = (0.0, 0.0)
     acceleration_m_s2: Point = (0.0, 0.0)
     halts: bool = False
+    lanes: tuple[LanesLeft, ...] = ()
+    stays: tuple[StayLeft, ...] = ()
 
     @property
     def moves(self) -> bool:

@@ -1,9 +1,8 @@
 """From a run to a smooth curve in the corridor of the shortest path that does what the run does, with its proof."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import accumulate
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 import shapely
@@ -14,15 +13,16 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.plan.beginning import Beginning
+from mission.plan.begun import StayLeft
+from mission.plan.corridor_flight import Flown, Line, planned_along, rests
 from mission.plan.covering import CoveredVisit, Covering
 from mission.plan.progress import Grounds, Stage, Stages, StagesOfRuns
 from mission.plan.visits import covered_visits, passage_at, visits
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, Point, Region
-from mission.steering.bezier import DEGREE, BezierCurve
 from mission.steering.certificate import Certificate
-from mission.steering.corridor import Pace, Way, smooth_ways
-from mission.steering.joined import Curve, JoinedCurve, Piece
+from mission.steering.corridor import Pace, Way
+from mission.steering.joined import JoinedCurve
 from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.taut import TautLine, taut_path
@@ -31,6 +31,7 @@ from mission.steering.timing import level_acceleration
 _ROOM_OF_TUBE: Final = 0.01
 _ROOM_OF_EXTENT: Final = 2e-4
 """How far the curve stays from where its tube would touch what it must not, as parts of the tube and the domain."""
+_AT_START: Final = -1  # of a stage: where the flight begins, before all others
 _MORE_ROOM: Final = (1.0, 8.0)  # times that room, until a proof is found
 
 
@@ -58,24 +59,6 @@ class CorridorPath:
     covers: tuple[CoveredVisit, ...]
     margin_m: float
     onward: tuple[FloatArray, FloatArray] | None
-
-
-class _Line(NamedTuple):
-    """A taut line with what is done at its end.
-
-    Attributes:
-        way: The line.
-        held_s: How long the vehicle loiters at its end; 0 where it does not.
-        lanes: The lanes that are flown then.
-    """
-
-    way: Way
-    held_s: float = 0.0
-    lanes: RoundedPolyline | None = None
-
-    @property
-    def rests(self) -> bool:
-        return _rests((self.held_s, self.lanes))
 
 
 def pace_of(spec: MissionSpec) -> Pace:
@@ -140,11 +123,13 @@ class CorridorPlanner:
         free, onward = stages.stages[0].free, begins.onward(self.pace)
         halt = begins.halt(free, self.pace) if begins.halts else None
         lead_m = begins.lead_m(free, self.pace) if halt is None else halt.position([halt.duration_s])
-        to_lap, lap = self._lines(run, stages, lead_m[-1], margin_m)
+        to_lap, lap = self._lines(
+            run, stages, replace(begins, place_m=(float(lead_m[-1, 0]), float(lead_m[-1, 1]))), grounds, margin_m
+        )
         if len(lead_m) > 1:
-            to_lap.insert(0, _Line(Way(lead_m, free, None)))
-        before = [] if halt is None else [_Line(Way(halt.position([0.0, halt.duration_s]), free, None))]
-        flown = _Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward[:2]))
+            to_lap.insert(0, Line(Way(lead_m, free, None)))
+        before = [] if halt is None else [Line(Way(halt.position([0.0, halt.duration_s]), free, None))]
+        flown = Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward[:2]))
         if not flown.moves:
             raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
         curve = flown.curve
@@ -156,38 +141,34 @@ class CorridorPlanner:
                 where_s=certificate.where_s,
             )
         return CorridorPath(
-            planned=_planned([*before, *to_lap], lap, self.pace.speed_m_s),
+            planned=planned_along([*before, *to_lap], lap, self.pace.speed_m_s),
             curve=curve,
             certificate=certificate,
             lap=len(curve.legs) - 1 if lap else None,
             stops=flown.stops,
-            covers=tuple(self.covering.visit(lanes, start_s) for lanes, start_s in flown.lanes)
-            if self.covering
-            else (),
+            covers=tuple(self._visit(begins, lanes, start_s) for lanes, start_s in flown.lanes),
             margin_m=margin_m,
             onward=flown.onward,
         )
 
-    def _lines(self, run: Run, stages: Stages, start_m: FloatArray, margin_m: float) -> tuple[list[_Line], list[_Line]]:
+    def _visit(self, begins: Beginning, curve: RoundedPolyline, start_s: float) -> CoveredVisit:
+        left = next((left for left in begins.lanes if left.curve is curve), None)
+        if left is not None:
+            return left.at(start_s)
+        if self.covering is None:
+            raise ValueError("nothing is covered here")
+        return self.covering.visit(curve, start_s)
+
+    def _lines(
+        self, run: Run, stages: Stages, begins: Beginning, grounds: Grounds, margin_m: float
+    ) -> tuple[list[Line], list[Line]]:
         """The taut lines to the lap, and those of the lap, which begins at a rest if it has one."""
-        covers = self._covers(run, stages, start_m)
-        stretches: list[Stage] = []
-        done: list[tuple[float, RoundedPolyline | None]] = []
-        renumbered: list[int] = []
-        for number, stage in enumerate(stages.stages):
-            renumbered.append(len(stretches))
-            lanes = covers.get(number, [])
-            for curve in lanes:
-                begin, end = curve.corners_m[0], curve.corners_m[-1]
-                stretches.append(replace(stage, target=shapely.Point(begin), restart_m=end))
-                done.append((0.0, curve))
-            if not lanes:
-                stretches.append(stage)
-                done.append((self._held_s(stage), None))
+        start_m = np.array(begins.place_m)
+        stretches, done, renumbered = self._stretches(run, stages, begins, grounds)
         lap_from = None if stages.lap is None else renumbered[stages.lap]
         entries = [renumbered[entry] for entry in stages.entries]
         # A lap that begins where one rests needs no way to there that does a part of it as well.
-        resting = [entry for entry in entries if _rests(done[entry - 1 if entry != lap_from else -1])]
+        resting = [entry for entry in entries if rests(done[entry - 1 if entry != lap_from else -1])]
         found = taut_path(start_m, stretches, lap=lap_from, entries=resting or entries)
         lines = [
             _line(
@@ -201,21 +182,44 @@ class CorridorPlanner:
         to_lap, lap = lines[: found.lap], lines[found.lap :]
         if to_lap:
             # It leads to where the lap begins; what is done there is done at the end of each lap.
-            to_lap[-1] = _Line(to_lap[-1].way)
+            to_lap[-1] = Line(to_lap[-1].way)
         first = next((number for number, line in enumerate(lap) if line.rests), None)
         if first is None:
             return to_lap, lap
         if lap[-1].rests:
             if to_lap:
-                to_lap[-1] = _Line(to_lap[-1].way, lap[-1].held_s)
+                to_lap[-1] = Line(to_lap[-1].way, lap[-1].held_s)
             return to_lap, lap
         head, tail = lap[: first + 1], lap[first + 1 :]
         covering = head[-1].lanes
         if covering is not None:
             # The lap begins with its lanes, so that the way to it does not cover as well.
-            head[-1] = _Line(head[-1].way)
-            tail.insert(0, _Line(Way(head[-1].way.points_m[-1:], head[-1].way.free, None), lanes=covering))
+            head[-1] = Line(head[-1].way)
+            tail.insert(0, Line(Way(head[-1].way.points_m[-1:], head[-1].way.free, None), lanes=covering))
         return [*to_lap, *head], [*tail, *head]
+
+    def _stretches(
+        self, run: Run, stages: Stages, begins: Beginning, grounds: Grounds
+    ) -> tuple[list[Stage], list[tuple[float, RoundedPolyline | None]], list[int]]:
+        """The stages with what is flown for those that cover; what is done at their ends; the new number of each."""
+        covers = self._covers(run, stages, begins)
+        first = replace(stages.stages[0], index=_AT_START)
+        stays = list(self._stays(run, first, begins, grounds))
+        stretches: list[Stage] = [replace(first, target=target) for _, target in stays]
+        done: list[tuple[float, RoundedPolyline | None]] = [(stay.seconds, None) for stay, _ in stays]
+        renumbered: list[int] = []
+        for number, stage in [(_AT_START, first), *enumerate(stages.stages)]:
+            lanes = covers.get(number, [])
+            if number != _AT_START:
+                renumbered.append(len(stretches))
+            for curve in lanes:
+                begin, end = curve.corners_m[0], curve.corners_m[-1]
+                stretches.append(replace(stage, target=shapely.Point(begin), restart_m=end))
+                done.append((0.0, curve))
+            if not lanes and number != _AT_START:
+                stretches.append(stage)
+                done.append((self._held_s(stage), None))
+        return stretches, done, renumbered
 
     def _held_s(self, stage: Stage) -> float:
         """How long the vehicle loiters where a stage ends."""
@@ -239,21 +243,43 @@ class CorridorPlanner:
             default=0.0,
         )
 
-    def _covers(self, run: Run, stages: Stages, start_m: FloatArray) -> dict[int, list[RoundedPolyline]]:
-        """The lanes of each stage with whose visit regions are covered."""
+    def _stays(
+        self, run: Run, first: Stage, begins: Beginning, grounds: Grounds
+    ) -> Iterator[tuple[StayLeft, shapely.Geometry]]:
+        """The stays that are under way where the flight begins, and where the vehicle stands in them."""
+        for stay in begins.stays:
+            if stay.region in self.labelling.label(run.states[0]):
+                inside = np.zeros(self.partition.size, dtype=np.bool_)
+                inside[self.labelling.triangles_of(stay.region)] = True
+                yield stay, shapely.intersection(first.free, grounds.inside(inside))
+
+    def _covers(self, run: Run, stages: Stages, begins: Beginning) -> dict[int, list[RoundedPolyline]]:
+        """The lanes of each stage with whose visit regions are covered.
+
+        A visit under way goes on at once where the flight begins in its region; else when that is first visited.
+        """
         if self.covering is None:
             return {}
         whole, semantics = self.automaton.whole, self.spec.semantics
         asked = covered_visits(self.spec, self.partition, self.labelling, whole, run)
-        passed = _passed(stages, start_m) if asked else {}
+        passed = _passed(stages, np.array(begins.place_m)) if asked else {}
+        here, once = self.labelling.label(run.states[0]), len(run.states) - len(run.suffix) * run.recurrent
         found: dict[int, list[RoundedPolyline]] = {}
+        left = {lanes.region: lanes.curve for lanes in reversed(begins.lanes)}
+        for name in sorted(left.keys() & here):
+            found.setdefault(_AT_START, []).append(left[name])
         for index, regions in asked.items():
             passage = passage_at(self.labelling, whole, run, semantics, index)
             centre = self.partition.corners_m[run.states[index]].mean(axis=0)
             place = (float(centre[0]), float(centre[1]))
             for region in regions:
                 stage = self._stage_of(run, stages, index, region)
-                found.setdefault(stage, []).append(self.covering.lanes(region, passage, place, passed[stage]))
+                if index < once and region.name in left:
+                    curve = left.pop(region.name)
+                    if stage != _AT_START:
+                        found.setdefault(stage, []).append(curve)
+                else:
+                    found.setdefault(stage, []).append(self.covering.lanes(region, passage, place, passed[stage]))
         return found
 
     def _stage_of(self, run: Run, stages: Stages, index: int, region: Region) -> int:
@@ -261,22 +287,19 @@ class CorridorPlanner:
         inside = [region.name in self.labelling.label(triangle) for triangle in run.states]
         first, last = next((a, b) for a, b in visits(inside) if a <= index <= b)
         ends = [number for number, stage in enumerate(stages.stages) if first <= stage.index <= last]
+        if not ends and first == 0:
+            return _AT_START
         if not ends:
             raise UnprovedError(f"the visit of {region.name} changes nothing", counterexample=(), where_s=None)
         return ends[0]
-
-
-def _rests(done: tuple[float, RoundedPolyline | None]) -> bool:
-    """Whether the vehicle rests where so long is loitered, or where lanes are flown."""
-    held_s, lanes = done
-    return held_s > 0.0 or lanes is not None
 
 
 def _passed(stages: Stages, start_m: FloatArray) -> dict[int, tuple[Point, Point]]:
     """Of each stage, from where the vehicle comes to its end, and where it goes then, were nothing covered."""
     found = taut_path(start_m, stages.stages, lap=stages.lap, entries=stages.entries)
     after = [*found.lines[1:], found.lines[-1 if found.lap is None else found.lap]]
-    passed = {}
+    (x, y), (u, v) = start_m.tolist(), found.lines[0].points_m[:2][-1].tolist()
+    passed = {_AT_START: ((x, y), (u, v))}
     for line, onward in zip(found.lines, after, strict=True):
         ends = line.points_m[-2:][0], onward.points_m[:2][-1]
         (x, y), (u, v) = (end.tolist() for end in ends)
@@ -284,133 +307,6 @@ def _passed(stages: Stages, start_m: FloatArray) -> dict[int, tuple[Point, Point
     return passed
 
 
-def _line(line: TautLine, stage: Stage, held_s: float, lanes: RoundedPolyline | None) -> _Line:
+def _line(line: TautLine, stage: Stage, held_s: float, lanes: RoundedPolyline | None) -> Line:
     target = stage.target if shapely.get_dimensions(stage.target) > 0 and held_s == 0.0 else None
-    return _Line(Way(line.points_m, line.free, target), held_s, lanes)
-
-
-class _Flown:
-    """The curves along lines, what they are joined of, and what is done on them.
-
-    Args:
-        pace: What the vehicle can do.
-        to_lap: The lines that are flown once.
-        lap: Those of the lap; it begins at a rest, or has none.
-        onward: What is flown before, or the first and second derivative with which the curve begins; None at rest.
-    """
-
-    def __init__(
-        self,
-        pace: Pace,
-        to_lap: Sequence[_Line],
-        lap: Sequence[_Line],
-        onward: BezierCurve | tuple[FloatArray, FloatArray] | None,
-    ) -> None:
-        self._pace, self._begins = pace, None if isinstance(onward, BezierCurve) else onward
-        self._pieces: list[Piece] = [onward] if isinstance(onward, BezierCurve) else []
-        self._stops: list[tuple[int, float]] = []  # after so many pieces, seconds
-        self._lanes: list[tuple[RoundedPolyline, int]] = []  # with so many pieces before
-        through = bool(lap) and not any(line.rests for line in lap)
-        lap_from = None
-        if through:
-            *groups, last = _groups([*to_lap, *lap])
-            lap_from = self._fly_through(groups, last, len(lap))
-        else:
-            self._fly(_groups(to_lap))
-            if lap:
-                lap_from = len(self._pieces)
-                self._fly(_groups(lap))
-        if not self._pieces:
-            self._pieces.append(_standing(to_lap[-1].way.points_m[-1]))
-        self._lap_from, self._through = lap_from, through
-
-    def _fly(self, groups: Sequence[Sequence[_Line]]) -> None:
-        for group in groups:
-            self._pieces.extend(self._smooth(group, None))
-            self._end(group[-1])
-
-    def _fly_through(self, groups: Sequence[Sequence[_Line]], last: Sequence[_Line], laps: int) -> int:
-        self._fly(groups)
-        curves = self._smooth(last, len(last) - laps)
-        self._pieces.extend(curves)
-        return len(self._pieces) - 1
-
-    def _smooth(self, group: Sequence[_Line], lap: int | None) -> tuple[Piece, ...]:
-        if all(len(line.way.points_m) < 2 for line in group):  # noqa: PLR2004 - a line
-            return ()
-        onward = None if self._pieces else self._begins
-        return smooth_ways([line.way for line in group], self._pace, lap=lap, onward=onward)
-
-    def _end(self, line: _Line) -> None:
-        if line.held_s > 0.0:
-            self._stops.append((len(self._pieces), line.held_s))
-        if line.lanes is not None:
-            self._lanes.append((line.lanes, len(self._pieces)))
-            self._pieces.append(line.lanes)
-
-    @property
-    def moves(self) -> bool:
-        """Whether there is any curve: who begins where the flight may end need not move."""
-        return bool(self._pieces)
-
-    @property
-    def curve(self) -> JoinedCurve:
-        """The whole curve."""
-        cut = len(self._pieces) if self._lap_from is None else self._lap_from
-        return JoinedCurve(tuple(_joined(part) for part in (self._pieces[:cut], self._pieces[cut:]) if part))
-
-    @property
-    def onward(self) -> tuple[FloatArray, FloatArray] | None:
-        """First and second derivative with which laps end that are flown through."""
-        if not self._through:
-            return None
-        _, slope, bend = self._pieces[-1].jet([self._pieces[-1].duration_s])
-        return slope[0], bend[0]
-
-    @property
-    def _ends_s(self) -> list[float]:
-        return list(accumulate((piece.duration_s for piece in self._pieces), initial=0.0))
-
-    @property
-    def stops(self) -> tuple[tuple[float, float], ...]:
-        """Pairs (curve parameter, seconds)."""
-        ends_s = self._ends_s
-        return tuple((ends_s[count], held_s) for count, held_s in self._stops)
-
-    @property
-    def lanes(self) -> Iterator[tuple[RoundedPolyline, float]]:
-        """Lanes, and the parameter at which they begin."""
-        ends_s = self._ends_s
-        return ((lanes, ends_s[count]) for lanes, count in self._lanes)
-
-
-def _standing(place_m: FloatArray) -> BezierCurve:
-    """The curve of who stays where the flight begins."""
-    return BezierCurve(np.array([0.0, 1.0]), np.broadcast_to(place_m, (1, DEGREE + 1, 2)))
-
-
-def _groups(lines: Sequence[_Line]) -> list[list[_Line]]:
-    """Lines from rest to rest."""
-    groups: list[list[_Line]] = [[]]
-    for line in lines:
-        groups[-1].append(line)
-        if line.rests:
-            groups.append([])
-    return groups if groups[-1] or len(groups) == 1 else groups[:-1]
-
-
-def _joined(pieces: Sequence[Piece]) -> Curve:
-    return pieces[0] if len(pieces) == 1 else JoinedCurve(tuple(pieces))
-
-
-def _planned(to_lap: Sequence[_Line], lap: Sequence[_Line], speed_m_s: float) -> Polyline:
-    """All lines and lanes as one polyline."""
-    parts: list[FloatArray] = []
-    begins: list[int] = []
-    for line in (*to_lap, *lap):
-        begins.append(max(0, sum(map(len, parts)) - 1))
-        parts.append(line.way.points_m)
-        if line.lanes is not None:
-            parts.append(line.lanes.corners_m)
-    points = np.concatenate(parts)
-    return Polyline(points, speed_m_s, (begins[len(to_lap)], len(points) - 1) if lap else None)
+    return Line(Way(line.points_m, line.free, target), held_s, lanes)

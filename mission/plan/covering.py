@@ -50,6 +50,7 @@ class CoveredVisit:
         trigger_m: Distance between images in a lane; None where none are taken.
         share: How much of the region must really be covered.
         planned_share: How much of it a flight covers that keeps to the path.
+        before: What of it was covered by an earlier plan of the same visit; None where nothing was.
     """
 
     region: str
@@ -63,6 +64,7 @@ class CoveredVisit:
     trigger_m: float | None
     share: float
     planned_share: float
+    before: shapely.Geometry | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lanes_m", frozen_floats(self.lanes_m))
@@ -101,6 +103,7 @@ class CoveredVisit:
             "trigger_m": self.trigger_m,
             "share": self.share,
             "planned_share": self.planned_share,
+            "before": None if self.before is None else _rings_of(self.before),
         }
 
     @staticmethod
@@ -119,6 +122,7 @@ class CoveredVisit:
             trigger_m=None if trigger is None else float(trigger),
             share=float(data["share"]),
             planned_share=float(data["planned_share"]),
+            before=None if data.get("before") is None else _of_rings(data["before"]),
         )
 
 
@@ -259,7 +263,7 @@ class Covering:
         curve, passed_s = rounded_within(
             line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
         )
-        share = covered_share(area, _swath(curve, passed_s[ends], spacing_m))
+        share = covered_share(area, swath_along(curve, passed_s[ends], spacing_m))
         return _Lanes(region.name, region.cover, coverage, curve, passed_s[ends], share)
 
     def _visit(self, lanes: _Lanes, start_s: float) -> CoveredVisit:
@@ -279,7 +283,21 @@ class Covering:
         )
 
 
-def _swath(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> shapely.Geometry:
+def _rings_of(area: shapely.Geometry) -> list[list[list[list[float]]]]:
+    """The rings of each polygon of an area, the outer one first."""
+    polygons = [part for part in shapely.get_parts(area) if shapely.get_dimensions(part) == 2]  # noqa: PLR2004 - areas
+    return [[shapely.get_coordinates(ring).tolist() for ring in shapely.get_rings(part)] for part in polygons]
+
+
+def _of_rings(parts: list[list[list[list[float]]]]) -> shapely.Geometry:
+    """The area of these rings; raises ValueError where it is none."""
+    area = shapely.multipolygons([shapely.Polygon(outer, holes) for outer, *holes in parts])
+    if not shapely.is_valid(area):
+        raise ValueError("what was covered before is no area")
+    return area
+
+
+def swath_along(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -> shapely.Geometry:
     """What is within half a spacing of a curve where it flies lanes, by the measure of what is flown."""
     # The curve is straight but for its blends, which every other piece is.
     blends = curve.knots_s[1:-1].reshape(-1, 2)

@@ -7,7 +7,7 @@ it once more, which what is left does not tell apart, or leaves its first letter
 entered, and not yet covered or stood in as its region asks, is due beside what is left.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, count
@@ -37,6 +37,7 @@ from mission.logic.formula.syntax import (
 from mission.logic.formula.word import Letter
 from mission.logic.hoa.text import to_hoa
 from mission.plan.beginning import Beginning
+from mission.plan.begun import LanesLeft, StayLeft, lanes_left, stays_left
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.stages import planned
 from mission.spec.model import (
@@ -108,7 +109,9 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
         raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
     if not _asks_the_same(spec, plan.spec):
         return planned(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), rest.begins)
-    return planned(_begun_at(_left(plan, spec, rest, tuple(_due(plan, rest))), rest), rest.begins)
+    lanes, stays = _under_way(plan, spec, rest)
+    due = [*(left.region for left in lanes), *(left.region for left in stays)]
+    return planned(_begun_at(_left(plan, spec, rest, due), rest), replace(rest.begins, lanes=lanes, stays=stays))
 
 
 def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
@@ -200,15 +203,9 @@ def _named(file: str, automaton: GeneralisedBuchi) -> NamedAutomaton:
     return NamedAutomaton(file, to_hoa(automaton), automaton)
 
 
-def _due(plan: FlightPlan, rest: Rest) -> Iterator[str]:
-    """Regions that were entered, and are not yet covered, or stood in, as they ask to be."""
-    met = frozenset().union(*rest.word)
+def _under_way(plan: FlightPlan, spec: MissionSpec, rest: Rest) -> tuple[tuple[LanesLeft, ...], tuple[StayLeft, ...]]:
+    """The visits of regions that were entered, and are not yet covered, or stood in, as they ask to be."""
+    met: frozenset[str] = frozenset().union(*rest.word)
     flown_s = 0.0 if rest.flown_s is None else plan.trajectory.first_lap_s(rest.flown_s)
-    for visit in plan.covers:
-        if visit.region in met and float(plan.trajectory.time_at(visit.lanes_s[-1, 1])[0]) > flown_s:
-            yield visit.region
-    loitering = [region.name for region in plan.spec.regions if region.loiter_s > 0.0 and region.name in met]
-    for s, _ in plan.stops:
-        if float(plan.trajectory.time_at(s, leaving=True)[0]) > flown_s:
-            place = shapely.Point(*plan.curve.position([s])[0])
-            yield from (name for name in loitering if shapely.intersects(plan.area_of(name), place))
+    kept = frozenset(region.name for region in spec.regions if region in plan.spec.regions)
+    return tuple(lanes_left(plan, flown_s, met & kept)), tuple(stays_left(plan, flown_s, met & kept))

@@ -110,6 +110,8 @@ class Steering:
                 return roomier
             if self.begins.moves:
                 raise NoRollingStartError(instead)
+            if self.begins.stays:
+                raise NoPlanError(instead)
         try:
             return self._by_fields(instead)
         except NoPlanError as error:

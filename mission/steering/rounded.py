@@ -197,6 +197,26 @@ class RoundedPolyline:
         knots = np.append(knots, self.duration_s)
         return Sampled(knots, *self.jet(knots))
 
+    def rest(self, s: float) -> "RoundedPolyline":
+        """What is left of the curve from a place of its polyline on; its parameter counts from there.
+
+        The blend of a corner that is nearer than it was begins there.
+
+        Raises:
+            ValueError: Nothing is left.
+        """
+        corners_s = self.corners_s
+        if not s < corners_s[-1]:
+            raise ValueError("nothing is left of a curve at its end")
+        after = int(np.searchsorted(corners_s, s, side="right"))
+        way = (s - corners_s[after - 1]) / (corners_s[after] - corners_s[after - 1])
+        begin = self.corners_m[after - 1] + way * (self.corners_m[after] - self.corners_m[after - 1])
+        corners = np.concatenate((begin[None], self.corners_m[after:]))
+        reaches = self.reaches_m[after - 1 :].copy()
+        if len(reaches):
+            reaches[0] = min(reaches[0], float(np.hypot(*(corners[1] - begin))))
+        return RoundedPolyline(corners, reaches, self.speed_m_s)
+
     def to_json(self) -> dict[str, Any]:
         """The curve as JSON values; ``from_json`` gives it back bit by bit."""
         return {

@@ -85,10 +85,14 @@ def stops_made(plan: Written) -> Verdict:
     loitering = {region.name: region.loiter_s for region in plan.spec.regions if region.loiter_s > 0.0}
     if sorted(stops) != stops:
         return "`stops` are not in order", ""
+    begun = plan.labelling.label([*plan.data["run"]["prefix"], *plan.data["run"]["suffix"]][0])
     for number, (s, seconds) in enumerate(stops):
         _, met, outside = plan.ground.met_at(plan.curve.at(np.array([s])), plan.spec.flight.tube_m)
         inside = frozenset.intersection(*(plan.labelling.label(triangle) for triangle in met.tolist()))
-        if outside[0] or seconds not in {loitering[name] for name in inside & loitering.keys()}:
+        whole = {loitering[name] for name in inside & loitering.keys()}
+        # In a region in which the flight begins, it stands as long as it still has to.
+        rest = {loitering[name] for name in inside & loitering.keys() & begun} if number == 0 else set()
+        if outside[0] or not (seconds in whole or any(seconds < each for each in rest)):
             return f"`stops.{number}` is not in a region in which to loiter for {seconds:g} s, with all of the tube", ""
     for name, begin, end in _visits(plan, frozenset(loitering)):
         if not any(begin - SAME_S <= s <= end + SAME_S and seconds >= loitering[name] for s, seconds in stops):

@@ -60,7 +60,8 @@ def _visit_fault(plan: Written, visit: dict[str, Any], flown: list[float]) -> st
     # Of a lane that is too short to be more than a moment of the flight, its place counts.
     flown_over = [*shapely.linestrings(flights), *shapely.points(flights[:, 0])]
     swaths = shapely.buffer(flown_over, spacing_m / 2.0, quad_segs=32)
-    share = 1.0 - area.difference(shapely.union_all(swaths)).area / area.area
+    before = [shapely.Polygon(outer, holes) for outer, *holes in visit.get("before") or ()]
+    share = 1.0 - area.difference(shapely.union_all([*swaths, *before])).area / area.area
     off = abs(share - visit["planned_share"]) > _SHARE
     return f"is covered to {share:.2%}, and not to {visit['planned_share']:.2%}" if off else None
 
