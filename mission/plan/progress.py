@@ -75,34 +75,6 @@ class Stages:
     entries: tuple[int, ...] = ()
 
 
-def stages_of(
-    run: Run,
-    automaton: Conjunction,
-    partition: Partition,
-    labelling: Labelling,
-    *,
-    restricted: BoolArray,
-    semantics: Semantics,
-    margin_m: float,
-) -> Stages:
-    """Cut a run into stages.
-
-    Args:
-        run: The run.
-        automaton: The deterministic automaton that accepts its word, over the numbers of ``labelling.letters``.
-        partition: The domain.
-        labelling: Its labels.
-        restricted: Shape (M,), what the tube must never touch.
-        semantics: Whether the word begins with the label of the start triangle.
-        margin_m: Half width of the square around the path that touches only what it may, with some room for rounding.
-
-    Raises:
-        NoStagesError: What is read counts triangles, or a region is too small for the square.
-    """
-    grounds = Grounds(partition, labelling, restricted, margin_m)
-    return StagesOfRuns(grounds, automaton, semantics).of(run)
-
-
 class Grounds:
     """Where the square around a place lies, by the letters of the triangles that it touches.
 

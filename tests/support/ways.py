@@ -18,7 +18,7 @@ from mission.geometry.simplices import Partition
 from mission.plan.best_runs import BestRuns
 from mission.plan.costs import transition_weights
 from mission.plan.crossing_maps import CrossingMaps
-from mission.plan.progress import stages_of
+from mission.plan.progress import Grounds, StagesOfRuns
 from mission.plan.shortest_way import RunSearch
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
@@ -80,15 +80,8 @@ def found(spec: MissionSpec) -> Found:
 def taut_of(way: Found, spec: MissionSpec) -> TautPath:
     """The shortest path that does what a run does, with all of the tube."""
     maps = way.search.maps
-    stages = stages_of(
-        way.best.runs[0],
-        way.best.product.automaton,
-        way.partition,
-        way.labelling,
-        restricted=maps.restricted,
-        semantics=spec.semantics,
-        margin_m=spec.flight.tube_m,
-    )
+    grounds = Grounds(way.partition, way.labelling, maps.restricted, spec.flight.tube_m)
+    stages = StagesOfRuns(grounds, way.best.product.automaton, spec.semantics).of(way.best.runs[0])
     return taut_path(np.array(maps.start_m), stages.stages, lap=stages.lap, entries=stages.entries)
 
 

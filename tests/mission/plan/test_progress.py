@@ -13,7 +13,7 @@ from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
-from mission.plan.progress import NoStagesError, Stages, stages_of
+from mission.plan.progress import Grounds, NoStagesError, Stages, StagesOfRuns
 from mission.planning.product import Product
 from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
@@ -60,9 +60,7 @@ def staged(spec: MissionSpec, margin_m: float) -> tuple[Stages, Partition, Label
     start = int(Locator(partition).triangle_at(np.array([spec.start.position_m]))[0])
     automaton = required(spec.formula, labelling.letters)
     run = search(Product(system, automaton, start, spec.semantics))[0]
-    stages = stages_of(
-        run, automaton, partition, labelling, restricted=restricted, semantics=spec.semantics, margin_m=margin_m
-    )
+    stages = StagesOfRuns(Grounds(partition, labelling, restricted, margin_m), automaton, spec.semantics).of(run)
     return stages, partition, labelling, restricted
 
 
