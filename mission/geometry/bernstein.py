@@ -17,7 +17,7 @@ import numpy as np
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 
 _ROUNDS: Final = 40
-_MOST: Final = 1 << 13
+_MOST: Final = 1 << 10
 """Pieces that are looked into at a time."""
 
 

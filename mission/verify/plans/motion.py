@@ -22,7 +22,15 @@ _UNITS: Final = ("m/s", "m/s^2", "m/s^3")
 
 
 class Law:
-    """A time law of a plan file; raises KeyError, TypeError or ValueError where it is none."""
+    """A time law of a plan file; raises KeyError, TypeError or ValueError where it is none.
+
+    Attributes:
+        knots_t_s: Shape (K,), its knots in time.
+        knots_s: Shape (K,), where they are on the curve.
+        duration_s: How long it lasts.
+        place_s: Where it ends on the curve.
+        ends: The rate and its growth where it begins, and where it ends.
+    """
 
     def __init__(self, data: Mapping[str, Any]) -> None:
         keys = ("knots_t_s", "knots_s", "rates", "growths")
@@ -33,35 +41,27 @@ class Law:
         ):
             raise ValueError("a law has knots in the order of time, with a place, a rate and a growth each")
         self._changes = np.divide(np.diff(self._growths), steps, out=np.zeros_like(steps), where=steps > 0.0)
-        self.duration_s = float(self.knots_t_s[-1])
+        self.duration_s, self.place_s = float(self.knots_t_s[-1]), float(self.knots_s[-1])
+        self.ends = tuple((float(self._rates[i]), float(self._growths[i])) for i in (0, -1))
 
     @property
     def fault(self) -> str | None:
         """What is not as in a law: it begins at 0, and its places and rates are those that it leads to."""
         t, rates, (before, after) = self.knots_t_s, self._rates, (self._growths[:-1], self._growths[1:])
         steps = np.diff(t)
+        # A quadratic polynomial on 0 <= u <= 1 is nowhere negative where this is not, nor its ends.
+        dips = rates[:-1] + 0.5 * steps * before + np.sqrt(np.maximum(rates[:-1] * rates[1:], 0.0))
         led = rates[:-1] + 0.5 * steps * (after + before)
         reached = self.knots_s[:-1] + steps * (rates[:-1] + steps * (2.0 * before + after) / 6.0)
         rows = {
             "it does not begin at 0": np.abs([t[0], self.knots_s[0]]) > 0.0,
             "its growth jumps": (steps == 0.0) & (after != before),
-            "it runs backwards": rates < 0.0,
+            "it runs backwards": (rates[:-1] < 0.0) | (rates[1:] < 0.0) | (dips < -_SAME * (1.0 + rates.max())),
             "its growths do not lead to its rates": np.abs(rates[1:] - led) > _SAME * (1.0 + rates.max()),
             "its rates do not lead to its places": np.abs(self.knots_s[1:] - reached)
             > _SAME * (1.0 + self.knots_s[-1]),
         }
         return next((f"{what}, at {t[np.argmax(wrong)]:.3f} s" for what, wrong in rows.items() if wrong.any()), None)
-
-    @property
-    def ends(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The rate and its growth where it begins, and where it ends."""
-        first, last = ((float(self._rates[i]), float(self._growths[i])) for i in (0, -1))
-        return first, last
-
-    @property
-    def place_s(self) -> float:
-        """Where it ends on the curve."""
-        return float(self.knots_s[-1])
 
     def jet(self, t_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """Of sigma, value and first three derivatives at times (P,) within the law."""

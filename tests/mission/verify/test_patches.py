@@ -154,6 +154,9 @@ def test_a_broken_law_is_told() -> None:
         data = {name: list(value) if isinstance(value, list) else value for name, value in good.items()}
         data[key][number] += shift
         assert Law(data).fault is not None
+    for rate, fault in ((0.2, "it runs backwards, at 0.000 s"), (0.25, None)):  # with a dip of 0.25
+        dip = {"knots_t_s": [0.0, 1.0], "knots_s": [0.0, rate - 1.0 / 6.0], "rates": [rate] * 2, "growths": [-1.0, 1.0]}
+        assert Law(dip).fault == fault
     with pytest.raises(ValueError, match="knots in the order of time"):
         Law({**good, "growths": [0.0]})
 

@@ -24,6 +24,7 @@ LEFT_AS_IT_IS: Final = {
     ".homeward.certificate.clearance_m: a little": "as of the laps",
     ".homeward.certificate.knots_s.#: a little": "as of the laps",
     ".homeward.certificate.possible.#: order": "as of the laps",
+    ".onward: gone": "without it a flight begins at rest, which this one does",
     ".photographs: gone": "without it there are none, which is so where no camera is",
     ".trajectory.legs.#.curve.controls_m.#.#.#: a little": "a curve as smooth, or that turns where it rests",
 }
