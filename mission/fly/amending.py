@@ -78,7 +78,7 @@ class Amending:
         change = self._amendments.take()
         if change is None:
             return
-        guidance, vehicle_s = self._session.guidance, self._session.vehicle.clock.now_s(now_s)
+        guidance, vehicle_s = self._session.guidance, self._session.contact.arrives_s(now_s)
         if not self._session.redirectable or not isinstance(guidance, Guidance) or vehicle_s is None:
             why = self._session.pilot.words or f"the vehicle is {self._session.stage}"
             self._refuse(change, f"the mission cannot be changed now: {why}")

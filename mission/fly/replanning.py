@@ -157,7 +157,8 @@ class Replanning:
             now_s: The time here.
         """
         session = self._session
-        vehicle_s, guidance = session.vehicle.clock.now_s(now_s), session.guidance
+        # The earliest moment for which something else can still be asked.
+        vehicle_s, guidance = session.contact.arrives_s(now_s), session.guidance
         if isinstance(guidance, Guidance) and vehicle_s is not None and session.stage is Stage.FLY:
             self._wait_for_pilot(guidance, vehicle_s)
         if vehicle_s is None or not isinstance(guidance, Guidance) or not session.redirectable:
@@ -241,7 +242,8 @@ class Replanning:
         self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, returns))
 
     def _state(self, ahead_s: float) -> Reference:
-        """Where the vehicle will be, by its last report."""
+        """Where the vehicle will be so long after what is sent now arrives, by its last report."""
+        ahead_s += self._session.contact.arrival.delay_s
         (x, y), (vx, vy) = self._watch.place_m, self._watch.velocity_m_s
         altitude_m = self._watch.plan.trajectory.altitude_m
         return Reference((x + ahead_s * vx, y + ahead_s * vy, altitude_m), (vx, vy, 0.0), (0.0, 0.0, 0.0))

@@ -300,6 +300,11 @@ class Contact:
         fence_s = math.inf if self.fence is None else self.fence.wait_s(now_s)
         return min(self.channel.wait_s(now_s), self.photography.channel.wait_s(now_s), fence_s)
 
+    def arrives_s(self, now_s: float) -> float | None:
+        """Vehicle time at which what is sent now arrives; None before the vehicle has told its time."""
+        vehicle_s = self.vehicle.clock.now_s(now_s)
+        return None if vehicle_s is None else vehicle_s + self.arrival.delay_s
+
     def _vehicle_s(self, now_s: float) -> float:
         return self.vehicle.clock.now_s(now_s) or 0.0
 

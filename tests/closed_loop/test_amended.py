@@ -49,9 +49,9 @@ class Said:
         self.kept.append(mission)
 
 
-def flown(plan: FlightPlan, flavour: str, *changes: tuple[float, str]) -> tuple[Replanned, Said]:
+def flown(plan: FlightPlan, flavour: str, *changes: tuple[float, str], faults: str = "") -> tuple[Replanned, Said]:
     said = Said(*changes)
-    return Replanned(plan, flavour, at_step=said.look, amendments=said), said
+    return Replanned(plan, flavour, *([faults] if faults else []), at_step=said.look, amendments=said), said
 
 
 def line_of(flight: Replanned, from_s: float) -> LineString:
@@ -68,6 +68,19 @@ def test_a_restricted_region_ahead_is_flown_around(small: FlightPlan, flavour: s
     assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
     assert flight.entered() == ["home", "goal", "home"]
     assert [region.name for region in said.kept[0].regions] == ["home", "goal", "pond", "popped"]
+
+
+def test_on_a_late_link_another_plan_begins_where_what_was_sent_before_it_ends(small: FlightPlan) -> None:
+    """What was sent cannot be called back: a second of it is on its way, or was flown and not told yet."""
+    flight, said = flown(small, "px4", (0.2, RESTRICT_AHEAD), faults="link, delay_s: 0.5, since: boot")
+    assert flight.result.achieved, flight.result.reason
+    assert said.answers[0][1].accepted, said.answers
+    assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
+    setpoints = [row for row in flight.lines if row["kind"] == "setpoint" and row["trajectory_s"] is not None]
+    for before, after in pairwise(setpoints):
+        if after["t_s"] - before["t_s"] < 0.1:
+            assert max(abs(a - b) for a, b in zip(before["position_m"], after["position_m"], strict=True)) < 0.2
+    assert flight.result.largest_error_m <= small.certificate.tube_m
 
 
 @FLAVOURS
