@@ -212,7 +212,8 @@ class Guidance:
         """
         if vehicle_s < self._next_s or vehicle_s > self._until_s:
             return None
-        arrives_s = vehicle_s + self._arrival.follow(vehicle_s)
+        begun = math.isfinite(self._elapsed_s(vehicle_s))
+        arrives_s = vehicle_s + (self._arrival.follow(vehicle_s) if begun else self._arrival.settle())
         gap = self._pause_until(arrives_s)
         self._sent_s = arrives_s
         before, self._flown = self._flown, self._leg_at(arrives_s)

@@ -64,6 +64,8 @@ def test_a_late_link_costs_next_to_nothing(plan: FlightPlan) -> None:
     assert result.achieved, result.reason
     assert result.largest_error_m <= plan.certificate.tube_m
     assert result.beyond_tube_s == 0.0
+    assert result.link_delay_s == pytest.approx(1.0, abs=0.05)
+    assert result.cadence.largest_gap_s <= 0.1
 
 
 @pytest.mark.long
