@@ -7,6 +7,7 @@ from mission.geometry.geodesy import LatLon
 from mission.link.contact import Contact
 from mission.link.fence_guard import FenceGuard, fence_items
 from mission.link.frames import Anchor, Anchoring, enu_from_ned
+from mission.link.plan_values import PlanItem
 from mission.plan import FlightPlan
 from mission.plan.fence import fence_of, placed
 from mission.plan.guarding import frame_share, opened, reach_m, thinned
@@ -14,6 +15,9 @@ from mission.plan.guarding import frame_share, opened, reach_m, thinned
 _CEILING_SHARE: Final = 0.2
 _LEAST_ABOVE_M: Final = 5.0
 """How far the ceiling is above the altitude that is flown: that share of it, and this at least."""
+
+
+_UNPLACED: Final = "the vehicle has not told where on Earth it is, which a geofence needs"
 
 
 def guarded(plan: FlightPlan, anchoring: Anchoring, contact: Contact, *, keep: bool) -> tuple[FenceGuard, Anchoring]:
@@ -33,10 +37,31 @@ def guarded(plan: FlightPlan, anchoring: Anchoring, contact: Contact, *, keep: b
         VehicleError: The vehicle has not told where it is, or has no room for the fence.
     """
     vehicle, kind = contact.vehicle, contact.autopilot
-    if vehicle.origin is None or vehicle.position is None or kind is None:
-        raise VehicleError("the vehicle has not told where on Earth it is, which a geofence needs")
+    if vehicle.position is None or kind is None:
+        raise VehicleError(_UNPLACED)
     north_m, east_m, _ = anchoring(vehicle.position.position_ned_m).origin_ned_m
-    shift = enu_from_ned((north_m, east_m, 0.0))[:2]
+    altitude_m = plan.trajectory.altitude_m
+    guard = FenceGuard(
+        items_of(plan, (north_m, east_m), contact),
+        kind.fence,
+        ceiling_m=altitude_m + max(_LEAST_ABOVE_M, _CEILING_SHARE * altitude_m),
+        own=contact.own,
+        bytewise=kind.bytewise,
+        keep=keep,
+    )
+    return guard, anchored_at(north_m, east_m, anchoring)
+
+
+def items_of(plan: FlightPlan, origin_ned_m: tuple[float, float], contact: Contact) -> tuple[PlanItem, ...]:
+    """The fence of a plan as the vehicle is to keep it, where its domain's (0, 0) lies there in the vehicle's frame.
+
+    Raises:
+        VehicleError: The vehicle has not told where it is, or has no room for the fence.
+    """
+    vehicle, kind = contact.vehicle, contact.autopilot
+    if vehicle.origin is None or kind is None:
+        raise VehicleError(_UNPLACED)
+    shift = enu_from_ned((*origin_ned_m, 0.0))[:2]
     origin = LatLon(vehicle.origin.latitude_deg, vehicle.origin.longitude_deg)
     fence = fence_of(plan)
     off = frame_share(kind.fence.sphere_m, origin.latitude_deg, vehicle.origin.altitude_amsl_m)
@@ -47,19 +72,9 @@ def guarded(plan: FlightPlan, anchoring: Anchoring, contact: Contact, *, keep: b
             f"`--no-fence` fly it without one"
         )
     try:
-        areas = placed(fitting, origin, shift)
+        return fence_items(placed(fitting, origin, shift))
     except GeometryError as error:
         raise VehicleError(f"the vehicle cannot be fenced in: {error}") from error
-    altitude_m = plan.trajectory.altitude_m
-    guard = FenceGuard(
-        fence_items(areas),
-        kind.fence,
-        ceiling_m=altitude_m + max(_LEAST_ABOVE_M, _CEILING_SHARE * altitude_m),
-        own=contact.own,
-        bytewise=kind.bytewise,
-        keep=keep,
-    )
-    return guard, anchored_at(north_m, east_m, anchoring)
 
 
 def anchored_at(north_m: float, east_m: float, anchoring: Anchoring) -> Anchoring:

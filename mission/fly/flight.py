@@ -11,7 +11,7 @@ from mission.errors import FlightError, LinkError, MissionError, VehicleError
 from mission.fly.amending import Amending, Amendments
 from mission.fly.by_field import field_orders, is_sealed
 from mission.fly.conclusion import concluded, joined, shortcomings
-from mission.fly.fencing import guarded
+from mission.fly.fencing import guarded, items_of
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.news import News
@@ -32,6 +32,7 @@ from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.printable import printable
+from mission.spec.amendment import asks_the_same
 from mission.spec.model import Point
 
 _STRAY_M = 10.0
@@ -100,6 +101,7 @@ class Flight:
         self.listening = Listening(self.session, self.clock)
         self._told_left_out_s = 0.0
         self._news: News | None = None
+        self._fenced = plan
         self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
 
     @property
@@ -127,6 +129,7 @@ class Flight:
             self.tell_pace()
             self.tell_trouble()
             self.tell_fence()
+            self.renew_fence()
             self.tell_leap()
             if session.stage is Stage.STANDBY and self.gate.open:
                 self.gate.judge(self.plan, self.options.link, self.record, fenced=self.options.fence)
@@ -216,6 +219,21 @@ class Flight:
             items=[asdict(item) for item in guard.items],
         )
 
+    def renew_fence(self) -> None:
+        """Let the geofence follow where the mission was amended; the rest of a mission asks for no other one."""
+        guard, plan, guidance = self.session.contact.fence, self.watch.plan, self.session.guidance
+        if guard is None or guidance is None or plan is self._fenced:
+            return
+        before, self._fenced = self._fenced, plan
+        one, other = before.spec, plan.spec
+        if asks_the_same(one, other) and (one.regions, one.domain) == (other.regions, other.domain):
+            return
+        try:
+            guard.renew(items_of(plan, guidance.anchor.origin_ned_m[:2], self.session.contact))
+        except VehicleError as error:
+            self.record.warn(f"the geofence stays as it was: {error}")
+        self.record.write("event", self.newest_s, name="geofence renewed", items=[asdict(item) for item in guard.items])
+
     def tell_leap(self) -> None:
         """Say that this program stood still, or that its clock was set."""
         leapt_s = self.clock.left_out_s - self._told_left_out_s
@@ -254,6 +272,7 @@ class Flight:
         heading = 0.0 if vehicle.attitude is None else vehicle.attitude.angles_rad[2]
         course = course_of(self.plan, heading, field_orders(self.plan, self.watch.monitor))
         contact = self.session.contact
+        self._fenced = self.plan
         if self.options.fence:
             contact.fence, anchoring = guarded(self.plan, anchoring, contact, keep=self.options.keep_fence)
         if self.plan.spec.flight.replan or self._amendments is not None or self.options.resume_when_handed_back:

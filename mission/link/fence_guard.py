@@ -136,6 +136,12 @@ class FenceGuard:
         self._asking = None
         self._task = self._restore() if self._touched and not self._keep else None
 
+    def renew(self, items: tuple[PlanItem, ...]) -> None:
+        """From now on let the vehicle keep other items, with the fence off meanwhile; not where it is put back."""
+        if self.is_set and not self._returning:
+            self.items = items
+            self._asking, self._task = None, self._renewed()
+
     def take(self, body: Body) -> None:
         """Take what the vehicle says."""
         if self._asking is not None:
@@ -189,6 +195,13 @@ class FenceGuard:
         for name, value in self.parameters.items():
             yield from self._change(name, value, now)
         self.is_set = True
+
+    def _renewed(self) -> _Asked:
+        rules = self._rules
+        now = {rules.switch: math.nan}
+        yield from self._change(rules.switch, rules.off, now)
+        yield from self._replace(self.items)
+        yield from self._change(rules.switch, rules.on, now)
 
     def _restore(self) -> _Asked:
         before, rules = self.before, self._rules

@@ -1,15 +1,17 @@
 """The mission is changed while it is flown: taken over in flight, refused in words, or held for."""
 
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import pytest
 from shapely import LineString, Point, Polygon
 
+from mission.fly import FlightOptions
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
 from mission.plan import FlightPlan
 from mission.spec.model import MissionSpec
 from tests.support.replanned import Replanned
 from tests.support.small_missions import SMALL, plan_of
+from vehicle_sim.protocol.plan_store import PlanKind
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 AHEAD = Polygon([(20, 0), (23, 0), (23, 13), (20, 13)])
@@ -126,3 +128,22 @@ def test_another_formula_holds_from_then_on_without_a_jump(small: FlightPlan) ->
             mean = 0.5 * (before["velocity_m_s"][axis] + after["velocity_m_s"][axis])
             assert after["position_m"][axis] - before["position_m"][axis] == pytest.approx(mean * passed_s, abs=5e-3)
             assert abs(after["acceleration_m_s2"][axis] - before["acceleration_m_s2"][axis]) < 0.6
+
+
+@FLAVOURS
+def test_the_geofence_follows(small: FlightPlan, flavour: str) -> None:
+    """What is restricted is fenced off; where it no longer is the vehicle is not stopped."""
+    areas: dict[float, int] = {}
+
+    def look(flight: Replanned, since_s: float) -> None:
+        said.look(flight, since_s)
+        areas[since_s] = len(flight.vehicle.vehicle.autopilot.guard.fence.plan.areas)
+
+    said = Said((1.0, RESTRICT_AHEAD), (9.0, "drop popped"))
+    flight = Replanned(small, flavour, at_step=look, amendments=said, options=FlightOptions(fence=True))
+    assert [answer.accepted for _, answer in said.answers] == [True, True]
+    assert flight.result.achieved, flight.result.reason
+    assert [count for count, _ in groupby(areas.values())] == [2, 3, 2]
+    assert len(flight.events("geofence renewed")) == 2
+    assert line_of(flight, said.taken_s[1]).intersects(AHEAD)
+    assert not flight.vehicle.endpoint._plans.store.plans[PlanKind.FENCE]
