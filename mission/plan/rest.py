@@ -7,7 +7,7 @@ it once more, which what is left does not tell apart, or leaves its first letter
 entered, and not yet covered or stood in as its region asks, is due beside what is left.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, count
@@ -16,13 +16,14 @@ from typing import Final
 import numpy as np
 import shapely
 
-from mission.errors import Fault, NoPlanError, SpecError
+from mission.errors import Fault, NoPlanError, NoRollingStartError, SpecError
 from mission.geometry.location import OUTSIDE
 from mission.logic.automata.automaton import GeneralisedBuchi
 from mission.logic.automata.rabin import DEAD, everything
 from mission.logic.automata.remainder import delayed, remainder
 from mission.logic.automata.safety import safety_of
 from mission.logic.formula.progression import counts_letters, left_of
+from mission.logic.formula.rewriting import simplified
 from mission.logic.formula.syntax import (
     FALSE,
     TRUE,
@@ -40,6 +41,8 @@ from mission.plan.beginning import Beginning
 from mission.plan.begun import LanesLeft, StayLeft, lanes_left, stays_left
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.stages import planned
+from mission.spec.domain import build_domain, restricted_triangles
+from mission.spec.finding import listed
 from mission.spec.model import (
     UNTIL_STOPPED,
     MissionSpec,
@@ -58,6 +61,7 @@ from mission.spec.specification import deterministic_of, generalised_of, of_miss
 _RETURN: Final = "return.hoa"
 _START: Final = "start"
 _ROOM: Final = 3.0  # tubes
+_ROUNDING: Final = 1e-6
 _LEAST_ROOM_M: Final = 0.5
 _LOST: Final = "what was flown so far violates the mission: nothing that is flown from here satisfies it"
 
@@ -90,7 +94,7 @@ class Rest:
 
 
 def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) -> FlightPlan:
-    """Plan what is left of a flight.
+    """Plan what is left of a flight; after the last of its laps, that is the return.
 
     Args:
         plan: What was flown so far, or some of it.
@@ -108,10 +112,14 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
     if spec.origin != plan.spec.origin:
         raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
     if not _asks_the_same(spec, plan.spec):
-        return planned(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), rest.begins)
+        return _with_room(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), rest.begins, plan)
+    if plan.run.recurrent and spec.flight.laps != UNTIL_STOPPED and rest.laps >= spec.flight.laps:
+        return plan_return(plan, rest)
     lanes, stays = _under_way(plan, spec, rest)
     due = [*(left.region for left in lanes), *(left.region for left in stays)]
-    return planned(_begun_at(_left(plan, spec, rest, due), rest), replace(rest.begins, lanes=lanes, stays=stays))
+    return _with_room(
+        _begun_at(_left(plan, spec, rest, due), rest), replace(rest.begins, lanes=lanes, stays=stays), plan
+    )
 
 
 def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
@@ -147,7 +155,43 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
         tasks=(),
         automaton=_named(_RETURN, asked),
     )
-    return planned(_begun_at(back, rest), rest.begins)
+    return _with_room(_begun_at(back, rest), rest.begins, plan)
+
+
+def _with_room(spec: MissionSpec, begins: Beginning, known: FlightPlan) -> FlightPlan:
+    """Plan a mission from a place; where there is no plan as the tube has no room there, say that.
+
+    Raises:
+        MissionError: As in ``planned``.
+    """
+    try:
+        return planned(spec, begins, known=known)
+    except NoRollingStartError:
+        raise
+    except NoPlanError as error:
+        near = _crowding(spec, begins.place_m)
+        if not near:
+            raise
+        x, y = begins.place_m
+        raise NoPlanError(
+            f"no plan begins at ({x:.2f}, {y:.2f}): the tube of {spec.flight.tube_m:.3g} m on each side has no room "
+            f"there beside {listed(near)}; bring the vehicle away from there first",
+            regions=error.regions,
+        ) from error
+
+
+def _crowding(spec: MissionSpec, place_m: Point) -> list[str]:
+    """The restricted regions that the tube about a place touches, or the boundary; none where it has room."""
+    partition, labelling = build_domain(spec)
+    tube_m = spec.flight.tube_m
+    square = shapely.box(*(c - tube_m for c in place_m), *(c + tube_m for c in place_m))
+    triangles = shapely.polygons(partition.corners_m)
+    met = np.flatnonzero(shapely.intersects(triangles, square))
+    shut = met[restricted_triangles(spec, labelling)[met]]
+    restricted = {region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED}
+    names = sorted(restricted & frozenset().union(*(labelling.label(int(triangle)) for triangle in shut)))
+    inside_m2 = float(shapely.area(shapely.intersection(triangles[met], square)).sum())
+    return [*names, *(["the boundary"] if inside_m2 < (1.0 - _ROUNDING) * square.area else [])]
 
 
 def _start_region(spec: MissionSpec, start_m: Point) -> Region:
@@ -170,7 +214,7 @@ def _begun_at(spec: MissionSpec, rest: Rest) -> MissionSpec:
     return replace(spec, run=0, start=Start(rest.place_m))
 
 
-def _left(plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Iterable[str]) -> MissionSpec:
+def _left(plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Sequence[str]) -> MissionSpec:
     """The mission that is left, with a visit of some regions."""
     flight = spec.flight
     if plan.run.recurrent and flight.laps != UNTIL_STOPPED:
@@ -184,7 +228,9 @@ def _left(plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Iterable[str
         raise NoPlanError(_LOST)
     if known and counts_letters(formula):
         formula = following(formula)
-    whole, automaton = conjunction(formula, *map(_visited, dict.fromkeys(regions))), None
+    # A visit that is asked for in any case is not asked for twice: it would make the first lap another than the others.
+    whole = simplified(conjunction(formula, *map(_visited, dict.fromkeys(regions)))) if regions else formula
+    automaton = None
     if plan.required.given is not None:
         left = remainder(plan.required.given.automaton, rest.word)
         if left is None:

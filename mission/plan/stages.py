@@ -52,22 +52,28 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
     return planned(spec, Beginning(spec.start.position_m if start_m is None else start_m), run)
 
 
-def planned(spec: MissionSpec, begins: Beginning, run: int | None = None) -> FlightPlan:
+def planned(
+    spec: MissionSpec, begins: Beginning, run: int | None = None, *, known: FlightPlan | None = None
+) -> FlightPlan:
     """Plan a mission from a place, at rest or in motion.
 
     Args:
         spec: The mission.
         begins: The place, and the motion there.
         run: As in ``plan_mission``.
+        known: Another plan, whose triangles are taken where it is on the same map.
 
     Raises:
         NoRollingStartError: There is no plan with this motion; at rest there may be one.
         MissionError: As in ``plan_mission``.
     """
     start = begins.place_m
-    partition, labelling = build_domain(spec)
+    if known is not None and _map_of(spec) == _map_of(known.spec):
+        partition, labelling, locator = known.partition, known.labelling, known.locator
+    else:
+        partition, labelling = build_domain(spec)
+        locator = Locator(partition)
     restricted = restricted_triangles(spec, labelling)
-    locator = Locator(partition)
     triangle = _start_triangle(locator, restricted, start)
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
@@ -141,6 +147,11 @@ def planned(spec: MissionSpec, begins: Beginning, run: int | None = None) -> Fli
         instead=flown.instead,
         onward=(begins.velocity_m_s, begins.acceleration_m_s2) if begins.moves else None,
     )
+
+
+def _map_of(spec: MissionSpec) -> tuple[object, ...]:
+    """All that the triangles of a mission, and their labels, follow from."""
+    return spec.domain, [(each.name, each.kind, each.shape, each.clearance_m) for each in spec.regions]
 
 
 def _flown(steering: Steering) -> tuple[Steered, Trajectory]:

@@ -191,3 +191,22 @@ def test_where_there_is_no_room_to_go_on_in_motion_that_is_said() -> None:
     rest = replace(flown(plan, 4.0), velocity_m_s=(0.0, -4.0), place_m=(30.0, 2.0))
     with pytest.raises(NoRollingStartError):
         plan_rest(plan, rest)
+
+
+@pytest.mark.parametrize(
+    ("place_m", "near"), [((23.8, 18.0), "pond"), ((30.0, 0.2), "the boundary"), ((23.9, 12.0), "pond")]
+)
+def test_where_the_tube_has_no_room_that_is_said(place_m: tuple[float, float], near: str) -> None:
+    plan = planned(ORDERED)
+    with pytest.raises(NoPlanError, match=f"has no room there beside {near}"):
+        plan_rest(plan, replace(flown(plan, 3.0), place_m=place_m))
+
+
+def test_after_the_last_lap_the_rest_is_the_return() -> None:
+    plan = planned("mission:\n  formula: G F a & G F c\n  laps: 2\n")
+    rest = flown(plan, 0.4 * plan.trajectory.duration_s)
+    onward, over = plan_rest(plan, replace(rest, laps=1)), plan_rest(plan, replace(rest, laps=2))
+    assert onward.trajectory.laps == 1
+    assert over.trajectory.lap is None
+    assert spelled(over)[-1] == frozenset(("home",))
+    assert faults(over) == []
