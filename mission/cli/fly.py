@@ -29,7 +29,10 @@ from mission.report.pictures import IMAGES_FILE, write_pictures
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
 from mission.spec.amended import with_laps
+from mission.spec.drawn_files import drawn_files
 from mission.spec.model import FIELD
+from mission.spec.structure import plain_data
+from mission.spec.yaml_tree import read_tree
 from mission.whole_file import write_whole
 
 AUTOMATON_SUFFIX = ".hoa"
@@ -151,6 +154,7 @@ def _begin_record(root: Path, plan: FlightPlan, file: Path, laps: int | str | No
         write_whole(folder / MISSION_FILE, mission_text)
         write_whole(folder / PLAN_FILE, plan_to_json(plan))
         _write_automaton(folder, plan)
+        _write_drawings(folder, mission_text, file.parent)
     except OSError as error:
         raise unwritable("--out", root, error) from error
     return folder, record
@@ -161,6 +165,14 @@ def _write_automaton(folder: Path, plan: FlightPlan) -> None:
     named = plan.spec.automaton
     if named is not None and named.file == Path(named.file).name and named.file.endswith(AUTOMATON_SUFFIX):
         write_whole(folder / named.file, named.text)
+
+
+def _write_drawings(folder: Path, mission_text: bytes, beside: Path) -> None:
+    """Lay the files that draw regions of the mission beside its copy, too."""
+    data, _ = plain_data(read_tree(mission_text.decode("utf-8-sig"))[0])
+    for name in drawn_files(data):
+        if name == Path(name).name and not (folder / name).exists():
+            write_whole(folder / name, (beside / name).read_bytes())
 
 
 def _keep_pictures(folder: Path) -> None:

@@ -52,6 +52,17 @@ def with_drawn_shapes(data: Data, read: Reader) -> tuple[Data, list[Finding]]:
     return data, findings
 
 
+def drawn_files(data: Data) -> tuple[str, ...]:
+    """The files that the shapes of a mission are taken from, as its data name them, each once."""
+    domain, regions = data.get("domain"), data.get("regions")
+    values = [
+        *([domain.get("boundary")] if isinstance(domain, dict) else []),
+        *(regions.values() if isinstance(regions, dict) else []),
+    ]
+    files = (value.get("file") for value in values if isinstance(value, dict))
+    return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
+
+
 class _Drawings:
     """The files of a mission, each read once."""
 

@@ -19,6 +19,7 @@ from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 from mission.spec.loader import load_mission
+from tests.mission.spec.test_drawn_files import drawn, mission
 from tests.support.commands import ran
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
@@ -188,3 +189,13 @@ def test_what_a_stage_waits_for_is_said_once_and_again_when_it_takes_long(
         "waiting for position and health: a position (40 s)",
         "arming",
     ]
+
+
+def test_the_folder_of_a_flight_has_what_draws_the_mission(tmp_path: Path) -> None:
+    file = tmp_path / "farm.yaml"
+    file.write_text(mission("metres"), encoding="utf-8")
+    (tmp_path / "farm.json").write_bytes(drawn(degrees=True))
+    plan = planned(str(file))
+    folder, record = fly._begin_record(tmp_path / "flights", plan, file)
+    with record:
+        assert load_mission(folder / "mission.yaml").regions == plan.spec.regions
