@@ -12,6 +12,7 @@ from itertools import product
 import pytest
 
 from mission.fly import fly
+from mission.link.ending import Ending
 from mission.plan import FlightPlan
 from mission.report.record import FlightRecord
 from tests.support.adversary import Sign, away, beating, pumping, pushed, rambling
@@ -51,13 +52,18 @@ class Vehicle:
         dynamics: Dynamics = Dynamics.HOVER,
         wind_m_s: float = 0.0,
     ) -> float:
-        """The worst error as a share of the tube, against this disturbance, or in this wind alone."""
+        """The worst error as a share of the tube, against this disturbance, or in this wind alone.
+
+        The tube is about the trajectory. It may end where the tube just fits into a region, and the autopilot's own
+        landing there, pushed on, may drift over the rim: such a flight is not achieved, and counts here all the same.
+        """
         config = vehicle_of(self.flavour, seed=seed, wind_m_s=wind_m_s, wind_from_deg=70.0 * seed)
         vehicle = LockstepVehicle(replace(config, gains=self.gains, dynamics=dynamics))
         if signs is not None:
             pushed(vehicle, plan.spec.flight.disturbance_m_s2, signs)
         result = fly(plan, vehicle, vehicle, FlightRecord(io.BytesIO(), mission="worst"))
-        assert result.achieved, result.reason
+        assert result.ending is Ending.LANDED, result.reason
+        assert not result.violations
         return result.largest_error_m / plan.certificate.tube_m
 
 
