@@ -10,6 +10,9 @@ from mission.geometry.straightening import straightened
 from mission.steering.rounded import RoundedPolyline
 
 _HALVINGS: Final = 8
+_MEETING: Final = 1e-12  # of the way between two corners: blends that leave less straight meet
+_BRIEF: Final = 1e-3
+_LESS: Final = 0.99
 _SAMPLES: Final = 9  # of a blend; whether all of it has room is for the proof to say
 _APART: Final = 1e-6  # of the extent: corners that are nearer to each other are one
 
@@ -48,7 +51,11 @@ def rounded_within(
         if not tight.any():
             break
         reaches = np.where(tight, reaches / 2.0, reaches)
-    curve = RoundedPolyline(corners, reaches, speed_m_s)
+    # Where blends nearly meet, rounding would say more of the moment between them than the curve does.
+    around = np.concatenate(([0.0], reaches, [0.0]))
+    left = (lengths - around[:-1] - around[1:]) / lengths
+    brief = (left > _MEETING) & (left < _BRIEF)
+    curve = RoundedPolyline(corners, np.where(brief[:-1] | brief[1:], _LESS * reaches, reaches), speed_m_s)
     # Points that were left out are passed where they are nearest.
     piece = np.clip(np.searchsorted(kept, np.arange(len(line_m)), side="right") - 1, 0, len(steps) - 1)
     along = ((line_m - corners[piece]) * steps[piece]).sum(axis=1) / lengths[piece]

@@ -1,9 +1,12 @@
 """Missions on maps of chance: each is planned, or refused with a reason, and the checker agrees with every plan."""
 
+import numpy as np
 import pytest
+import shapely
 
 from mission.errors import NoPlanError, SpecError
 from mission.plan import plan_mission, plan_to_json
+from mission.steering.rounding import rounded_within
 from mission.verify.plans import claims
 from tests.support.random_maps import random_mission
 from tests.support.small_missions import plan_of
@@ -56,3 +59,14 @@ def test_a_lane_of_a_moment_covers_its_place() -> None:
     (visit,) = plan.covers
     assert (visit.lanes_s[:, 0] == visit.lanes_s[:, 1]).any()
     assert [claim for claim in claims(plan_to_json(plan)) if claim.fault] == []
+
+
+def test_bends_that_nearly_meet_are_a_little_apart() -> None:
+    """Of two bends at the second and third corner the first takes half of the way between them, and 1e-6 is left."""
+    line = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 2.0], [20.0, 2.0]])
+    widest = np.array([1.0, 1.0, 1.0 - 1e-6, 1.0])
+    curve, _ = rounded_within(line, shapely.box(-1, -1, 21, 3), tolerance_m=0.0, widest_m=widest, speed_m_s=1.0)
+    lasts_s = np.diff(curve.knots_s)
+    assert lasts_s[lasts_s > 0.0].min() > 5e-3
+    apart, _ = rounded_within(line, shapely.box(-1, -1, 21, 3), tolerance_m=0.0, widest_m=widest * 1.1, speed_m_s=1.0)
+    assert (np.diff(apart.knots_s) == 0.0).any()
