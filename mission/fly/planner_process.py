@@ -1,19 +1,20 @@
 """A planner as a process of its own, so that the loop that flies never waits for a plan.
 
-It is spawned with a pipe that nobody else has. Requests and answers are JSON: the plan that is flown, when it is
-another one than before, how far it is, and the mission where it was amended; and the new plan. A thread here writes and
-reads, so that not even a full pipe stops the loop. Whatever ends the process, the flight is told that no plan comes.
+It has pipes that nobody else has, in which each message is preceded by its length (8 bytes, big-endian). Requests and
+answers are JSON: the plan that is flown, when it is another one than before, how far it is, and the mission where it
+was amended; and the new plan. A thread here writes and reads, so that not even a full pipe stops the loop. Whatever
+ends the process, the flight is told that no plan comes.
 """
 
 import contextlib
 import json
 import queue
 import signal
+import sys
 import threading
 import time
-from multiprocessing import get_context
-from multiprocessing.connection import Connection
-from typing import Any, Final
+from subprocess import DEVNULL, PIPE, Popen
+from typing import IO, Any, Final
 
 from mission.errors import MissionError, SpecError
 from mission.fly.replanner import PlanAnswer, PlanRequest, answered
@@ -24,6 +25,7 @@ from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
 
 _MOST_BYTES: Final = 1 << 28
+_LENGTH: Final = 8
 _TAKES_S: Final = 1.0
 """Until it is known how long an answer takes."""
 
@@ -44,7 +46,7 @@ class PlannerProcess:
         self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
-        self._process: Any = None
+        self._process: Popen[bytes] | None = None
 
     def prepare(self, plan: FlightPlan) -> None:
         """Start the process, and let it become acquainted with a plan."""
@@ -75,29 +77,29 @@ class PlannerProcess:
         self._requests.put(None)
         if self._process is not None:
             self._process.kill()
-            self._process.join(_ENDS_WITHIN_S)
+            self._process.wait(_ENDS_WITHIN_S)
+        if self._thread is not None:
+            self._thread.join(_ENDS_WITHIN_S)
 
     def _serve(self) -> None:
         """In the thread: one request after the other."""
         try:
-            context = get_context("spawn")
-            here, there = context.Pipe()
-            self._process = context.Process(target=serve, args=(there,), daemon=True)
-            self._process.start()
-            there.close()
-            self._talk(here)
-        except (EOFError, OSError, ValueError, SpecError) as error:
+            command = [sys.executable, "-m", __name__]
+            with Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL) as self._process:  # noqa: S603 - this module
+                if self._process.stdin is not None and self._process.stdout is not None:
+                    self._talk(self._process.stdin, self._process.stdout)
+        except (EOFError, OSError, LookupError, TypeError, ValueError, SpecError) as error:
             self.trouble = f"the planner's process has ended ({type(error).__name__})"
 
-    def _talk(self, connection: Connection) -> None:
+    def _talk(self, to_it: IO[bytes], from_it: IO[bytes]) -> None:
         known: FlightPlan | None = None
         while (request := self._requests.get()) is not None:
             asked = request if isinstance(request, PlanRequest) else None
             plan = request if isinstance(request, FlightPlan) else request.plan
             began_s = time.monotonic()
-            connection.send_bytes(_written(asked, plan if plan is not known else None).encode())
+            _send(to_it, _written(asked, plan if plan is not known else None))
             known = plan
-            answer = json.loads(connection.recv_bytes(_MOST_BYTES))
+            answer = json.loads(_received(from_it))
             if asked is not None:
                 made = plan_from_json(answer["plan"]) if answer["plan"] else None
                 self._answers.put(PlanAnswer(asked.number, made, answer["plan"], answer["refusal"]))
@@ -131,22 +133,45 @@ def _mission_text(spec: MissionSpec) -> list[str]:
     return [json.dumps(document_of(spec)), spec.automaton.text if spec.automaton is not None else ""]
 
 
-def serve(connection: Connection) -> None:
+def _send(stream: IO[bytes], text: str) -> None:
+    data = text.encode()
+    stream.write(len(data).to_bytes(_LENGTH, "big") + data)
+    stream.flush()
+
+
+def _received(stream: IO[bytes]) -> bytes:
+    """The next message.
+
+    Raises:
+        EOFError: The other side is gone.
+    """
+    length = int.from_bytes(_whole(stream, _LENGTH), "big")
+    if length > _MOST_BYTES:
+        raise EOFError
+    return _whole(stream, length)
+
+
+def _whole(stream: IO[bytes], length: int) -> bytes:
+    data = stream.read(length)
+    if len(data) < length:
+        raise EOFError
+    return data
+
+
+def serve(asks: IO[bytes], answers: IO[bytes]) -> None:
     """In the process: answer until the other side is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the flight decides when it is over
     plan: FlightPlan | None = None
     with contextlib.suppress(EOFError, OSError):
         while True:
-            data = json.loads(connection.recv_bytes(_MOST_BYTES))
+            data = json.loads(_received(asks))
             plan = plan_from_json(data["plan"]) if data["plan"] else plan
             if plan is None:
                 return
             began_s = time.monotonic()
             answer = _answer(plan, data)
             took_s = time.monotonic() - began_s
-            connection.send_bytes(
-                json.dumps({"plan": answer.text, "refusal": answer.refusal, "took_s": took_s}).encode()
-            )
+            _send(answers, json.dumps({"plan": answer.text, "refusal": answer.refusal, "took_s": took_s}))
 
 
 def _answer(plan: FlightPlan, data: dict[str, Any]) -> PlanAnswer:
@@ -168,3 +193,7 @@ def _answer(plan: FlightPlan, data: dict[str, Any]) -> PlanAnswer:
         return PlanAnswer(data["number"], None, refusal=str(error))
     except Exception as error:  # noqa: BLE001 - a failure to plan must not end the planner of a flight
         return PlanAnswer(data["number"], None, refusal=f"the planner failed: {type(error).__name__}: {error}")
+
+
+if __name__ == "__main__":
+    serve(sys.stdin.buffer, sys.stdout.buffer)

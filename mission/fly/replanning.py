@@ -34,10 +34,10 @@ from mission.spec.model import UNTIL_STOPPED, MissionSpec
 _LEFT_FOR_S: Final = 0.2
 """So long the vehicle has been out of its tube before a plan is asked for."""
 
-_AHEAD_S: Final = 0.1
+_AHEAD_S: Final = 0.05
 """Beyond the time that planning takes: for what is on its way."""
 
-_MORE: Final = 1.5
+_MORE: Final = 1.25
 _SAME: Final = 1e-3
 """m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
 
