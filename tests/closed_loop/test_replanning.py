@@ -1,10 +1,15 @@
 """Flights that leave their tube and go on by another plan: nothing is skipped, and the verdict is that of all legs."""
 
+import json
+from pathlib import Path
+
 import pytest
 
+from mission.cli.report import with_later_plans, write_again
 from mission.fly.replanner import PlanRequest
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
+from mission.report.figures.paths import flown_path
 from mission.spec.loader import parse_mission
 from mission.verify.flown.judging import judged
 from mission.verify.logs.flight_record import track_of_record
@@ -31,7 +36,7 @@ def test_a_mission_says_whether_it_is_replanned(small: FlightPlan) -> None:
 
 
 @FLAVOURS
-def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour: str) -> None:
+def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour: str, tmp_path: Path) -> None:
     flown = Replanned(small, flavour, "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20")
     assert flown.result.achieved, flown.result.reason
     assert flown.result.ending is Ending.LANDED
@@ -42,6 +47,17 @@ def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour
     assert "out of its tube" in begun[0]["reason"]
     # Whoever judges flights of any autopilot says the same, of the mission as it was written.
     assert judged(small.spec, track_of_record(flown.record), fastest_m_s=20.0).achieved
+    # The report is of all plans.
+    folder = flown.written(tmp_path, SMALL)
+    write_again(folder, pictures=False)
+    told = json.loads((folder / "summary.json").read_text())["flown"]
+    assert told["plans"] == len(flown.result.plans)
+    assert told["judged"]["so_far"] == "open"
+    assert told["judged"]["violations"] == []
+    assert told["largest_error_m"] == pytest.approx(flown.result.largest_distance_m, abs=0.05)
+    drawn = flown_path(small, with_later_plans(flown.record, folder))
+    named = {line.get_gid() for line in drawn.axes[0].lines}
+    assert {"planned", "planned 2", "flown"} <= named
 
 
 def test_the_same_seed_gives_the_same_flight(small: FlightPlan) -> None:

@@ -5,13 +5,14 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 from mission.fly import FlightOptions, Progress, fly
 from mission.fly.amending import Amendments
 from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.monitor.stage import Stage
-from mission.plan import FlightPlan
+from mission.plan import FlightPlan, plan_to_json
 from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
 from tests.support.faults import schedule_of
@@ -41,6 +42,7 @@ class Replanned:
             config = replace(config, faults=schedule_of(*faults))
         self.vehicle = LockstepVehicle(config, at_step=self._step)
         self.sink = io.BytesIO()
+        self.texts: dict[int, str] = {}
         self.result = fly(
             plan,
             self.vehicle,
@@ -49,8 +51,18 @@ class Replanned:
             on_progress=self._look,
             options=options,
             amendments=amendments,
+            on_plan=self.texts.__setitem__,
             replanner=replanner(self.vehicle) if replanner else SynchronousReplanner(self.vehicle.now_s),
         )
+
+    def written(self, folder: Path, mission_text: str) -> Path:
+        """The flight as ``mission fly`` leaves it, without its report."""
+        (folder / "mission.yaml").write_text(mission_text)
+        (folder / "plan.json").write_text(plan_to_json(self.plan))
+        for number, text in self.texts.items():
+            (folder / f"plan-{number}.json").write_text(text)
+        (folder / "record.jsonl").write_bytes(self.sink.getvalue())
+        return folder
 
     @property
     def lines(self) -> list[dict[str, Any]]:
