@@ -3,16 +3,20 @@
 import json
 import math
 from argparse import Namespace
-from collections.abc import Iterator
-from dataclasses import asdict
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
 from mission.cli.inputs import bad_file, read_plan
+from mission.cli.report import later_plan_file
 from mission.cli.screen import count, out
 from mission.errors import Fault, RecordError, SpecError, reason
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan, plan_mission
+from mission.report.reading import LEG, read_record
+from mission.report.record import RECORD_FILE
 from mission.spec.areas import clearance_of
 from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec
@@ -47,13 +51,59 @@ def run(arguments: Namespace) -> int:
     anew_m = flight.track.planned_from_m
     if plan is not None and anew_m is not None and anew_m != plan.start_m:
         plan = plan_mission(spec, start_m=anew_m, run=plan.asked_run)
-    found = judged(spec, flight.track, plan=plan, fastest_m_s=arguments.fastest)
+    parts = [_Part(spec, plan, flight)]
+    if arguments.mission is None and plan is not None and (file / RECORD_FILE).is_file():
+        parts = _amended(file, parts[0])
+    found = [judged(part.spec, part.flight.track, plan=part.plan, fastest_m_s=arguments.fastest) for part in parts]
     if arguments.json:
-        out.out(json.dumps(_values(flight, found), indent=2, allow_nan=False))
-    else:
-        for name, words in _lines(flight, found, spec):
+        values = [_values(part.flight, each) for part, each in zip(parts, found, strict=True)]
+        out.out(json.dumps(values[0] if len(values) == 1 else {"parts": values}, indent=2, allow_nan=False))
+        return _exit_code(found)
+    for number, (part, each) in enumerate(zip(parts, found, strict=True), 1):
+        if len(parts) > 1:
+            out.print(f"part      {number} of {len(parts)}, between changes of the mission", markup=False)
+        for name, words in _lines(part.flight, each, part.spec):
             out.print(f"{name:<10}{words}", markup=False)
-    return 0 if found.achieved else 1
+    return _exit_code(found)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """What a part of a flight is judged by."""
+
+    spec: MissionSpec
+    plan: FlightPlan | None
+    flight: LoggedFlight
+
+
+def _exit_code(found: Sequence[Judged]) -> int:
+    """0 where the mission that was asked for last is known to be achieved, and nothing was violated before."""
+    return 0 if found[-1].achieved and not any(each.violations for each in found[:-1]) else 1
+
+
+def _amended(file: Path, whole: _Part) -> list[_Part]:
+    """The parts of a flight of which the mission was changed: each is judged by what was asked for then.
+
+    A part that another one follows has only to violate nothing.
+    """
+    record = read_record(file)
+    changes = [event for event in record.events if event.text == LEG and event.values.get("amended")]
+    parts, track = [], whole.flight.track
+    edges = [-math.inf, *(event.t_s for event in changes), math.inf]
+    plans = [whole.plan, *(read_plan(file / later_plan_file(int(each.values["number"])))[0] for each in changes)]
+    for plan, (from_s, to_s) in zip(plans, pairwise(edges), strict=True):
+        flown = (track.t_s >= from_s) & (track.t_s <= to_s)
+        if plan is not None and flown.any():
+            cut = replace(
+                track,
+                t_s=track.t_s[flown],
+                position_m=track.position_m[flown],
+                word_from_s=max(track.word_from_s, float(track.t_s[flown][0])),
+                ends_whole=track.ends_whole or math.isfinite(to_s),
+                pictures=tuple(each for each in track.pictures if from_s <= each[0] <= to_s),
+            )
+            parts.append(_Part(plan.spec, plan, replace(whole.flight, track=cut)))
+    return parts
 
 
 def _asked(arguments: Namespace, file: Path) -> tuple[MissionSpec, FlightPlan | None]:

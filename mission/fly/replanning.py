@@ -304,6 +304,7 @@ class Replanning:
             name="leg",
             number=self.plans,
             reason=cause.reason,
+            amended=cause.amended is not None,
             start_m=plan.start_m,
             laps_before=laps_before,
             duration_s=plan.trajectory.duration_s,

@@ -1,6 +1,7 @@
 """The mission is changed while it is flown: taken over in flight, refused in words, or held for."""
 
 from itertools import groupby, pairwise
+from pathlib import Path
 
 import pytest
 from shapely import LineString, Point, Polygon
@@ -9,6 +10,7 @@ from mission.fly import FlightOptions
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
 from mission.plan import FlightPlan
 from mission.spec.model import MissionSpec
+from tests.support.commands import ran
 from tests.support.replanned import Replanned
 from tests.support.small_missions import SMALL, plan_of
 from vehicle_sim.protocol.plan_store import PlanKind
@@ -62,7 +64,9 @@ def line_of(flight: Replanned, from_s: float) -> LineString:
 
 
 @FLAVOURS
-def test_a_restricted_region_ahead_is_flown_around(small: FlightPlan, flavour: str) -> None:
+def test_a_restricted_region_ahead_is_flown_around(
+    small: FlightPlan, flavour: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     flight, said = flown(small, flavour, (1.0, RESTRICT_AHEAD))
     assert flight.result.achieved, flight.result.reason
     [(_, answer)] = said.answers
@@ -70,6 +74,11 @@ def test_a_restricted_region_ahead_is_flown_around(small: FlightPlan, flavour: s
     assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
     assert flight.entered() == ["home", "goal", "home"]
     assert [region.name for region in said.kept[0].regions] == ["home", "goal", "pond", "popped"]
+    # Each part is judged by what was asked for then.
+    told = ran(capsys, "verify", "--flight", str(flight.written(tmp_path, SMALL)))
+    assert told.code == 0, told.out + told.err
+    assert "part      2 of 2" in told.out
+    assert "from popped" in told.out
 
 
 def test_on_a_late_link_another_plan_begins_where_what_was_sent_before_it_ends(small: FlightPlan) -> None:
