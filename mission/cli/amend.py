@@ -14,7 +14,7 @@ from mission.fly.amendments import answer_to, hand_in
 from mission.report.record import RECORD_FILE
 from mission.spec.yaml_tree import MAX_BYTES
 
-_HINT: Final = "name the folder that `mission fly` said, such as flights/survey-20250131-120000"
+_HINT: Final = "name the folder that `mission fly` says at its beginning, such as flights/survey-20250131-120000"
 _LOOK_S: Final = 0.01
 _STDIN: Final = "-"
 

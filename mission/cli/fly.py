@@ -88,6 +88,8 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
         folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), arguments.laps)
         stack.enter_context(record)
         replanner = _replanner(clock, stack, bundled=vehicle is not None)
+        with suppress(OSError):
+            err.print(f"recorded in {folder}", markup=False)
         display = stack.enter_context(Display(plan))
         wall = WallClock()
         began_s = wall.now_s()

@@ -1,4 +1,4 @@
-"""A flight over loopback UDP, its planner beside it, and a third process that changes its mission."""
+"""A flight over loopback UDP, and a third process that changes its mission."""
 
 import subprocess
 import sys
@@ -7,7 +7,7 @@ from pathlib import Path
 from mission.clock import WallClock
 from mission.fly import BundledVehicle, Progress, VehicleOptions, fly
 from mission.fly.amendments import AmendmentFolder
-from mission.fly.planner_process import PlannerProcess
+from mission.fly.replanner import SynchronousReplanner
 from mission.link.lockstep import LockstepLink
 from mission.link.transport import open_transport
 from mission.monitor.stage import Stage
@@ -23,7 +23,6 @@ LINES = "formula F G home & G !pond\nlaps many\n"
 def test_lines_on_standard_input_change_the_mission_of_a_flight(tmp_path: Path) -> None:
     options = VehicleOptions(speed=SPEED, seed=1, flavour="ardupilot", ground_station=False)
     handing_in: list[subprocess.Popen[str]] = []
-    planner = PlannerProcess()
     with FlightRecord.in_folder(tmp_path, "small") as record, BundledVehicle(options) as vehicle:
         assert record.folder is not None
         folder = record.folder
@@ -31,7 +30,7 @@ def test_lines_on_standard_input_change_the_mission_of_a_flight(tmp_path: Path) 
         link = LockstepLink(transport, WallClock())
 
         def watch(progress: Progress) -> None:
-            if progress.stage is Stage.FLY and not handing_in:
+            if progress.stage is Stage.CLIMB and not handing_in:
                 command = [sys.executable, "-m", "mission", "amend", str(folder)]
                 pipe = subprocess.PIPE
                 process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True, cwd=ROOT)
@@ -51,12 +50,11 @@ def test_lines_on_standard_input_change_the_mission_of_a_flight(tmp_path: Path) 
                 record,
                 on_progress=watch,
                 vehicle_failure=vehicle.failure,
-                replanner=planner,
+                replanner=SynchronousReplanner(link.now_s),
                 on_plan=keep,
                 amendments=AmendmentFolder(folder),
             )
         finally:
-            planner.close()
             transport.close()
     [process] = handing_in
     assert process.stdout is not None
