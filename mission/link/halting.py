@@ -16,6 +16,7 @@ from mission.spec.model import Point
 
 _LEAST_S: Final = 0.5
 _LONGEST_S: Final = 60.0
+_IN_ALL: Final = 1.4
 _LONGER: Final = 1.2
 _SAMPLES: Final = 64
 _PEAK: Final = 1.5
@@ -72,6 +73,12 @@ class Retimed:
         changed = self.from_s + self.within_s * (first * u + (last - first) * (u**3 - 0.5 * u**4))
         return np.asarray(changed + last * np.maximum(t_s - self.within_s, 0.0))
 
+    def rate(self, t_s: FloatArray) -> FloatArray:
+        """How fast that goes at the times (P,)."""
+        first, last = self.rates
+        u = np.clip(t_s / self.within_s, 0.0, 1.0)
+        return np.asarray(first + (last - first) * (3.0 * u**2 - 2.0 * u**3))
+
     def planned_s(self, t_s: float) -> float:
         """The trajectory's time at a time."""
         return float(self.own_s(np.array([t_s]))[0])
@@ -80,7 +87,7 @@ class Retimed:
         """Position, velocity and acceleration at the times (P,), each of shape (P, 2)."""
         first, last = self.rates
         u = np.clip(t_s / self.within_s, 0.0, 1.0)
-        rate = (first + (last - first) * (3.0 * u**2 - 2.0 * u**3))[:, None]
+        rate = self.rate(t_s)[:, None]
         growth = ((last - first) * 6.0 * (u - u**2) / self.within_s)[:, None]
         position, velocity, acceleration = self.trajectory.state(self.own_s(t_s))
         return position, velocity * rate, acceleration * rate**2 + velocity * growth
@@ -101,7 +108,8 @@ def slowed(trajectory: Flown, from_s: float, rate: float, most_m_s2: float) -> R
         trajectory: What is flown.
         from_s: Its time when that begins.
         rate: How fast that goes then.
-        most_m_s2: The largest acceleration, but where the trajectory's own is larger.
+        most_m_s2: What may be added along the path; in all it is at most ``_IN_ALL`` times that, but where the
+            trajectory's own acceleration is larger.
     """
     return _retimed(trajectory, from_s, (rate, 0.0), most_m_s2)
 
@@ -117,8 +125,9 @@ def _retimed(trajectory: Flown, from_s: float, rates: tuple[float, float], most_
         found = Retimed(trajectory, from_s, rates, within_s)
         times = np.linspace(0.0, within_s, _SAMPLES)
         flown, own = found.state(times)[2], trajectory.state(found.own_s(times))[2]
-        largest, allowed = np.hypot(*flown.T).max(), max(most_m_s2, float(np.hypot(*own.T).max()))
-        if largest <= allowed or within_s >= _LONGEST_S:
+        largest, allowed = np.hypot(*flown.T).max(), max(_IN_ALL * most_m_s2, float(np.hypot(*own.T).max()))
+        added = np.hypot(*(flown - own * found.rate(times)[:, None] ** 2).T).max()
+        if (largest <= allowed and added <= most_m_s2) or within_s >= _LONGEST_S:
             return found
         within_s *= _LONGER
 

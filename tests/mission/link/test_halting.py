@@ -41,10 +41,8 @@ def test_a_trajectory_comes_to_rest_along_itself(from_s: float, rate: float, sha
     assert ended[0] == pytest.approx(jet(Straight(), halt.planned_s(halt.duration_s))[0])
     times = np.linspace(0.0, halt.duration_s, 200)
     largest = np.hypot(*np.array(halt.state(times))[2].T).max()
-    assert (
-        largest
-        <= max(MOST_M_S2, np.hypot(*np.array(Straight().state(np.linspace(0, DURATION_S, 200)))[2].T).max()) + 1e-3
-    )
+    own = np.hypot(*np.array(Straight().state(np.linspace(0.0, DURATION_S, 200)))[2].T).max()
+    assert largest <= max(1.4 * MOST_M_S2, own) + 1e-3
 
 
 @given(from_s=st.floats(0.0, DURATION_S - 1.0))
