@@ -1,8 +1,8 @@
 """The flight: one loop around clock, link, session, monitor and record; and the bundled vehicle as a process."""
 
-from mission.fly.flight import FlightOptions
 from mission.fly.interruption import StopRequest, StopSignals
 from mission.fly.loop import fly
+from mission.fly.options import FlightOptions
 from mission.fly.result import FlightResult, Progress
 from mission.fly.vehicle_process import BundledVehicle, VehicleOptions, home_for
 

@@ -11,9 +11,9 @@ import numpy as np
 from mission.clock import Clock
 from mission.decimals import decimal
 from mission.errors import LinkError, VehicleError
-from mission.fly.flight import FlightOptions
 from mission.fly.interruption import StopRequest
 from mission.fly.loop import fly
+from mission.fly.options import FlightOptions
 from mission.fly.result import Progress
 from mission.geometry.arrays import FloatArray
 from mission.link.drag import DragEstimate

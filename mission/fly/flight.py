@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from traceback import format_exception
 
 from mission.clock import Clock, SteadyClock
@@ -15,8 +15,9 @@ from mission.fly.fencing import guarded, items_of
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.news import News
+from mission.fly.options import FlightOptions
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
-from mission.fly.preflight import Checks, Gate
+from mission.fly.preflight import Gate
 from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner
 from mission.fly.replanning import Replanning
@@ -25,7 +26,6 @@ from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
 from mission.link.announcer import Announcer
 from mission.link.events import WentOn
-from mission.link.identity import LinkOptions
 from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
@@ -35,36 +35,10 @@ from mission.printable import printable
 from mission.spec.amendment import asks_the_same
 from mission.spec.model import Point
 
-_STRAY_M = 10.0
 _STRAY_FOR_S = 5.0
 _UNTRUSTED_FOR_S = 2.0
 _CRITICAL_FOR_S = 3.0
 """A vehicle that does something about its battery itself has told of that by then, in two heartbeats."""
-
-
-@dataclass(frozen=True)
-class FlightOptions:
-    """How a flight is conducted.
-
-    Attributes:
-        link: Ids and patience on the link.
-        land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot. Otherwise the
-            vehicle is left holding, for its pilot to decide: what lies under a real one is not known here.
-        fence: Whether the vehicle's own geofence is set to keep it where the plan allows it to be, and put back at the
-            end. Nothing of the vehicle is changed unless that is asked for.
-        keep_fence: Whether that fence stays after the flight.
-        resume_when_handed_back: Whether a flight that a pilot has taken over waits to be handed back, and goes on.
-        stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
-        checks: What is checked before the vehicle is armed, and what of it does not count.
-    """
-
-    link: LinkOptions = field(default_factory=LinkOptions)
-    land_when_stopped: bool = False
-    resume_when_handed_back: bool = False
-    fence: bool = False
-    keep_fence: bool = False
-    stray_m: float = _STRAY_M
-    checks: Checks = field(default_factory=Checks)
 
 
 class Flight:

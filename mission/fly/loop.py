@@ -6,8 +6,9 @@ from collections.abc import Callable
 from mission.clock import Clock
 from mission.errors import LinkError
 from mission.fly.amending import Amendments
-from mission.fly.flight import Flight, FlightOptions
+from mission.fly.flight import Flight
 from mission.fly.interruption import INTERRUPTED, StopRequest
+from mission.fly.options import FlightOptions
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.fly.result import FlightResult, Progress
