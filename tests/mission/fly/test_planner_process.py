@@ -65,4 +65,4 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
 def test_what_cannot_be_planned_is_refused_in_words(place: tuple[float, float]) -> None:
     refusal = answered(PlanRequest(1, plan_of(SMALL), Rest((frozenset({"home"}),), place)))
     assert refusal.plan is None
-    assert "pond" in refusal.refusal
+    assert "restricted" in refusal.refusal
