@@ -70,8 +70,13 @@ def add_run(command: argparse.ArgumentParser) -> None:
 
 
 def _add_flight(fly: argparse.ArgumentParser) -> None:
-    fly.add_argument("file", metavar="FILE", help="mission file (YAML)")
+    fly.add_argument("file", nargs="?", metavar="FILE", help="mission file (YAML)")
     add_run(fly)
+    fly.add_argument(
+        "--resume",
+        metavar="FOLDER",
+        help="go on with the flight that left this folder, with its vehicle that hovers where it was left",
+    )
     fly.add_argument(
         "--laps", type=laps, metavar="N", help="fly so many laps, or until-stopped (default: as in the file)"
     )

@@ -12,6 +12,7 @@ from mission.cli.findings import print_departure
 from mission.cli.inputs import planned, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, later_plan_file, write_again
+from mission.cli.resume import left_in, reopened
 from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.cli.signals import EndingSignals
 from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_options, link_to, warn
@@ -22,6 +23,7 @@ from mission.fly.amendments import AmendmentFolder
 from mission.fly.planner_process import PlannerProcess
 from mission.fly.preflight import Checks, NoGoError, check_forced
 from mission.fly.replanner import Replanner, SynchronousReplanner
+from mission.fly.resuming import Unfinished
 from mission.link.identity import LinkOptions
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
@@ -43,15 +45,18 @@ def run(arguments: Namespace) -> int:
     check_vehicle_options(arguments)
     check_forced(arguments.force)
     link = link_options(arguments)
-    plan = planned(arguments.file, arguments.run, arguments.laps)
+    left = left_in(arguments)
+    plan = planned(arguments.file, arguments.run, arguments.laps) if left is None else left.legs.legs[0].plan
     with suppress(OSError):
+        if left is not None:
+            out.print(f"taken up again from {arguments.resume}", markup=False)
         proved = f"proved {reach(plan.certificate.tube_m)}"
         if plan.spec.flight.guidance == FIELD:
             proved = "by the field, without a proof of a tube"
         out.print(f"{printable(plan.spec.name)}: {extent(plan)}, {proved}{without(plan)}", markup=False)
-    print_warnings(plan.warnings, arguments.file)
+    print_warnings(plan.warnings, arguments.file or arguments.resume)
     with StopSignals() as stop:
-        flight = _flown(arguments, link, plan, stop)
+        flight = _flown(arguments, link, plan, left, stop)
         hurried = stop.take() is not None
     if link.signatures is not None:
         link.signatures.end()
@@ -81,11 +86,16 @@ class _Flown:
     elapsed_s: float = 0.0
 
 
-def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: StopSignals) -> _Flown:
+def _flown(
+    arguments: Namespace, link: LinkOptions, plan: FlightPlan, left: Unfinished | None, stop: StopSignals
+) -> _Flown:
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
         vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
-        folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), arguments.laps)
+        if left is None:
+            folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), arguments.laps)
+        else:
+            folder, record = Path(arguments.resume), reopened(Path(arguments.resume), left.record.mission)
         stack.enter_context(record)
         replanner = _replanner(clock, stack, bundled=vehicle is not None)
         with suppress(OSError):
@@ -114,6 +124,7 @@ def _flown(arguments: Namespace, link: LinkOptions, plan: FlightPlan, stop: Stop
                 on_warning=warn,
                 replanner=replanner,
                 amendments=AmendmentFolder(folder),
+                unfinished=left,
                 on_plan=lambda number, text: _keep_plan(folder / later_plan_file(number), text),
             )
         except MissionError as failure:

@@ -36,6 +36,17 @@ def write_again(folder: Path, *, pictures: bool) -> None:
         RecordError: Its record is damaged other than by a cut last line.
         OSError: It cannot be written to.
     """
+    plan, record, mission_text = flight_in(folder)
+    write_report(plan, record, folder, pictures=pictures, mission_text=mission_text)
+
+
+def flight_in(folder: Path) -> tuple[FlightPlan, Record, str]:
+    """The plan that was flown first, the record with its later plans, and the mission's text, of a flight's folder.
+
+    Raises:
+        SpecError: The folder is not one of a flight.
+        RecordError: Its record is damaged other than by a cut last line.
+    """
     if not folder.is_dir():
         raise bad_file(folder, "is not a folder" if folder.exists() else "there is no such folder", _HINT)
     missing = [name for name in (PLAN_FILE, MISSION_FILE, RECORD_FILE) if not (folder / name).is_file()]
@@ -50,7 +61,7 @@ def write_again(folder: Path, *, pictures: bool) -> None:
     except RecordError as error:
         raise RecordError(f"{folder / RECORD_FILE}: {error}", line=error.line) from error
     record = with_later_plans(record, folder)
-    write_report(_as_flown(plan, record), record, folder, pictures=pictures, mission_text=mission_text)
+    return _as_flown(plan, record), record, mission_text
 
 
 def with_later_plans(record: Record, folder: Path) -> Record:

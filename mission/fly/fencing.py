@@ -1,11 +1,12 @@
 """The geofence that guards a flight: a plan's fence in the frame that is flown in, as the autopilot takes it."""
 
-from typing import Final
+from collections.abc import Mapping
+from typing import Any, Final
 
 from mission.errors import GeometryError, VehicleError
 from mission.geometry.geodesy import LatLon
 from mission.link.contact import Contact
-from mission.link.fence_guard import FenceGuard, fence_items
+from mission.link.fence_guard import FenceBefore, FenceGuard, fence_items
 from mission.link.frames import Anchor, Anchoring, enu_from_ned
 from mission.link.plan_values import PlanItem
 from mission.plan import FlightPlan
@@ -40,11 +41,10 @@ def guarded(plan: FlightPlan, anchoring: Anchoring, contact: Contact, *, keep: b
     if vehicle.position is None or kind is None:
         raise VehicleError(_UNPLACED)
     north_m, east_m, _ = anchoring(vehicle.position.position_ned_m).origin_ned_m
-    altitude_m = plan.trajectory.altitude_m
     guard = FenceGuard(
         items_of(plan, (north_m, east_m), contact),
         kind.fence,
-        ceiling_m=altitude_m + max(_LEAST_ABOVE_M, _CEILING_SHARE * altitude_m),
+        ceiling_m=_ceiling_m(plan),
         own=contact.own,
         bytewise=kind.bytewise,
         keep=keep,
@@ -75,6 +75,41 @@ def items_of(plan: FlightPlan, origin_ned_m: tuple[float, float], contact: Conta
         return fence_items(placed(fitting, origin, shift))
     except GeometryError as error:
         raise VehicleError(f"the vehicle cannot be fenced in: {error}") from error
+
+
+def guarded_again(values: Mapping[str, Any], plan: FlightPlan, contact: Contact, *, keep: bool) -> FenceGuard | None:
+    """What guards a flight that is taken up again: the fence that it set, to be put back to what was there before.
+
+    Args:
+        values: What its record says of it (``geofence``).
+        plan: What is flown.
+        contact: The vehicle.
+        keep: Whether the fence stays after the flight.
+    """
+    kind = contact.autopilot
+    if kind is None:
+        return None
+    items, before = (tuple(_item(each) for each in values[name]) for name in ("items", "items_before"))
+    parameters = {str(name): float(value) for name, value in values["parameters_before"].items()}
+    return FenceGuard(
+        items,
+        kind.fence,
+        ceiling_m=_ceiling_m(plan),
+        own=contact.own,
+        bytewise=kind.bytewise,
+        keep=keep,
+        before=FenceBefore(parameters, before),
+    )
+
+
+def _item(values: Mapping[str, Any]) -> PlanItem:
+    first, second, third, fourth = values["params"]
+    return PlanItem(**{**values, "params": (first, second, third, fourth)})
+
+
+def _ceiling_m(plan: FlightPlan) -> float:
+    altitude_m = plan.trajectory.altitude_m
+    return altitude_m + max(_LEAST_ABOVE_M, _CEILING_SHARE * altitude_m)
 
 
 def anchored_at(north_m: float, east_m: float, anchoring: Anchoring) -> Anchoring:

@@ -7,11 +7,12 @@ from dataclasses import asdict
 from traceback import format_exception
 
 from mission.clock import Clock, SteadyClock
-from mission.errors import FlightError, LinkError, MissionError, VehicleError
+from mission.errors import FlightError, LinkError, MissionError, NoPlanError, VehicleError
 from mission.fly.amending import Amending, Amendments
 from mission.fly.by_field import field_orders, is_sealed
+from mission.fly.circumstances import GEOFENCE, Circumstances
 from mission.fly.conclusion import concluded, joined, shortcomings
-from mission.fly.fencing import guarded, items_of
+from mission.fly.fencing import guarded, guarded_again, items_of
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.news import News
@@ -19,20 +20,21 @@ from mission.fly.options import FlightOptions
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
 from mission.fly.preflight import Gate
 from mission.fly.recording import Recording
-from mission.fly.replanner import Replanner
+from mission.fly.replanner import Replanner, answered
 from mission.fly.replanning import Replanning
 from mission.fly.result import FlightResult, Progress
+from mission.fly.resuming import RETURNING, Unfinished
 from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
 from mission.link.announcer import Announcer
-from mission.link.events import WentOn
+from mission.link.events import Moved, StageEntered, WentOn
+from mission.link.frames import enu_from_ned
 from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.printable import printable
-from mission.spec.amendment import asks_the_same
 from mission.spec.model import Point
 
 _STRAY_FOR_S = 5.0
@@ -55,6 +57,7 @@ class Flight:
         replanner: Replanner,
         on_plan: Callable[[int, str], None],
         amendments: Amendments | None,
+        unfinished: Unfinished | None,
     ) -> None:
         self.plan, self.record, self.options = plan, record, options
         self.clock = SteadyClock(clock)
@@ -63,7 +66,9 @@ class Flight:
             options=options.link,
             land_when_stopped=options.land_when_stopped,
             waits_for_pilot=options.resume_when_handed_back,
+            aloft=unfinished is not None,
         )
+        self._unfinished = unfinished
         self.gate = Gate(self.session.contact, options.checks)
         self.watch = FlightWatch(plan, record)
         self.interrupted = False
@@ -73,10 +78,9 @@ class Flight:
         self._replanning, self._amending = self._replans()
         self._trusted_s = self._near_s = self._charged_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, self.clock)
-        self._told_left_out_s = 0.0
+        self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
         self._news: News | None = None
         self._fenced = plan
-        self._told_behind = self._warned_behind = self._warned_trouble = self._told_fence = False
 
     @property
     def newest_s(self) -> float | None:
@@ -100,12 +104,11 @@ class Flight:
         if self.listening.turn(transport):
             session.advance(self.clock.now_s())
             self.take_events()
-            self.tell_pace()
-            self.tell_trouble()
-            self.tell_fence()
+            self._circumstances.turn()
             self.renew_fence()
-            self.tell_leap()
-            if session.stage is Stage.STANDBY and self.gate.open:
+            if session.stage is Stage.STANDBY and self._unfinished is not None:
+                self._take_up(self._unfinished)
+            elif session.stage is Stage.STANDBY and self.gate.open:
                 self.gate.judge(self.plan, self.options.link, self.record, fenced=self.options.fence)
                 self.depart()
             self.look_after()
@@ -148,72 +151,21 @@ class Flight:
         place = self.watch.monitor.whereabouts
         return -1 if place is None else place.state
 
-    def tell_pace(self) -> None:
-        """Say when this computer begins not to keep up with the vehicle, and when it has caught up again."""
-        listening = self.listening
-        if listening.is_behind == self._told_behind:
-            return
-        self._told_behind = listening.is_behind
-        self.record.write(
-            "event",
-            self.newest_s,
-            name="this computer does not keep up" if listening.is_behind else "this computer keeps up again",
-            behind_s=listening.behind_s,
-            largest_behind_s=listening.largest_behind_s,
-            left_out=self.session.contact.inbox.left_out,
-        )
-        if listening.is_behind and not self._warned_behind:
-            self._warned_behind = True
-            self.record.warn(
-                f"this computer does not keep up: it is {listening.behind_s:.1f} s behind what the vehicle says"
-            )
-
-    def tell_trouble(self) -> None:
-        """Say at once when something goes wrong with the camera."""
-        trouble = self.session.contact.photography.trouble
-        if trouble and not self._warned_trouble:
-            self._warned_trouble = True
-            self.record.warn(f"{trouble}; the flight goes on")
-
-    def tell_fence(self) -> None:
-        """Write down what the vehicle's geofence was, before anything of it is changed, and what it is to be."""
-        guard = self.session.contact.fence
-        if guard is None or guard.before is None or self._told_fence:
-            return
-        self._told_fence = True
-        if theirs := len(guard.before.items):
-            self.record.warn(f"the vehicle's own geofence, of {theirs} items, gives way to that of this mission")
-        self.record.write(
-            "event",
-            self.newest_s,
-            name="geofence",
-            parameters_before=guard.before.parameters,
-            items_before=[asdict(item) for item in guard.before.items],
-            parameters=guard.parameters,
-            items=[asdict(item) for item in guard.items],
-        )
-
     def renew_fence(self) -> None:
-        """Let the geofence follow where the mission was amended; the rest of a mission asks for no other one."""
+        """Let the geofence follow where the mission was amended; the rest of one keeps within what there is."""
         guard, plan, guidance = self.session.contact.fence, self.watch.plan, self.session.guidance
         if guard is None or guidance is None or plan is self._fenced:
             return
         before, self._fenced = self._fenced, plan
         one, other = before.spec, plan.spec
-        if asks_the_same(one, other) and (one.regions, one.domain) == (other.regions, other.domain):
-            return
         try:
-            guard.renew(items_of(plan, guidance.anchor.origin_ned_m[:2], self.session.contact))
+            items = items_of(plan, guidance.anchor.origin_ned_m[:2], self.session.contact)
+            if (one.regions, one.domain) == (other.regions, other.domain) and {*guard.items} <= {*items}:
+                return
+            guard.renew(items)
         except VehicleError as error:
             self.record.warn(f"the geofence stays as it was: {error}")
         self.record.write("event", self.newest_s, name="geofence renewed", items=[asdict(item) for item in guard.items])
-
-    def tell_leap(self) -> None:
-        """Say that this program stood still, or that its clock was set."""
-        leapt_s = self.clock.left_out_s - self._told_left_out_s
-        if leapt_s > 0.0:
-            self._told_left_out_s = self.clock.left_out_s
-            self.record.write("event", self.newest_s, name="this computer stood still", for_s=leapt_s)
 
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
@@ -252,6 +204,41 @@ class Flight:
         if self.plan.spec.flight.replan or self._amendments is not None or self.options.resume_when_handed_back:
             self._replanner.prepare(self.plan)
         self.session.depart(course, anchoring, self.plan.photographs)
+        self.listening.excuse()
+
+    def _take_up(self, left: Unfinished) -> None:
+        """Go on with a flight from where the vehicle hovers.
+
+        Raises:
+            VehicleError: It is no vehicle that this flight can go on with.
+            NoPlanError: What was not done cannot be done from there.
+        """
+        session, vehicle, kind = self.session, self.session.vehicle, self.session.contact.autopilot
+        if kind is None or vehicle.position is None:
+            raise VehicleError("the vehicle has not told where it is")
+        left.check(vehicle, kind)
+        at_s, attitude = vehicle.position_at_s, vehicle.attitude
+        place_m = left.anchor.to_domain(vehicle.position.position_ned_m)
+        velocity_m_s = enu_from_ned(vehicle.position.velocity_ned_m_s)
+        angles_rad = None if attitude is None else attitude.angles_rad
+        check_stand(left.legs.now.plan, place_m[:2])
+        # The way from where it was heard last counts as flown.
+        self.watch.take(StageEntered(at_s, Stage.FLY))
+        self.watch.take_up(left.legs, left.began_s, left.last_s)
+        self.watch.take(Moved(at_s, place_m, velocity_m_s, angles_rad, place_m, velocity_m_s, None))
+        answer = answered(left.request(place_m[:2]))
+        if answer.plan is None:
+            raise NoPlanError(answer.refusal)
+        self.plan, self._fenced = answer.plan, left.legs.now.plan
+        self._replanning, self._amending = self._replans()
+        self._replanning.fly_next(answer.plan, answer.text, at_s, f"taken up again after {at_s - left.last_s:.0f} s")
+        self._replanner.prepare(answer.plan)
+        for event in left.record.events:
+            if event.text == GEOFENCE:
+                keep = self.options.keep_fence
+                session.contact.fence = guarded_again(event.values, answer.plan, session.contact, keep=keep)
+        course = course_of(answer.plan, 0.0 if angles_rad is None else angles_rad[2], None)
+        session.depart(course, left.anchor, answer.plan.photographs)
         self.listening.excuse()
 
     def _replans(self) -> tuple[Replanning, Amending | None]:
@@ -307,7 +294,7 @@ class Flight:
         self.interrupted = True
         if request.after_lap and not self.watch.returning and self.session.end_laps(self.clock.now_s()):
             self.watch.returning = True
-            self.record.write("event", self.newest_s, name="returning after this lap", reason=request.reason)
+            self.record.write("event", self.newest_s, name=RETURNING, reason=request.reason)
         else:
             self.stop(request.reason)
             self._given_up = True

@@ -12,6 +12,7 @@ from mission.fly.options import FlightOptions
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.replanner import Replanner, SynchronousReplanner
 from mission.fly.result import FlightResult, Progress
+from mission.fly.resuming import Unfinished
 from mission.link.transport import Transport
 from mission.plan import FlightPlan, plan_mission
 from mission.spec.model import MissionSpec, Point
@@ -35,6 +36,7 @@ def fly(
     replanner: Replanner | None = None,
     on_plan: Callable[[int, str], None] | None = None,
     amendments: Amendments | None = None,
+    unfinished: Unfinished | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -58,6 +60,7 @@ def fly(
         replanner: What plans in flight; it is left open. By default, one that stops this loop while it plans.
         on_plan: Given each plan that is taken over in flight, before it is: its number, from 2, and its JSON text.
         amendments: Where changes of the mission come from, while it is flown.
+        unfinished: A flight that was left in the air, by this plan at first, to go on with from where the vehicle is.
         on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
 
     Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
@@ -78,6 +81,7 @@ def fly(
         planner=planner or _planner_of(plan.spec, run),
         on_plan=on_plan or _unwritten,
         amendments=amendments,
+        unfinished=unfinished,
         replanner=replanner or SynchronousReplanner(clock.now_s, 0.0),
     )
     gone = vehicle_failure or _nothing

@@ -133,7 +133,7 @@ class Replanning:
             replanner: Who plans.
             told: Given each plan that is taken over, its number and its text; and what is intended, in plain words.
         """
-        self.plans = 1
+        self.plans = len(watch.legs.legs)
         self._on_plan, self._say = told
         self._piloted = False
         self._session, self._watch, self._record, self._replanner = session, watch, record, replanner
@@ -291,29 +291,31 @@ class Replanning:
                 why = "each time that there was a plan, another word had been spelled"
                 return self._refused(why, guidance, vehicle_s)
             return self._again("another word was spelled meanwhile")
-        self._on_plan(self.plans + 1, asked.text)
-        self._take_over(cause, plan, max(approach.until_s, vehicle_s))
+        at_s = max(approach.until_s, vehicle_s)
+        self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
+        self.fly_next(plan, asked.text, at_s, cause.reason, amended=cause.amended is not None)
+        self._end("")
         return ""
 
-    def _take_over(self, cause: Cause, plan: FlightPlan, at_s: float) -> None:
+    def fly_next(self, plan: FlightPlan, text: str, at_s: float, reason: str, *, amended: bool = False) -> None:
+        """Let another plan, in JSON this text, count as flown from a vehicle time on."""
         laps_before = self._watch.legs.laps
         self.plans += 1
+        self._on_plan(self.plans, text)
         self._record.write(
             "event",
             at_s,
             name="leg",
             number=self.plans,
-            reason=cause.reason,
-            amended=cause.amended is not None,
+            reason=reason,
+            amended=amended,
             start_m=plan.start_m,
             laps_before=laps_before,
             duration_s=plan.trajectory.duration_s,
         )
         onward = next((letter for letter in plan.certificate.word[1:] if letter), frozenset({"its end"}))
         self._say(f"going on from here to {', '.join(sorted(onward))}")
-        self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
         self._watch.take_over(plan, at_s, laps_before)
-        self._end("")
 
     def _is_calm(self, approach: Approach, vehicle_s: float) -> bool:
         """Whether the vehicle has stood for a while where the new plan begins."""

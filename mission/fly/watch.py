@@ -77,6 +77,12 @@ class FlightWatch:
         """Which leg was written last, and how many of its visits and violations."""
         self._trajectory = plan.trajectory
 
+    def take_up(self, legs: FlightLegs, began_s: float, last_s: float) -> None:
+        """Go on with a flight that was left: with what of it counts, when it began, and when it was reported last."""
+        self.legs, self._trajectory = legs, legs.now.plan.trajectory
+        self._written = (len(legs.legs) - 1, len(self.monitor.visits), len(self.monitor.violations))
+        self.began_s, self._told_s = began_s, last_s
+
     @property
     def plan(self) -> FlightPlan:
         """What is flown."""
@@ -182,9 +188,9 @@ class FlightWatch:
             self.largest_distance_m = max(self.largest_distance_m, math.dist(place, planned))
             self.beyond_tube_s = max(self.beyond_tube_s, self.tracking.excess_s)
             self.legs.now.keep(event.trajectory_s, in_tube=self.tracking.is_within)
-        if self.began_s is not None and self._stage in WATCHED:
+        if self.began_s is not None:
             gap_s = event.t_s - self._told_s
-            if gap_s > GAP_S:
+            if gap_s > GAP_S and self._stage in WATCHED:
                 self._note_gap(Gap(Missing.POSITION, self._told_s, gap_s))
             self._told_s = event.t_s
         self._write_visits(event.t_s)

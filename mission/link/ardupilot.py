@@ -6,6 +6,7 @@ LOITER obeys the throttle stick, so without a pilot the mode that holds is BRAKE
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
 from mission.link.autopilot import COMMON_RATES_HZ, Autopilot
@@ -115,4 +116,13 @@ ARDUPILOT: Final = Autopilot(
         sphere_m=6_378_100.0,
     ),
     departure=_departure,
+    left_modes=frozenset({_GUIDED, _BRAKE}),
+    return_to_setpoints=(
+        replace(
+            change_mode_step(
+                Stage.MODE, change_mode("GUIDED", _GUIDED), _GUIDED, "GUIDED", frozenset({_GUIDED, _BRAKE})
+            ),
+            armed=True,
+        ),
+    ),
 )

@@ -26,6 +26,8 @@ class Autopilot:
         bytewise: Whether it sends the bytes of an integer parameter, and not its value.
         fence: What it has to be told of its geofence.
         departure: The steps from disarmed on the ground to flying setpoints, for an altitude above the take-off point.
+        left_modes: The modes that whoever led it may have left it in: it stays where it is, and nobody else leads it.
+        return_to_setpoints: The steps from there, in the air, to flying setpoints.
     """
 
     name: str
@@ -40,6 +42,8 @@ class Autopilot:
     bytewise: bool
     fence: FenceRules
     departure: Callable[[float], tuple[Step, ...]]
+    left_modes: frozenset[int]
+    return_to_setpoints: tuple[Step, ...]
 
     def mode_name(self, mode: int) -> str:
         """The name of a mode, or its number where it has none here."""

@@ -96,6 +96,7 @@ class StreamRequests:
                 *(set_message_interval(stream, rate) for stream, rate in autopilot.rates_hz.items()),
                 request_message(Stream.GPS_GLOBAL_ORIGIN),
                 request_message(Stream.AUTOPILOT_VERSION),
+                request_message(Stream.HOME_POSITION),
             )
         )
 

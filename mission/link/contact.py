@@ -10,6 +10,7 @@ from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.identity import LinkOptions
 from mission.link.inbox import Inbox
+from mission.link.leading import Leader
 from mission.link.messages import AUTOPILOT_COMPONENT, Codec, Stream, request_message, vehicle_type_name
 from mission.link.parameters import ParameterReading
 from mission.link.photography import Photography
@@ -64,8 +65,8 @@ class Contact:
         out: Frames to send, likewise; answers to PINGs come after them.
     """
 
-    def __init__(self, options: LinkOptions, *, needs_origin: bool) -> None:
-        """Wait for a vehicle; ``needs_origin``: one that knows where on Earth it is."""
+    def __init__(self, options: LinkOptions, *, needs_origin: bool, aloft: bool = False) -> None:
+        """Wait for a vehicle; ``needs_origin``: one that knows where on Earth it is; ``aloft``: one in the air."""
         self.options = options
         self.vehicle = VehicleState()
         self.arrival = Arrival(self.vehicle.clock)
@@ -76,7 +77,7 @@ class Contact:
         self.late_s = 0.0
         self.out: deque[bytes] = deque()
         self._pings: list[tuple[Received, Ping]] = []
-        self._needs_origin = needs_origin
+        self._needs_origin, self._aloft = needs_origin, aloft
         self._codec = Codec(options.system_id, options.component_id, options.signatures)
         self.channel = RequestChannel(options.system_id, options.component_id)
         self.photography = self._photography(())
@@ -239,11 +240,14 @@ class Contact:
         """Whether position and health have been good enough to fly for a while.
 
         Raises:
-            VehicleError: The vehicle is armed already, or has not become ready in time.
+            VehicleError: The vehicle is armed already, or is not although it should be in the air, or has not become
+                ready in time.
         """
-        if self.vehicle.heartbeats_armed >= HEARTBEATS:
+        if self.vehicle.heartbeats_armed >= HEARTBEATS and not self._aloft:
             raise VehicleError("the vehicle is armed already; a mission begins on the ground, with motors off")
-        self.waiting_for = self.vehicle.unready(absolute=self._needs_origin)
+        if self.vehicle.heartbeats_disarmed >= HEARTBEATS and self._aloft:
+            raise VehicleError("the vehicle's motors are off: it has landed since, and its flight is over")
+        self.waiting_for = self.vehicle.unready(absolute=self._needs_origin, aloft=self._aloft)
         vehicle_s = self.vehicle.clock.now_s(now_s)
         if self.waiting_for or vehicle_s is None:
             self._ready_from_s = math.inf
@@ -254,10 +258,10 @@ class Contact:
         self._ready_from_s = min(self._ready_from_s, vehicle_s)
         return vehicle_s - self._ready_from_s >= _READY_FOR_S
 
-    def photograph(self, stretches: tuple[Photographs, ...]) -> None:
-        """Photograph these stretches of the trajectory; pictures count from now on."""
+    def photograph(self, stretches: tuple[Photographs, ...], guidance: Leader | None = None) -> None:
+        """Photograph these stretches of the trajectory that is led along; pictures count from now on."""
         self.photography = self._photography(stretches)
-        self.pictures = PictureBook(self.vehicle, self.events)
+        self.pictures = PictureBook(self.vehicle, self.events, guidance)
 
     def switch_camera(self, trajectory_s: float | None, now_s: float) -> None:
         """Switch the camera's trigger as it should be at a time on the trajectory, None where none is flown."""

@@ -85,6 +85,7 @@ class FenceGuard:
         own: Partner,
         bytewise: bool,
         keep: bool = False,
+        before: FenceBefore | None = None,
     ) -> None:
         """Set it from the next ``advance`` on.
 
@@ -95,17 +96,18 @@ class FenceGuard:
             own: Who we are.
             bytewise: Whether the vehicle sends whole numbers of parameters as bytes.
             keep: Whether it stays after the flight.
+            before: What the vehicle had, where it has been set already; then nothing is set.
         """
         self.items = items
-        self.before: FenceBefore | None = None
-        self.is_set = False
+        self.before = before
+        self.is_set = before is not None
         self.failure: MissionError | None = None
         self._lost: list[str] = []
         self._rules, self._ceiling_m, self._own, self._bytewise, self._keep = rules, ceiling_m, own, bytewise, keep
         self._types: dict[str, int] = {}
-        self._touched = False
+        self._touched = before is not None
         self._returning = False
-        self._task: _Asked | None = self._set()
+        self._task: _Asked | None = self._set() if before is None else None
         self._asking: Asking | None = None
 
     @property
@@ -178,13 +180,17 @@ class FenceGuard:
             self._task, self.failure = None, error
         return self._task is not None
 
-    def _set(self) -> _Asked:
-        rules, parameters = self._rules, {}
-        for name in (rules.switch, *rules.parameters):
-            reading = ParameterQuestion(name, bytewise=self._bytewise, optional=name in rules.optional)
+    def _read(self, names: Iterable[str], parameters: dict[str, float]) -> _Asked:
+        """Read parameters, and of which types they are."""
+        for name in names:
+            reading = ParameterQuestion(name, bytewise=self._bytewise, optional=name in self._rules.optional)
             yield from _answered(reading)
             if reading.value is not None:
                 parameters[name], self._types[name] = reading.value, reading.type
+
+    def _set(self) -> _Asked:
+        rules, parameters = self._rules, dict[str, float]()
+        yield from self._read((rules.switch, *rules.parameters), parameters)
         plan = PlanReading(PlanKind.FENCE, self._own, _ABOUT)
         yield from _answered(plan)
         self.before = FenceBefore(parameters, tuple(plan.items))
@@ -233,6 +239,8 @@ class FenceGuard:
         """Set a parameter that is not so already."""
         value = _single(value)
         if now[name] != value:
+            if name not in self._types:  # it was set by another program, in whose stead we are
+                yield from self._read((name,), {})
             yield from _answered(ParameterSetting(name, value, self._types[name], bytewise=self._bytewise))
             now[name] = value
 

@@ -5,7 +5,7 @@ import math
 from mission.link.arrival import Arrival
 from mission.link.course import Course
 from mission.link.events import Anchored, Moved, SetpointSent
-from mission.link.frames import Anchoring, enu_from_ned
+from mission.link.frames import Anchor, Anchoring, enu_from_ned
 from mission.link.leading import Leader, leader
 from mission.link.steps import Scene
 from mission.link.values import LocalPosition, LocalSetpoint
@@ -44,15 +44,23 @@ class Lead:
         """Lead along this course from where the vehicle is armed."""
         self.course, self._anchoring = course, anchoring
 
+    def take_over(self, course: Course, anchor: Anchor) -> Anchored:
+        """Lead a vehicle that is in the air already along this course, tied to the ground that it took off from."""
+        self.course = course
+        return self._tie(course, anchor)
+
     def take_ground(self) -> Anchored | None:
         """Where the vehicle is armed, there is the ground, and the domain is tied to it, once."""
         position = self._vehicle.position
         waits = self.ground_down_m is None and position is not None and self._vehicle.armed
         if not waits or position is None or self.course is None or self._anchoring is None:
             return None
-        self.ground_down_m = position.position_ned_m[2]
-        self.guidance = leader(self.course, self._anchoring(position.position_ned_m), self._period_s, self._arrival)
-        return Anchored(self._vehicle.position_at_s, self.guidance.anchor.origin_ned_m)
+        return self._tie(self.course, self._anchoring(position.position_ned_m))
+
+    def _tie(self, course: Course, anchor: Anchor) -> Anchored:
+        self.ground_down_m = anchor.origin_ned_m[2]
+        self.guidance = leader(course, anchor, self._period_s, self._arrival)
+        return Anchored(self._vehicle.position_at_s, anchor.origin_ned_m)
 
     def moved(self, report: LocalPosition) -> Moved | None:
         """What a report tells in the domain; None before the domain is tied to the ground."""

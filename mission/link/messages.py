@@ -28,6 +28,7 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
+    Home,
     Image,
     LandedState,
     Landing,
@@ -65,6 +66,7 @@ class Stream(IntEnum):
     EXTENDED_SYS_STATE = mavlink.MAVLINK_MSG_ID_EXTENDED_SYS_STATE
     AUTOPILOT_VERSION = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
     GPS_RAW_INT = mavlink.MAVLINK_MSG_ID_GPS_RAW_INT
+    HOME_POSITION = mavlink.MAVLINK_MSG_ID_HOME_POSITION
     WIND = mavlink.MAVLINK_MSG_ID_WIND
     WIND_COV = mavlink.MAVLINK_MSG_ID_WIND_COV
 
@@ -138,6 +140,7 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
         m.battery_remaining,
     ),
     "BATTERY_STATUS": lambda m: Battery(m.charge_state in _CRITICAL_CHARGES),
+    "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7),
     "WIND": lambda m: Wind(m.speed, m.direction % 360.0),
     "WIND_COV": lambda m: _wind_of(m.wind_x, m.wind_y),
     "EKF_STATUS_REPORT": lambda m: _estimator(

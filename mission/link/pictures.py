@@ -29,9 +29,9 @@ class PictureBook:
         guidance: What ties the vehicle's frame and time to the domain and the trajectory; None before it is there.
     """
 
-    def __init__(self, vehicle: VehicleState, events: deque[Event]) -> None:
+    def __init__(self, vehicle: VehicleState, events: deque[Event], guidance: Leader | None = None) -> None:
         """Know of none; each goes to ``events``, where what is not told is as the vehicle last reported it."""
-        self.guidance: Leader | None = None
+        self.guidance = guidance
         self._vehicle, self._events = vehicle, events
         self._told: set[_Key] = set()
         self._released: dict[_Key, tuple[Image, float]] = {}

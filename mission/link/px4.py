@@ -45,6 +45,9 @@ _MODE_NAMES: Final = {
     _OFFBOARD: "OFFBOARD",
     _number(7): "STABILIZED",
 }
+_LEFT: Final = frozenset({_HOLD, _OFFBOARD, _number(3)})
+"""Where setpoints stop, it goes into POSCTL as it comes (COM_OBL_RC_ACT 0), and holds its place without sticks."""
+
 _HERE = float("nan")
 _STREAM_FIRST_S: Final = 1.5
 
@@ -55,12 +58,28 @@ def _take_off(scene: Scene) -> Command:
     return take_off((place.altitude_amsl_m if place else 0.0) - scene.height_m + scene.altitude_m, _HERE)
 
 
+def _stream_steps(modes: frozenset[int]) -> tuple[Step, ...]:
+    """Stream setpoints, and then enter the mode that flies them, from one of these modes."""
+    offboard = change_mode_step(
+        Stage.OFFBOARD, change_mode("OFFBOARD", _MAIN_OFFBOARD), _OFFBOARD, "OFFBOARD", modes | {_OFFBOARD}
+    )
+    return (
+        Step(
+            stage=Stage.STREAM,
+            confirmed=lambda scene: scene.in_step_s >= _STREAM_FIRST_S,
+            missing="did not wait for setpoints",
+            limit_s=10.0,
+            modes=modes,
+            armed=True,
+            streaming=True,
+        ),
+        replace(offboard, streaming=True, armed=True),
+    )
+
+
 def _departure(altitude_m: float) -> tuple[Step, ...]:
     hold, rising = frozenset({_HOLD}), frozenset({_HOLD, _TAKEOFF})
     hold_command = change_mode("AUTO.LOITER", _AUTO, _SUB_HOLD)
-    offboard = change_mode_step(
-        Stage.OFFBOARD, change_mode("OFFBOARD", _MAIN_OFFBOARD), _OFFBOARD, "OFFBOARD", rising | {_OFFBOARD}
-    )
     return (
         change_mode_step(Stage.MODE, hold_command, _HOLD, "AUTO.LOITER", None),
         *arm_steps(arm(), hold),
@@ -76,16 +95,7 @@ def _departure(altitude_m: float) -> tuple[Step, ...]:
             armed=True,
         ),
         climb_step(rising, altitude_m, _HOLD),
-        Step(
-            stage=Stage.STREAM,
-            confirmed=lambda scene: scene.in_step_s >= _STREAM_FIRST_S,
-            missing="did not wait for setpoints",
-            limit_s=10.0,
-            modes=rising,
-            armed=True,
-            streaming=True,
-        ),
-        replace(offboard, streaming=True, armed=True),
+        *_stream_steps(rising),
     )
 
 
@@ -126,4 +136,6 @@ PX4: Final = Autopilot(
         sphere_m=6_371_000.0,
     ),
     departure=_departure,
+    left_modes=_LEFT,
+    return_to_setpoints=_stream_steps(_LEFT),
 )

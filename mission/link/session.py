@@ -16,15 +16,15 @@ from mission.link.contact import Contact
 from mission.link.course import Course
 from mission.link.ending import Ending
 from mission.link.events import Event, Held, StageEntered
-from mission.link.frames import Anchoring
+from mission.link.frames import Anchor, Anchoring
 from mission.link.guidance import Guidance
 from mission.link.identity import LinkOptions
-from mission.link.itinerary import onward, whole_flight
+from mission.link.itinerary import onward, taken_over, way_out, whole_flight
 from mission.link.lead import Lead
 from mission.link.leading import Leader
 from mission.link.origin_watch import OriginWatch
 from mission.link.procedure import Procedure
-from mission.link.steps import Scene, Step, change_mode_step, disarm_step, landing_steps, unarm_step
+from mission.link.steps import Scene, Step
 from mission.link.takeover import Takeover, how_left
 from mission.link.values import Body, Heartbeat, LocalPosition, Origin
 from mission.link.vehicle_state import VehicleState
@@ -58,6 +58,7 @@ class Session:
         options: LinkOptions | None = None,
         land_when_stopped: bool = False,
         waits_for_pilot: bool = False,
+        aloft: bool = False,
     ) -> None:
         """Wait for a vehicle.
 
@@ -66,8 +67,9 @@ class Session:
             options: Ids and patience.
             land_when_stopped: Whether a flight that is given up in the air ends with a landing on the spot.
             waits_for_pilot: Whether a pilot who takes the vehicle from its trajectory may hand it back.
+            aloft: Whether it is one in the air, that is taken over there.
         """
-        self.contact = Contact(options or LinkOptions(), needs_origin=needs_origin)
+        self.contact = Contact(options or LinkOptions(), needs_origin=needs_origin, aloft=aloft)
         self.stage = Stage.CONNECT
         self.ending: Ending | None = None
         self.ending_reason = ""
@@ -109,8 +111,7 @@ class Session:
 
     def hear(self, now_s: float) -> None:
         """Handle the message that has waited longest, as ``receive`` does all."""
-        body = self.contact.next(now_s)
-        if body is not None:
+        if (body := self.contact.next(now_s)) is not None:
             self._take(body, now_s)
 
     def advance(self, now_s: float) -> None:
@@ -145,11 +146,13 @@ class Session:
         """Switch the camera as the trajectory asks, set the geofence, and put both back once the flight is over."""
         self.contact.tend_fence(now_s, over=over or self.stage is Stage.DONE)
         vehicle_s = self.vehicle.clock.now_s(now_s)
-        flown = self.stage is Stage.FLY and vehicle_s is not None
-        self.contact.switch_camera(self.lead.photographed_s(vehicle_s or 0.0) if flown else None, now_s)
+        flown_s = vehicle_s if self.stage is Stage.FLY else None
+        self.contact.switch_camera(None if flown_s is None else self.lead.photographed_s(flown_s), now_s)
 
-    def depart(self, course: Course, anchoring: Anchoring, photographs: tuple[Photographs, ...] = ()) -> None:
+    def depart(self, course: Course, tie: Anchoring | Anchor, photographs: tuple[Photographs, ...] = ()) -> None:
         """Fly: from STANDBY to the ground again, with pictures in these stretches of the trajectory.
+
+        ``tie`` ties the domain to the ground that the vehicle takes off from, or took off from, if it is in the air.
 
         Raises:
             RuntimeError: The session is not standing by.
@@ -157,10 +160,14 @@ class Session:
         kind = self.contact.autopilot
         if self.stage is not Stage.STANDBY or kind is None:
             raise RuntimeError(f"cannot depart while {self.stage}")
-        self.lead.depart(course, anchoring)
-        self._origin = OriginWatch(self.vehicle.origin)
-        self.contact.photograph(photographs)
         steps = whole_flight(kind, course, self.contact.fence)
+        if isinstance(tie, Anchor):
+            self._note(self.lead.take_over(course, tie))
+            steps = taken_over(kind, course)
+        else:
+            self.lead.depart(course, tie)
+        self._origin = OriginWatch(self.vehicle.origin)
+        self.contact.photograph(photographs, self.guidance)
         self._procedure = self._procedure_of(*steps)
         self._enter(steps[0].stage, self.vehicle.clock.newest_s)
 
@@ -297,8 +304,7 @@ class Session:
 
     def _lately_s(self, now_s: float) -> float:
         """Vehicle time since when what the vehicle has said is part of the reason."""
-        vehicle_s = self.vehicle.clock.now_s(now_s)
-        return -math.inf if vehicle_s is None else vehicle_s - _WORDS_S
+        return (self.vehicle.clock.now_s(now_s) or -math.inf) - _WORDS_S
 
     def _check_origin(self, origin: Origin, now_s: float) -> None:
         if self.lead.ground_down_m is None or self.stage in _LANDING or self._failure is not None:
@@ -367,18 +373,13 @@ class Session:
     def _retreat(self, now_s: float) -> bool:
         """Take the way out: hold (and land) in the air, disarm on the ground; False where there is nothing to do."""
         kind, vehicle_s = self.contact.autopilot, self.vehicle.clock.now_s(now_s)
-        if kind is None or vehicle_s is None or not self.departed or self.pilot.words:
-            return False
-        if not self.vehicle.armed and self.stage is not Stage.ARM:
+        motors = self.vehicle.armed or self.stage is Stage.ARM
+        if kind is None or vehicle_s is None or not self.departed or self.pilot.words or not motors:
             return False
         if self.guidance is not None:
             self.guidance.end(vehicle_s)
-        if not self._scene(vehicle_s, 0.0).airborne:
-            self._procedure = self._procedure_of(disarm_step(None) if self.vehicle.armed else unarm_step())
-            return True
-        hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), None)
-        landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), self.lead.altitude_m)
-        self._procedure = self._procedure_of(hold, *(landing if self._land_when_stopped else ()))
+        scene = self._scene(vehicle_s, 0.0)
+        self._procedure = self._procedure_of(*way_out(kind, scene, lands=self._land_when_stopped))
         return True
 
     def _stands_still(self, now_s: float) -> bool:

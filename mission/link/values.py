@@ -197,6 +197,14 @@ class ParameterValue:
 
 
 @dataclass(frozen=True, slots=True)
+class Home:
+    """HOME_POSITION: where the vehicle returns to, which is where it was armed, if nobody moved it; WGS 84."""
+
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True, slots=True)
 class Wind:
     """WIND or WIND_COV: the vehicle's own estimate, level; where it comes from, clockwise from north."""
 
@@ -302,6 +310,7 @@ Body = (
     | Health
     | Battery
     | ParameterValue
+    | Home
     | Wind
     | EstimatorReport
     | Landing

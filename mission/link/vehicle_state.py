@@ -15,6 +15,7 @@ from mission.link.values import (
     GlobalPosition,
     Health,
     Heartbeat,
+    Home,
     LandedState,
     Landing,
     LocalPosition,
@@ -57,17 +58,19 @@ class VehicleState:
         clock: The vehicle's own time.
         heartbeats_in_mode: How many heartbeats in a row have shown the present mode.
         heartbeats_armed: How many in a row have shown armed motors.
+        heartbeats_disarmed: Likewise disarmed ones.
         armed: Whether the motors are armed: one heartbeat is enough to say so, two in a row to say otherwise.
         position_at_s: Vehicle time of ``position``.
         fix: What its satellite receiver says.
         wind: Its own estimate, if it makes one.
+        home: Where it was armed, by its own word; None where it has not told.
     """
 
     def __init__(self) -> None:
         """Start knowing nothing."""
         self.clock = VehicleClock()
         self.heartbeat: Heartbeat | None = None
-        self.heartbeats_in_mode = self.heartbeats_armed = self._heartbeats_disarmed = 0
+        self.heartbeats_in_mode = self.heartbeats_armed = self.heartbeats_disarmed = 0
         self.armed = False
         self._beat_at_s = -math.inf
         self.position: LocalPosition | None = None
@@ -82,6 +85,7 @@ class VehicleState:
         self.version: Version | None = None
         self.fix: Fix | None = None
         self.wind: Wind | None = None
+        self.home: Home | None = None
         self.heard_kinds: set[type[Body]] = set()
         self._no_numbers: set[type[Body]] = set()
         self._told_at_s: dict[type[Body], float] = {}
@@ -128,13 +132,14 @@ class VehicleState:
         said = [heard.text.text for heard in self._heard if heard.at_s >= at_s and heard.text.grave]
         return "; ".join(dict.fromkeys(text for text in said if text))
 
-    def unready(self, *, absolute: bool) -> str:
+    def unready(self, *, absolute: bool, aloft: bool = False) -> str:
         """Why it cannot be flown yet, for people; empty where it can.
 
         Args:
             absolute: Whether the mission lies at a place on Earth, so that a relative position is not enough.
+            aloft: Whether it is taken over in the air, with motors on.
         """
-        still = "its motors are armed" if self.armed else ""
+        still = "its motors are armed" if self.armed and not aloft else ""
         return still or self._unestimated(absolute=absolute) or self._unplaced(absolute=absolute) or self._unwell()
 
     @property
@@ -197,8 +202,8 @@ class VehicleState:
         same = self.heartbeat is not None and self.heartbeat.custom_mode == body.custom_mode
         self.heartbeats_in_mode = self.heartbeats_in_mode + 1 if same else 1
         self.heartbeats_armed = self.heartbeats_armed + 1 if body.armed else 0
-        self._heartbeats_disarmed = 0 if body.armed else self._heartbeats_disarmed + 1
-        self.armed = body.armed or (self.armed and self._heartbeats_disarmed < HEARTBEATS)
+        self.heartbeats_disarmed = 0 if body.armed else self.heartbeats_disarmed + 1
+        self.armed = body.armed or (self.armed and self.heartbeats_disarmed < HEARTBEATS)
         self.heartbeat = body
 
     def _take_motion(self, body: LocalPosition | GlobalPosition | Attitude, local_s: float) -> None:
@@ -232,6 +237,8 @@ class VehicleState:
             self.version = body
         elif isinstance(body, Fix):
             self.fix = body
+        elif isinstance(body, Home):
+            self.home = body
         elif isinstance(body, Wind):
             self.wind = body if math.isfinite(body.speed_m_s + body.from_deg) else None
 

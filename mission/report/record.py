@@ -35,9 +35,15 @@ import os
 import re
 from collections.abc import Mapping
 from enum import Enum
+from io import FileIO
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 SCHEMA = 1
 RECORD_FILE = "record.jsonl"
@@ -61,12 +67,13 @@ class FlightRecord:
         folder: Where the flight's files go; None for a record that is kept in memory.
     """
 
-    def __init__(self, sink: Sink, *, mission: str, folder: Path | None = None) -> None:
-        """Begin a record on ``sink`` (an ``io.BytesIO`` will do) with its header line."""
+    def __init__(self, sink: Sink, *, mission: str, folder: Path | None = None, begins: bool = True) -> None:
+        """Write a record on ``sink`` (an ``io.BytesIO`` will do), which begins with its header line."""
         self.folder = folder
         self._sink = sink
         self._rest = b""
-        self.write("header", None, schema=SCHEMA, mission=mission)
+        if begins:
+            self.write("header", None, schema=SCHEMA, mission=mission)
 
     @classmethod
     def in_folder(cls, root: Path, mission: str, stamp: str | None = None) -> Self:
@@ -77,7 +84,21 @@ class FlightRecord:
         """
         folder = new_flight_folder(root, mission, stamp)
         # Unbuffered: what write() returned from is out of this process, so killing it loses nothing.
-        return cls((folder / RECORD_FILE).open("xb", buffering=0), mission=mission, folder=folder)
+        return cls(_claimed((folder / RECORD_FILE).open("xb", buffering=0)), mission=mission, folder=folder)
+
+    @classmethod
+    def reopened(cls, folder: Path, mission: str) -> Self:
+        """Go on with the record in a folder; a last line that was cut goes, for what is not written did not happen.
+
+        Raises:
+            BlockingIOError: Another program still writes it.
+            OSError: It cannot be written to.
+        """
+        file = folder / RECORD_FILE
+        stream = _claimed(file.open("ab", buffering=0))
+        whole = file.read_bytes().rfind(b"\n") + 1
+        stream.truncate(whole)
+        return cls(stream, mission=mission, folder=folder, begins=not whole)
 
     def write(self, kind: str, t_s: float | None, **values: object) -> None:
         """Write one line; ``values`` may hold numpy arrays and scalars, enums, sets, and numbers that are not finite.
@@ -108,6 +129,23 @@ class FlightRecord:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
+
+
+def _claimed(stream: FileIO) -> FileIO:
+    """A record that is ours until this process ends, however it ends, where the system can tell that to others.
+
+    Raises:
+        BlockingIOError: It is another program's.
+    """
+    if fcntl is not None:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            stream.close()
+            raise
+        except OSError:  # a file system without locks
+            return stream
+    return stream
 
 
 def new_flight_folder(root: Path, mission: str, stamp: str | None = None) -> Path:

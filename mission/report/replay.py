@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.legs import FlightLegs
 from mission.plan import FlightPlan
@@ -27,10 +29,14 @@ def replay(plan: FlightPlan, record: Record) -> Iterator[tuple[float, FlightMoni
 def judged_again(plan: FlightPlan, record: Record) -> FlightLegs:
     """What is known at the end of a record, which may be that of a flight cut short, of its coverage too."""
     legs, track, tracking = legs_of(plan, record), record.track, tracking_of(record)
-    flown_s = dict(zip(tracking.t_s.tolist(), tracking.trajectory_s.tolist(), strict=True))
+    errors_m = np.abs(tracking.error_m).max(axis=1, initial=0.0).tolist()
+    flown = dict(zip(tracking.t_s.tolist(), zip(tracking.trajectory_s.tolist(), errors_m, strict=True), strict=True))
     places = track.position_m[:, :2].tolist()
     for t_s, (east, north), stage in zip(track.t_s.tolist(), places, track.stages, strict=True):
-        legs.report(stage, t_s, (east, north), flown_s.get(t_s))
+        trajectory_s, error_m = flown.get(t_s, (None, 0.0))
+        legs.report(stage, t_s, (east, north), trajectory_s)
+        if trajectory_s is not None:
+            legs.now.keep(trajectory_s, in_tube=error_m <= legs.now.plan.certificate.tube_m)
     return legs
 
 

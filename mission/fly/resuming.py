@@ -1,0 +1,165 @@
+"""A flight that was left in the air, taken up again: its record is the only memory, and what is not in it was not done.
+
+Between the last report of the record and where the vehicle is found it is taken to have moved straight, as between any
+two reports; that is believed of a vehicle that hovers about as far away as braking takes it. What makes it another
+flight by now, or one that must not go on, is refused.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from mission.errors import GeometryError, RecordError, VehicleError
+from mission.fly.replanner import PlanRequest
+from mission.geometry.geodesy import LatLon, enu_offset_m
+from mission.link.autopilot import Autopilot
+from mission.link.ending import Ending
+from mission.link.frames import Anchor, enu_from_ned
+from mission.link.values import LandedState
+from mission.link.vehicle_state import VehicleState
+from mission.monitor.legs import FlightLegs
+from mission.plan import FlightPlan
+from mission.plan.rest import Rest
+from mission.report.reading import Record
+from mission.report.replay import judged_again
+from mission.spec.model import Point
+
+RETURNING: Final = "returning after this lap"
+
+_BRAKING_M_S2: Final = 1.0
+_DRIFT_M: Final = 10.0
+"""How far a vehicle that nobody leads comes to rest from where it was heard last: by braking, and by wind meanwhile."""
+
+_STILL_M_S: Final = 1.0
+_AGREE_M: Final = 3.0
+"""How far the vehicle's home may be from where this flight took off; another take-off is from another place."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unfinished:
+    """A flight whose record does not end on the ground.
+
+    Attributes:
+        record: As far as it goes.
+        legs: What of it counts.
+        anchor: Ties its domain to the vehicle's local frame.
+        last_s: Vehicle time of the last report.
+        last_m: Where that was, ENU in the domain.
+        speed_m_s: How fast the vehicle was then.
+    """
+
+    record: Record
+    legs: FlightLegs
+    anchor: Anchor
+    last_s: float
+    last_m: Point
+    speed_m_s: float
+
+    @property
+    def returning(self) -> bool:
+        """Whether laps were over, or ended."""
+        plan = self.legs.now.plan
+        asked = plan.trajectory.laps
+        ended = any(event.text == RETURNING for event in self.record.events)
+        return plan.run.recurrent and (ended or (asked is not None and self.laps >= asked))
+
+    @property
+    def laps(self) -> int:
+        """How many laps of the last plan were flown."""
+        return self.legs.laps - self.legs.now.laps_before
+
+    @property
+    def began_s(self) -> float:
+        """Vehicle time at which its trajectory began; that of the last report where it had not."""
+        flown = np.flatnonzero(np.isfinite(self.record.setpoints.trajectory_s))
+        return float(self.record.setpoints.t_s[flown[0]]) if len(flown) else self.last_s
+
+    def request(self, place_m: Point) -> PlanRequest:
+        """What is to be planned for a vehicle that hovers at a place, which has been reported: what was not done."""
+        leg = self.legs.now
+        rest = Rest(leg.judged.monitor.word, place_m, flown_s=leg.in_tube_until_s, laps=self.laps)
+        return PlanRequest(0, leg.plan, rest, returns=self.returning)
+
+    def check(self, vehicle: VehicleState, kind: Autopilot) -> None:
+        """Refuse to take a vehicle over that is not the one that was left, or not as it was left.
+
+        Raises:
+            VehicleError: It is in no mode that it is left in, moves, is elsewhere, or was restarted or flown since.
+        """
+        newest_s, position = vehicle.clock.newest_s, vehicle.position
+        if newest_s is None or position is None or vehicle.mode is None:
+            raise VehicleError("the vehicle has not told where it is")
+        name = self.record.vehicle.get("autopilot")
+        if name != kind.name:
+            raise VehicleError(f"the flight was one with {name}, and this vehicle flies with {kind.name}")
+        if newest_s < self.last_s:
+            raise VehicleError("the vehicle was restarted since; its flight cannot be taken up again")
+        if vehicle.mode not in kind.left_modes:
+            raise VehicleError(
+                f"the vehicle is in {kind.mode_name(vehicle.mode)}: somebody else flies it, or a failsafe; put it into "
+                f"{kind.mode_name(kind.hold_mode)} where it is to be taken over"
+            )
+        if vehicle.landed is LandedState.ON_GROUND:
+            raise VehicleError("the vehicle has landed since; its flight is over")
+        self._check_home(vehicle)
+        north, east, _ = position.velocity_ned_m_s
+        if math.hypot(north, east) > _STILL_M_S:
+            raise VehicleError(f"the vehicle flies at {math.hypot(north, east):.1f} m/s; wait until it hovers")
+        here_m = self.anchor.to_domain(position.position_ned_m)[:2]
+        off_m = math.dist(here_m, self.last_m)
+        most_m = _DRIFT_M + self.speed_m_s**2 / (2.0 * _BRAKING_M_S2)
+        if off_m > most_m:
+            raise VehicleError(
+                f"the vehicle is {off_m:.0f} m from where the record leaves it, farther than the {most_m:.0f} m in "
+                "which it comes to rest: it was flown since, and where to is not known"
+            )
+
+    def _check_home(self, vehicle: VehicleState) -> None:
+        """Compare where it took off by its own word with where this flight did."""
+        if vehicle.home is None or vehicle.origin is None:
+            return
+        frame = LatLon(vehicle.origin.latitude_deg, vehicle.origin.longitude_deg)
+        try:
+            home_m = enu_offset_m(frame, LatLon(vehicle.home.latitude_deg, vehicle.home.longitude_deg))
+        except GeometryError:
+            home_m = (math.inf, math.inf)
+        start_m = self.legs.legs[0].plan.start_m
+        began_m = enu_from_ned(self.anchor.to_vehicle((*start_m, 0.0)))[:2]
+        off_m = math.dist(home_m, began_m)
+        if off_m > _AGREE_M:
+            raise VehicleError(
+                f"the vehicle took off {off_m:.0f} m from where this flight did: it has flown another mission since"
+            )
+
+
+def unfinished(plan: FlightPlan, record: Record) -> Unfinished:
+    """What a record tells of a flight that did not come to its end.
+
+    Args:
+        plan: Its first plan, as it was flown.
+        record: With its later plans.
+
+    Raises:
+        RecordError: The flight has come to its end, or never began.
+    """
+    verdict = record.verdict
+    if verdict is not None and verdict.get("ending") == Ending.LANDED.name.lower():
+        raise RecordError(f"this flight has come to its end: {verdict.get('reason')}", line=0)
+    ties = [event.values["origin_ned_m"] for event in record.events if event.text == "anchored"]
+    known = np.flatnonzero(np.isfinite(record.track.position_m[:, :2]).all(axis=1) & np.isfinite(record.track.t_s))
+    if not ties or not len(known):
+        raise RecordError("this flight had not begun when it was left: fly its mission anew", line=0)
+    last = int(known[-1])
+    x, y = record.track.position_m[last, :2].tolist()
+    speed = float(np.hypot(*record.track.velocity_m_s[last, :2]))
+    north, east, down = map(float, ties[-1])
+    return Unfinished(
+        record,
+        judged_again(plan, record),
+        Anchor((north, east, down)),
+        last_s=float(record.track.t_s[last]),
+        last_m=(x, y),
+        speed_m_s=speed if math.isfinite(speed) else 0.0,
+    )
