@@ -52,7 +52,7 @@ def covered() -> FlightPlan:
 
 def instants(count: int, seed: int) -> list[float]:
     """Vehicle times from arming to the landing of a flight of about 50 s."""
-    return np.random.default_rng(seed).uniform(13.0, 62.0, count).round(2).tolist()
+    return [round(float(at_s), 2) for at_s in np.random.default_rng(seed).uniform(13.0, 62.0, count)]
 
 
 def taken_up(killed: Killed) -> None:
@@ -149,7 +149,8 @@ def test_a_vehicle_above_what_is_restricted_now_is_refused(two_places: FlightPla
     north, east, down = killed.bench.vehicle.truth.position_ned_m
     del down
     x, y = 9.0 + east, 8.0 + north
-    over = f"  over: {{kind: restricted, polygon: [[{x - 1}, {y - 1}], [{x + 1}, {y - 1}], [{x + 1}, {y + 1}]]}}\n"
+    corners = [[x - 1, y - 1], [x + 1, y - 1], [x + 1, y + 1], [x - 1, y + 1]]
+    over = f"  over: {{kind: restricted, polygon: {corners}}}\n"
     killed.plan = replace(plan_of(TWO_PLACES.replace("mission:\n", over + "mission:\n")), start_m=killed.plan.start_m)
     with pytest.raises(NoPlanError, match="restricted over"):
         killed.resume()
