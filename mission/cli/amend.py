@@ -4,13 +4,14 @@ import sys
 import time
 from argparse import Namespace
 from collections.abc import Iterator
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Final
 
 from mission.cli.inputs import bad_file
 from mission.cli.screen import err, out
 from mission.errors import LinkError, reason
-from mission.fly.amendments import answer_to, hand_in
+from mission.fly.amendments import answer_to, hand_in, withdraw
 from mission.report.record import RECORD_FILE
 from mission.spec.yaml_tree import MAX_BYTES
 
@@ -36,6 +37,8 @@ def _requests(file: str) -> Iterator[dict[str, object]]:
             raise bad_file(Path(file), f"cannot be read: {reason(error)}", "name a mission file") from error
         yield {"mission": content.decode("utf-8-sig", "replace")}
         return
+    if isinstance(sys.stdin, TextIOWrapper):
+        sys.stdin.reconfigure(errors="replace")
     for line in sys.stdin:
         if line.strip() and not line.lstrip().startswith("#"):
             yield {"lines": [line.strip()]}
@@ -52,10 +55,15 @@ def _handed_in(folder: Path, request: dict[str, object], within_s: float) -> boo
         name = hand_in(folder, **request)  # type: ignore[arg-type]
     except OSError as error:
         raise bad_file(folder, f"cannot be written to: {reason(error)}", "make the folder writable") from error
-    while (answer := answer_to(folder, name)) is None:
-        if time.monotonic() - began_s > within_s:
-            raise LinkError(f"no flight answered within {within_s:g} s: is the one of {folder} over?")
-        time.sleep(_LOOK_S)
+    answer = None
+    try:
+        while (answer := answer_to(folder, name)) is None and time.monotonic() - began_s <= within_s:
+            time.sleep(_LOOK_S)
+    finally:
+        if answer is None:
+            withdraw(folder, name)
+    if answer is None:
+        raise LinkError(f"no flight answered within {within_s:g} s: is the one of {folder} over?")
     (out if answer.accepted else err).print(
         f"{'accepted' if answer.accepted else 'refused'}  {answer.words}", markup=False
     )

@@ -119,7 +119,7 @@ class Amending:
 
     def _changed(self, change: Amendment) -> MissionSpec:
         if change.mission:
-            return parse_mission(change.mission.encode())
+            return parse_mission(change.mission.encode(errors="replace"))
         return amended(self._mission, change.lines, self._watch.place_m)
 
     def _refuse(self, change: Amendment, why: str) -> None:

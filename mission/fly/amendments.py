@@ -2,12 +2,13 @@
 
 A request is a file, an answer is one beside it; both are written whole, so that neither side ever reads a part of one,
 and either may die at any time. Requests are answered in the order of their names; one that is not answered any more, as
-the flight is over, is told so by whoever looks for the answer too long.
+the flight is over, is withdrawn by whoever looked for the answer too long, and told so.
 """
 
 import json
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from secrets import token_hex
@@ -60,9 +61,10 @@ class AmendmentFolder:
     """The side of the flight."""
 
     def __init__(self, folder: Path) -> None:
-        """Look for requests in a folder."""
+        """Look for requests in a folder; those that were answered are not taken again by a flight that is taken up."""
         self._folder = folder
-        self._seen: set[str] = set()
+        answers = folder.glob("*" + _ANSWER)
+        self._seen = {file.name.removesuffix(_ANSWER) + _REQUEST for file in answers}
 
     def take(self) -> Amendment | None:
         """The next request, if there is one that can be read."""
@@ -99,7 +101,7 @@ class AmendmentFolder:
             data = _json(self._folder / name)
             lines = tuple(str(line) for line in data.get("lines", ()))
             return Amendment(found.name, lines, str(data.get("mission", "")))
-        except (OSError, ValueError, AttributeError):
+        except (OSError, ValueError, AttributeError, TypeError, RecursionError):
             self.answer(found, AmendmentAnswer(accepted=False, words="the request cannot be read"))
             return None
 
@@ -114,6 +116,12 @@ def hand_in(folder: Path, *, lines: Sequence[str] = (), mission: str = "") -> st
     text = json.dumps({"lines": list(lines), "mission": mission})
     write_whole(folder / (name + _REQUEST), text, durable=False)
     return name
+
+
+def withdraw(folder: Path, name: str) -> None:
+    """Take a request back that nobody waits for any more, so that no later flight in the folder takes it."""
+    with suppress(OSError):
+        (folder / (name + _REQUEST)).unlink(missing_ok=True)
 
 
 def answer_to(folder: Path, name: str) -> AmendmentAnswer | None:

@@ -142,19 +142,22 @@ def unfinished(plan: FlightPlan, record: Record) -> Unfinished:
         record: With its later plans.
 
     Raises:
-        RecordError: The flight has come to its end, or never began.
+        RecordError: The flight has come to its end, or never began, or a value is none.
     """
     verdict = record.verdict
     if verdict is not None and verdict.get("ending") == Ending.LANDED.name.lower():
         raise RecordError(f"this flight has come to its end: {verdict.get('reason')}", line=0)
-    ties = [event.values["origin_ned_m"] for event in record.events if event.text == "anchored"]
+    ties = [event.values.get("origin_ned_m") for event in record.events if event.text == "anchored"]
     known = np.flatnonzero(np.isfinite(record.track.position_m[:, :2]).all(axis=1) & np.isfinite(record.track.t_s))
     if not ties or not len(known):
         raise RecordError("this flight had not begun when it was left: fly its mission anew", line=0)
     last = int(known[-1])
     x, y = record.track.position_m[last, :2].tolist()
     speed = float(np.hypot(*record.track.velocity_m_s[last, :2]))
-    north, east, down = map(float, ties[-1])
+    try:
+        north, east, down = map(float, ties[-1] or ())
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RecordError("the record does not say where its flight took off", line=0) from error
     return Unfinished(
         record,
         judged_again(plan, record),

@@ -152,7 +152,7 @@ def parse_record(data: bytes) -> Record:
         kinds.setdefault(line["kind"], []).append(line)
     try:
         return _record(kinds, _stages(lines), cut=bool(rest))
-    except (TypeError, ValueError, KeyError) as error:
+    except (TypeError, ValueError, KeyError, OverflowError) as error:
         raise RecordError(f"a value of the record has the wrong type: {error}", line=0) from error
 
 

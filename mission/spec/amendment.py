@@ -15,15 +15,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-import yaml
-
 from mission.errors import Fault, SpecError
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
 from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
+from mission.spec.scalars import Oddity
+from mission.spec.structure import plain_data
+from mission.spec.yaml_tree import read_tree
 
 MOST_LINES: Final = 100
 MOST_CHARACTERS: Final = 100_000
+_MOST_DIGITS: Final = 20
 _HINT: Final = "write `restrict NAME [[x, y], ...]`, `drop NAME`, `formula FORMULA` or `laps N`"
 
 _Document = dict[str, Any]
@@ -61,16 +63,23 @@ def asks_the_same(one: MissionSpec, other: MissionSpec) -> bool:
 
 def _restrict(document: _Document, rest: str, line: int) -> None:
     name, _, drawn = rest.partition(" ")
-    try:
-        shape = yaml.safe_load(drawn)
-    except yaml.YAMLError as error:
-        raise _fault(line, f"the shape of `{name}` cannot be read") from error
     if name in document["regions"]:
         raise _fault(line, f"there is a region `{name}` already", "take another name, or drop that first")
-    if not isinstance(shape, list | dict) or not name:
+    shape = _shape(drawn, line) if drawn.strip() else None
+    if not isinstance(shape, list | dict):
         raise _fault(line, "a region has a name and a shape")
     drawn_as = {"polygon": shape} if isinstance(shape, list) else shape
     document["regions"][name] = {**drawn_as, "kind": "restricted"}
+
+
+def _shape(drawn: str, line: int) -> Any:  # noqa: ANN401 - any JSON value
+    """A shape as plain data, read as strictly as a mission file, and as bounded."""
+
+    def refused(oddity: Oddity) -> None:
+        raise _fault(line, f"in a shape there is {oddity.found}", oddity.hint)
+
+    data, _ = plain_data(read_tree(drawn)[0])
+    return json.loads(json.dumps(data, default=refused))
 
 
 def _drop(document: _Document, name: str, line: int) -> None:
@@ -87,8 +96,8 @@ def _ask(document: _Document, formula: str, line: int) -> None:
 
 
 def _count(document: _Document, laps: str, line: int) -> None:
-    if laps != UNTIL_STOPPED and not laps.isdecimal():
-        raise _fault(line, f"`{laps}` is no number of laps", f"write a whole number, or {UNTIL_STOPPED}")
+    if laps != UNTIL_STOPPED and not (laps.isdecimal() and len(laps) <= _MOST_DIGITS):
+        raise _fault(line, f"`{laps[:_MOST_DIGITS]}` is no number of laps", f"write a whole number, or {UNTIL_STOPPED}")
     document["mission"]["laps"] = laps if laps == UNTIL_STOPPED else int(laps)
 
 

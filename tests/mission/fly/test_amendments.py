@@ -1,0 +1,51 @@
+"""Changes that are handed in through a flight's folder are taken once, whoever dies in between."""
+
+from argparse import Namespace
+from pathlib import Path
+
+import pytest
+
+from mission.cli.amend import run
+from mission.errors import LinkError
+from mission.fly.amendments import AmendmentAnswer, AmendmentFolder, answer_to, hand_in
+from mission.report.record import RECORD_FILE
+
+
+def test_a_flight_that_is_taken_up_takes_no_change_again(tmp_path: Path) -> None:
+    name = hand_in(tmp_path, lines=["drop pond"])
+    folder = AmendmentFolder(tmp_path)
+    taken = folder.take()
+    assert taken is not None
+    assert taken.lines == ("drop pond",)
+    folder.answer(taken, AmendmentAnswer(accepted=True, words="another plan is flown"))
+    waiting = hand_in(tmp_path, lines=["laps 3"])
+    again = AmendmentFolder(tmp_path)
+    left = again.take()
+    assert left is not None
+    assert left.name == waiting
+    assert again.take() is None
+    answer = answer_to(tmp_path, name)
+    assert answer is not None
+    assert answer.accepted
+
+
+def test_a_change_that_nobody_waits_for_any_more_is_withdrawn(tmp_path: Path) -> None:
+    (tmp_path / RECORD_FILE).touch()
+    mission = tmp_path / "other.yaml"
+    mission.write_text("name: other")
+    with pytest.raises(LinkError, match=r"is the one of .* over"):
+        run(Namespace(folder=str(tmp_path), file=str(mission), within=0.02))
+    assert AmendmentFolder(tmp_path).take() is None
+
+
+def test_a_change_in_no_letters_is_no_end_of_a_flight(tmp_path: Path) -> None:
+    (tmp_path / "0.amendment.json").write_text('{"mission": "\\ud800"}')
+    (tmp_path / "1.amendment.json").write_text("[" * 100_000)
+    folder = AmendmentFolder(tmp_path)
+    taken = folder.take()
+    assert taken is not None
+    assert taken.mission
+    assert folder.take() is None
+    answer = answer_to(tmp_path, "1")
+    assert answer is not None
+    assert "cannot be read" in answer.words
