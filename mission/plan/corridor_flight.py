@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mission.errors import UnprovedError
 from mission.geometry.arrays import FloatArray
 from mission.steering.bezier import DEGREE, BezierCurve
-from mission.steering.corridor import Pace, Way, smooth_ways
+from mission.steering.corridor import LONGEST, Motion, Pace, Way, estimated_s, smooth_ways
 from mission.steering.joined import Curve, JoinedCurve, Piece
 from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
@@ -75,9 +76,35 @@ class Flown:
         self._lap_from, self._through = lap_from, through
 
     def _fly(self, groups: Sequence[Sequence[Line]]) -> None:
+        before: Motion | None = None
         for group in groups:
-            self._pieces.extend(self._smooth(group, None))
+            lanes = group[-1].lanes
+            into = None if lanes is None else _motion(lanes, 0.0)
+            self._pieces.extend(self._joining(group, before, into))
             self._end(group[-1])
+            before = None if lanes is None else _motion(lanes, lanes.duration_s)
+
+    def _joining(self, group: Sequence[Line], before: Motion | None, into: Motion | None) -> tuple[Piece, ...]:
+        """The curve along lines from lanes, or to lanes, flown through where that is sooner, with a rest elsewhere."""
+        if _stands(group) or (before is None and into is None):
+            return self._smooth(group, None)
+        found: list[tuple[float, BezierCurve]] = []
+        taut_m = sum(float(np.hypot(*np.diff(line.way.points_m, axis=0).T).sum()) for line in group)
+        pace, begins = self._pace, None if self._pieces else self._begins
+        # A rest costs as well where the lanes begin, or end.
+        rest_s = 0.5 * (pace.speed_m_s / pace.acceleration_m_s2 + pace.acceleration_m_s2 / pace.jerk_m_s3)
+        for first, last in dict.fromkeys(((1, 1), (1, 0), (0, 1), (0, 0))):
+            onward, end = (before if first else None) or begins, into if last else None
+            rests = (before is not None and not first) + (into is not None and not last)
+            try:
+                (curve,) = smooth_ways([line.way for line in group], pace, onward=onward, into=end)
+            except UnprovedError:
+                continue
+            if rests == 0 or curve.length_m <= LONGEST * taut_m or (first, last) == (0, 0):
+                found.append((estimated_s(curve, pace, onward, end) + rests * rest_s, curve))
+        if not found:
+            return self._smooth(group, None)
+        return (min(found, key=lambda one: one[0])[1],)
 
     def _fly_through(self, groups: Sequence[Sequence[Line]], last: Sequence[Line], laps: int) -> int:
         self._fly(groups)
@@ -86,7 +113,7 @@ class Flown:
         return len(self._pieces) - 1
 
     def _smooth(self, group: Sequence[Line], lap: int | None) -> tuple[Piece, ...]:
-        if all(len(line.way.points_m) < 2 for line in group):  # noqa: PLR2004 - a line
+        if _stands(group):
             return ()
         onward = None if self._pieces else self._begins
         return smooth_ways([line.way for line in group], self._pace, lap=lap, onward=onward)
@@ -132,6 +159,16 @@ class Flown:
         """Lanes, and the parameter at which they begin."""
         ends_s = self._ends_s
         return ((lanes, ends_s[count]) for lanes, count in self._lanes)
+
+
+def _stands(group: Sequence[Line]) -> bool:
+    return all(len(line.way.points_m) < 2 for line in group)  # noqa: PLR2004 - a line
+
+
+def _motion(lanes: RoundedPolyline, s: float) -> Motion:
+    """With which lanes are begun, or ended."""
+    _, slope, bend = lanes.jet([s])
+    return slope[0], bend[0]
 
 
 def _standing(place_m: FloatArray) -> BezierCurve:

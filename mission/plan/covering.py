@@ -28,7 +28,8 @@ _ROOM: Final = 1.0 / 20.0
 """How far lanes stay from where the tube would end, of the spacing, so that corners can be rounded there."""
 _MOST_ROOM_M: Final = 0.25  # likewise for ways, at most, since passages may be narrow
 _STEPS: Final = 1.0 / 30.0  # of the spacing: smaller steps to the side are left out
-_LANE_END: Final = 1.0 / 3.0  # widest reach at the end of a lane, of the spacing
+_LANE_ENDS: Final = (1.0 / 2.0, 1.0 / 3.0)
+"""Widest reaches at the end of a lane, of the spacing: the first that leaves enough covered; for cameras the last."""
 _WAY: Final = 1.0  # widest reach elsewhere, likewise
 _SAMPLES: Final = 9  # of a rounded corner
 _QUARTER: Final = 16  # chords of a quarter circle
@@ -259,11 +260,14 @@ class Covering:
         begins = len(before) + np.flatnonzero(coverage.on_lane)
         ends = np.stack((begins, begins + 1), axis=1)
         widest = np.full(len(line), _WAY * spacing_m)
-        widest[ends] = _LANE_END * spacing_m
-        curve, passed_s = rounded_within(
-            line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
-        )
-        share = covered_share(area, swath_along(curve, passed_s[ends], spacing_m))
+        for reach in _LANE_ENDS if trigger_of(region.cover, flight.altitude_m) is None else _LANE_ENDS[-1:]:
+            widest[ends] = reach * spacing_m
+            curve, passed_s = rounded_within(
+                line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
+            )
+            share = covered_share(area, swath_along(curve, passed_s[ends], spacing_m))
+            if 1.0 - share <= 0.5 * (1.0 - region.cover.share):  # as much again is for the flight
+                break
         return _Lanes(region.name, region.cover, coverage, curve, passed_s[ends], share)
 
     def _visit(self, lanes: _Lanes, start_s: float) -> CoveredVisit:

@@ -27,10 +27,11 @@ from mission.errors import UnprovedError
 from mission.geometry.arrays import FloatArray, IntArray
 from mission.steering.bezier import DEGREE, BezierCurve, derivative_points
 from mission.steering.cells import Cell, borders_of, cell_round
+from mission.steering.pattern import Pattern
 
 _TURNS: Final = 4  # times that shape and times are improved
 _EASES: Final = (0.5, 0.25, 0.12, 0.06)  # parts of the speed for which bends are rounded, until it is short enough
-_LONGER: Final = 1.06  # than the taut path: as long as the curve may become
+LONGEST: Final = 1.06  # than the taut path: as long as the curve may become
 _SAMPLES: Final = 12  # of a piece, where its duration is estimated
 _SLOWEST: Final = 0.2  # of the fastest speed: a rest has no effect on the shape beyond that
 _SHORTEST: Final = 0.1  # piece, of the time in which the vehicle reaches full speed
@@ -40,6 +41,10 @@ _STRAIGHT: Final = 1e-9  # how little a direction changes where there is no bend
 _ROUNDS: Final = 100  # of the solver, at most
 _POINTS: Final = DEGREE + 1
 _UPPER: Final = np.array(np.triu_indices(2 * _POINTS))  # rows and columns of a piece's own block
+
+
+Motion = tuple[FloatArray, FloatArray]
+"""First and second derivative, each (2,), with which a curve goes over into another one."""
 
 
 @dataclass(frozen=True)
@@ -88,11 +93,12 @@ class _Row(NamedTuple):
 
 
 class _Ends(NamedTuple):
-    """Where a curve begins and ends, each (2,) or None where it is free, and the derivatives with which it begins."""
+    """Where a curve begins and ends, each (2,) or None where it is free, and the derivatives there, or None at rest."""
 
     start_m: FloatArray
     end_m: FloatArray | None
-    onward: tuple[FloatArray, FloatArray] | None
+    onward: Motion | None
+    into: Motion | None
 
 
 class _Shape(NamedTuple):
@@ -110,7 +116,12 @@ class _Shape(NamedTuple):
 
 
 def smooth_ways(
-    ways: Sequence[Way], pace: Pace, *, lap: int | None = None, onward: tuple[FloatArray, FloatArray] | None = None
+    ways: Sequence[Way],
+    pace: Pace,
+    *,
+    lap: int | None = None,
+    onward: Motion | None = None,
+    into: Motion | None = None,
 ) -> tuple[BezierCurve, ...]:
     """The smooth curve along taut ways, flown through from the first point to the last.
 
@@ -119,8 +130,8 @@ def smooth_ways(
         pace: What the vehicle can do.
         lap: The way with which a lap begins that is flown again and again; it ends where it begins, and goes over into
             itself with continuous acceleration.
-        onward: First and second derivative, each (2,), with which the curve begins: those with which one ends that is
-            flown before it.
+        onward: With which the curve begins: those with which one ends that is flown before it.
+        into: With which it ends: those with which one begins that is flown after it; not with a lap.
 
     Returns:
         The curve; where there is a lap that does not begin at once, the way to it and the lap.
@@ -132,12 +143,12 @@ def smooth_ways(
     lasts = np.array([piece.lasts_s for piece in row.pieces])
     closing = None if lap is None else row.starts[lap]
     start, end = ways[0].points_m[0], ways[-1].points_m[-1]
-    ends = _Ends(start, None if closing is not None else end, onward)
+    ends = _Ends(start, None if closing is not None else end, onward, into)
     programme = _Programme(row, pace, ends, closing)
     taut_m = sum(float(np.hypot(*np.diff(way.points_m, axis=0).T).sum()) for way in ways)
     best: _Shape | None = None
     for ease in _EASES:
-        found = _shaped(programme, np.array([piece.lasts_s for piece in row.pieces]), pace, ease, _LONGER * taut_m)
+        found = _shaped(programme, np.array([piece.lasts_s for piece in row.pieces]), pace, ease, LONGEST * taut_m)
         if best is None or (found is not None and found.rank < best.rank):
             best = found
         if best is not None and best.excess_m == 0.0:
@@ -161,7 +172,7 @@ def _shaped(programme: "_Programme", lasts_s: FloatArray, pace: Pace, ease: floa
         controls = programme.solved(lasts_s, ease)
         if controls is None:
             break
-        durations, total, length = _flown(controls, lasts_s, pace, programme.begins_m_s)
+        durations, total, length = _flown(controls, lasts_s, pace, programme.ends_m_s)
         shape = _Shape(max(0.0, length - longest_m), total, controls, lasts_s)
         if best is None or shape.rank < best.rank:
             best = shape
@@ -212,27 +223,6 @@ def _gram(order: int) -> FloatArray:
     return np.asarray(differences.T @ bernstein @ differences)
 
 
-class _Pattern:
-    """Where a sparse matrix has entries, each once; what they are differs from time to time.
-
-    Args:
-        rows: Of the entries, in any order.
-        columns: Beside them.
-        shape: Of the matrix.
-    """
-
-    def __init__(self, rows: IntArray, columns: IntArray, shape: tuple[int, int]) -> None:
-        rows, columns = np.ravel(rows), np.ravel(columns)
-        self._order = np.lexsort((rows, columns))
-        self._rows = rows[self._order].astype(np.int32)
-        self._begins = np.searchsorted(columns[self._order], np.arange(shape[1] + 1)).astype(np.int32)
-        self._shape = shape
-
-    def filled(self, entries: FloatArray) -> sp.csc_matrix:
-        """The matrix with these entries, in the order in which the places were given."""
-        return sp.csc_matrix((entries.ravel()[self._order], self._rows, self._begins), shape=self._shape)
-
-
 class _Programme:
     """The quadratic programme of a row of pieces; what does not depend on their durations is built once."""
 
@@ -260,16 +250,16 @@ class _Programme:
         shift = np.tile(start_m, _POINTS * self._count)
         self._limits = np.concatenate(offsets) - sp.csc_matrix((self._sides, places), shape=(height, size)) @ shift
         joints, joined, _, given = self._joints(np.ones(self._count), 1.0)
-        self._matrix = _Pattern(
+        self._matrix = Pattern(
             np.append(joints, places[0] + given.size), np.append(joined, places[1]), (given.size + height, size)
         )
         upper, right = 2 * _POINTS * np.arange(self._count)[:, None] + _UPPER[:, None]
-        self._cost = _Pattern(upper, right, (size, size))
+        self._cost = Pattern(upper, right, (size, size))
 
     @property
-    def begins_m_s(self) -> float:
-        """The speed with which the curve begins."""
-        return 0.0 if self._ends.onward is None else float(np.hypot(*self._ends.onward[0]))
+    def ends_m_s(self) -> tuple[float, float]:
+        """The speeds with which the curve begins and ends."""
+        return _speed_m_s(self._ends.onward), _speed_m_s(self._ends.into)
 
     def solved(self, lasts_s: FloatArray, ease: float) -> FloatArray | None:
         """The control points of the best spline, shape (K, 6, 2), for pieces of these durations; None if there is none.
@@ -327,6 +317,10 @@ class _Programme:
             slope, bend = self._ends.onward
             given.append((0, [-1.0, 1.0], slope * lasts_s[0] / DEGREE))
             given.append((0, [1.0, -2.0, 1.0], bend * lasts_s[0] ** 2 / (DEGREE * (DEGREE - 1))))
+        if self._ends.into is not None:
+            slope, bend = self._ends.into
+            given.append((count * _POINTS - 2, [-1.0, 1.0], slope * lasts_s[-1] / DEGREE))
+            given.append((count * _POINTS - 3, [1.0, -2.0, 1.0], bend * lasts_s[-1] ** 2 / (DEGREE * (DEGREE - 1))))
         height = 3 * len(before)
         for row, (point, factors, _) in enumerate(given, start=height):
             ends.append(([row] * len(factors), point + np.arange(len(factors)), factors))
@@ -345,6 +339,12 @@ class _Programme:
             controls[0, 2] = 2.0 * controls[0, 1] - controls[0, 0] + bend * lasts_s[0] ** 2 / (DEGREE * (DEGREE - 1))
         if self._ends.end_m is not None:
             controls[-1, -1] = self._ends.end_m
+        if self._ends.into is not None:
+            slope, bend = self._ends.into
+            controls[-1, 4] = controls[-1, 5] - slope * lasts_s[-1] / DEGREE
+            controls[-1, 3] = (
+                2.0 * controls[-1, 4] - controls[-1, 5] + bend * lasts_s[-1] ** 2 / (DEGREE * (DEGREE - 1))
+            )
         pairs = [(k, k + 1) for k in range(self._count - 1)]
         if self._closing is not None:
             pairs.append((self._count - 1, self._closing))
@@ -365,8 +365,20 @@ def _settings() -> Any:  # noqa: ANN401 - the solver has no types
     return settings
 
 
-def _flown(controls: FloatArray, lasts_s: FloatArray, pace: Pace, begins_m_s: float) -> tuple[FloatArray, float, float]:
-    """How long a vehicle takes for each piece, shape (K,), but for standing; for all, to rest; the length."""
+def _speed_m_s(motion: Motion | None) -> float:
+    return 0.0 if motion is None else float(np.hypot(*motion[0]))
+
+
+def estimated_s(curve: BezierCurve, pace: Pace, onward: Motion | None, into: Motion | None) -> float:
+    """About how long a vehicle takes for a curve, from and to these motions."""
+    ends_m_s = _speed_m_s(onward), _speed_m_s(into)
+    return _flown(curve.controls_m, np.diff(curve.knots_s), pace, ends_m_s)[1]
+
+
+def _flown(
+    controls: FloatArray, lasts_s: FloatArray, pace: Pace, ends_m_s: tuple[float, float]
+) -> tuple[FloatArray, float, float]:
+    """How long a vehicle takes for each piece, shape (K,), but for standing; for all; the length."""
     curve = BezierCurve(np.concatenate(([0.0], np.cumsum(lasts_s))), controls)
     shares = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
     s = (curve.knots_s[:-1, None] + lasts_s[:, None] * shares).ravel()
@@ -375,7 +387,7 @@ def _flown(controls: FloatArray, lasts_s: FloatArray, pace: Pace, begins_m_s: fl
     steps = speed * np.repeat(lasts_s / _SAMPLES, _SAMPLES)
     curvature = np.abs(slope[:, 0] * bend[:, 1] - slope[:, 1] * bend[:, 0]) / speed**3
     squares = np.minimum(pace.speed_m_s**2, pace.acceleration_m_s2 / np.maximum(curvature, 1e-12))
-    for order, at_end in ((1, begins_m_s**2), (-1, 0.0)):
+    for order, at_end in ((1, ends_m_s[0] ** 2), (-1, ends_m_s[1] ** 2)):
         values, ways, reached = squares[::order].tolist(), steps[::order].tolist(), at_end
         for i, (value, way) in enumerate(zip(values, ways, strict=True)):
             values[i] = min(value, reached + pace.acceleration_m_s2 * way)

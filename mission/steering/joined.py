@@ -1,4 +1,4 @@
-"""Curves that are flown from rest to rest, one after the other, as one curve."""
+"""Curves that are flown one after the other, as one curve: with a rest between two, or through where they go over."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -74,6 +74,12 @@ class JoinedCurve:
             if isinstance(piece, BezierCurve)
         ]
         return np.concatenate((self.joints_s[1:-1], *within))
+
+    @cached_property
+    def breaks_s(self) -> FloatArray:
+        """Those places between pieces where velocity or acceleration would jump: there the vehicle rests."""
+        pairs = zip(self.joints_s[1:-1].tolist(), pairwise(self.pieces), strict=True)
+        return np.array([joint for joint, (before, after) in pairs if not joins_smoothly(before, after)])
 
     @property
     def length_m(self) -> float:

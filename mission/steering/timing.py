@@ -76,7 +76,7 @@ def time_law(
     """The fastest law within the limits, but for the little that the method leaves.
 
     Args:
-        curve: The smoothed path; where the pieces of one that is joined meet, the vehicle rests for a moment.
+        curve: The smoothed path; where the pieces of one that is joined do not go over smoothly, the vehicle rests.
         limits: Largest horizontal speed, acceleration (``level_acceleration``) and jerk; of the jerk no more is used
             than brings up the acceleration in 0.15 s.
         fastest: Largest sigma': 1 where the curve's own speed is that to be flown.
@@ -91,7 +91,7 @@ def time_law(
     """
     if not (all(0.0 < limit < math.inf for limit in limits) and fastest > 0.0):
         raise ValueError("limits of speed, acceleration and jerk must be positive")
-    joints = curve.joints_s[1:-1].tolist() if isinstance(curve, JoinedCurve) else []
+    joints = curve.breaks_s.tolist() if isinstance(curve, JoinedCurve) else []
     stops = dict.fromkeys((0.0, *joints, curve.duration_s), 0.0)
     for place, seconds in holds:
         if not (0.0 <= place <= curve.duration_s and 0.0 <= seconds < math.inf):

@@ -13,7 +13,7 @@ from mission.verify.plans.patches import patches_of, pieces_of
 from mission.verify.plans.written import Verdict, Written
 
 _SHARE: Final = 2e-3
-_BESIDE: Final = 1.0 / 8.0 + 1.0 / 30.0  # of a spacing: rounded ends are cut off, small steps aside left out
+_BESIDE: Final = 3.0 / 16.0 + 1.0 / 30.0  # of a spacing: rounded ends are cut off, small steps aside left out
 _SAME: Final = 1e-9
 _SAME_S: Final = 1e-6
 _SETTLE_S: Final = 0.5  # after a turn

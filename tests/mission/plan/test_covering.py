@@ -48,7 +48,7 @@ def test_lanes_are_passed_at_their_times(farm: FlightPlan) -> None:
         if np.hypot(*(lane[1] - lane[0])) > visit.spacing_m:
             assert np.hypot(*(middle - lane.mean(axis=0))) < 0.5
         ends = farm.curve.position([begin_s, end_s])
-        # Corners are rounded: within a third of the spacing, which puts the path off by 0.27 of that at right angles.
+        # Corners are rounded: within half the spacing, which puts the path off by 0.27 of that at right angles.
         assert np.hypot(*(ends - lane).T).max() < 8.0 / 3.0
     assert (np.diff(visit.lanes_s.ravel()) >= -1e-9).all()
     assert visit.start_s <= visit.lanes_s[0, 0]
@@ -63,6 +63,15 @@ def test_the_flight_keeps_the_limits_and_is_continuous(farm: FlightPlan) -> None
     assert np.hypot(*np.diff(position, axis=0).T).max() <= 4.0 * step * 1.001
     assert np.hypot(*np.diff(velocity, axis=0).T).max() <= farm.spec.limits.acceleration_m_s2 * step * 1.01
     assert farm.path.position([0.0])[0] == pytest.approx([12.0, 12.0])
+
+
+def test_lanes_are_begun_in_flight(farm: FlightPlan) -> None:
+    """Where nothing has to turn back: pieces of the curve go over into each other, and the law does not rest there."""
+    joints = np.setdiff1d(farm.curve.joints_s[1:-1], farm.curve.breaks_s)
+    assert farm.covers[0].start_s in joints
+    t = farm.trajectory.time_at(joints)
+    assert np.hypot(*farm.trajectory.velocity(t).T).min() > 0.5
+    assert farm.trajectory.time_at(joints, leaving=True) == pytest.approx(t)
 
 
 def test_a_plan_with_lanes_is_read_as_it_was_written_and_proved_again(farm: FlightPlan) -> None:

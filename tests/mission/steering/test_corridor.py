@@ -90,3 +90,16 @@ def test_it_goes_on_as_another_curve_ends() -> None:
     for order in (0, 1, 2):
         assert second.derivative([0.0], order)[0] == pytest.approx(first.derivative(end, order)[0], abs=1e-6)
     assert outside(second, HALL) <= 1e-5
+
+
+def test_it_ends_as_another_curve_begins() -> None:
+    """With the speed and the bend of what is flown next, from rest and from motion, and inside the corridor."""
+    into = np.array([0.0, -2.0]), np.array([0.05, 0.0])
+    onward = np.array([1.0, 0.5]), np.zeros(2)
+    for begins in (None, onward):
+        (curve,) = smooth_ways([Way(TAUT, HALL, None)], PACE, onward=begins, into=into)
+        end = [curve.duration_s]
+        assert curve.position(end)[0] == pytest.approx(TAUT[-1], abs=1e-9)
+        for order, value in enumerate(into, start=1):
+            assert curve.derivative(end, order)[0] == pytest.approx(value, abs=1e-6)
+        assert outside(curve, HALL) <= 1e-5

@@ -12,7 +12,7 @@ from scipy.linalg import LinAlgError, solveh_banded
 
 from mission.spec.model import Extension
 from mission.steering.grid import Limits, Slow
-from mission.steering.joined import Piece
+from mission.steering.joined import Curve, JoinedCurve, Piece
 from mission.steering.law import TimeLaw
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.smoothing import FourierCurve, fit_fourier
@@ -54,7 +54,7 @@ def holds_of(curve: Piece, fractions: list[float]) -> tuple[tuple[float, float],
     return tuple((fraction * curve.duration_s, 1.0 + 3.0 * fraction) for fraction in fractions)
 
 
-def flown(curve: Piece, law: TimeLaw) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def flown(curve: Curve, law: TimeLaw) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Speed, acceleration and jerk at many times, from the definition, on both sides of each knot."""
     knots = law.knots_t_s
     t = np.concatenate((np.linspace(0.0, law.duration_s, 2001), knots, 0.5 * (knots[:-1] + knots[1:])))
@@ -128,6 +128,24 @@ def test_where_it_is_to_be_slow_it_is(curve: Piece, limits: Limits, begins: floa
     arrival, departure = law.time_at([begin, end])
     assert law.jet(np.linspace(arrival, departure, 801))[1].max() <= most * (1.0 + 1e-9)
     assert law.duration_s >= 0.99 * free.duration_s  # the grids differ
+
+
+@given(st.floats(0.5, 30.0), st.floats(-180.0, 180.0), st.floats(0.05, 0.95), limits_of_vehicles)
+@settings(deadline=None, max_examples=20)
+def test_curves_that_go_over_into_each_other_are_flown_through(
+    reach_m: float, turn_deg: float, share: float, limits: Limits
+) -> None:
+    """Wherever one is joined to the other, on a straight part before a bend; the limits hold around the joint, too."""
+    corner = a_corner(reach_m, turn_deg)
+    begin = np.array([[-40.0, 0.0], [-40.0 * share, 0.0], [0.0, 0.0]])
+    curve = JoinedCurve((*(RoundedPolyline(begin[k : k + 2], np.empty(0), 1.0) for k in (0, 1)), corner))
+    law = time_law(curve, limits)
+    for asked, limit in zip(flown(curve, law), limits, strict=True):
+        assert asked.max() <= limit * (1.0 + 1e-6)
+    assert curve.breaks_s.tolist() == []
+    joints = curve.joints_s[1:-1]
+    assert law.jet(law.time_at(joints))[1].min() > 0.0
+    assert law.left_at(joints) == pytest.approx(law.time_at(joints))
 
 
 def fastest_dash_s(length_m: float, limits: Limits) -> float:
