@@ -71,8 +71,8 @@ def with_later_plans(record: Record, folder: Path) -> Record:
         SpecError: One is not there, or is no plan.
     """
     later = tuple(
-        LaterPlan(from_s, read_plan(folder / later_plan_file(number))[0], laps)
-        for from_s, number, laps in record.takeovers
+        LaterPlan(from_s, read_plan(folder / later_plan_file(number))[0], laps, begun)
+        for from_s, number, laps, begun in record.takeovers
     )
     return replace(record, later=later)
 

@@ -231,7 +231,10 @@ class Flight:
             raise NoPlanError(answer.refusal)
         self.plan, self._fenced = answer.plan, left.legs.now.plan
         self._replanning, self._amending = self._replans()
-        self._replanning.fly_next(answer.plan, answer.text, at_s, f"taken up again after {at_s - left.last_s:.0f} s")
+        laps, due = left.laps
+        before = laps + int(due is not None), due is not None
+        again = f"taken up again after {at_s - left.last_s:.0f} s"
+        self._replanning.fly_next(answer.plan, answer.text, at_s, again, before)
         self._replanner.prepare(answer.plan)
         for event in left.record.events:
             if event.text == GEOFENCE:

@@ -29,7 +29,7 @@ from mission.monitor.monitor import Foreseen
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.plan.rest import Rest
-from mission.spec.model import UNTIL_STOPPED, MissionSpec
+from mission.spec.model import MissionSpec
 
 _LEFT_FOR_S: Final = 0.2
 """So long the vehicle has been out of its tube before a plan is asked for."""
@@ -88,6 +88,7 @@ class _Asked:
         approach: How it is come to.
         foreseen: What it was made for.
         asked_s: When, by the vehicle's clock and the one here.
+        laps_before: How many laps there are before the new plan's, and whether the last of them is under way.
         begun: Whether the approach is flown.
         plan: What was planned; None until it is.
         text: The same as JSON.
@@ -97,6 +98,7 @@ class _Asked:
     approach: Approach
     foreseen: Foreseen
     asked_s: tuple[float, float]
+    laps_before: tuple[int, bool]
     begun: bool
     plan: FlightPlan | None = None
     text: str = ""
@@ -230,16 +232,16 @@ class Replanning:
             session.redirect(approach.course, approach.from_s)
         leg, foreseen = watch.legs.now, watch.monitor.foreseen((watch.place_m, *approach.through_m))
         flown_s = leg.in_tube_until_s if leg.has_left_tube or approach.flown_s is None else approach.flown_s
-        laps = foreseen.laps - leg.laps_before
-        self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), begun=waits or holds)
+        laps, due = leg.laps_at(foreseen, flown_s)
+        under_way = due is not None and not cause.fresh
+        before = laps + int(under_way), under_way
+        self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), before, begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
-        rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps)
+        rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps - leg.laps_before, due=due)
         amended, recurrent = cause.amended, leg.plan.run.recurrent
         if recurrent and amended is None and self._laps is not None:
             amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=self._laps))
-        left = UNTIL_STOPPED if amended is None else amended.flight.laps
-        returns = recurrent and not cause.fresh and left != UNTIL_STOPPED and laps >= left
-        self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, returns))
+        self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended))
 
     def _state(self, ahead_s: float) -> Reference:
         """Where the vehicle will be so long after what is sent now arrives, by its last report."""
@@ -293,13 +295,22 @@ class Replanning:
             return self._again("another word was spelled meanwhile")
         at_s = max(approach.until_s, vehicle_s)
         self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
-        self.fly_next(plan, asked.text, at_s, cause.reason, amended=cause.amended is not None)
+        self.fly_next(plan, asked.text, at_s, cause.reason, asked.laps_before, amended=cause.amended is not None)
         self._end("")
         return ""
 
-    def fly_next(self, plan: FlightPlan, text: str, at_s: float, reason: str, *, amended: bool = False) -> None:
-        """Let another plan, in JSON this text, count as flown from a vehicle time on."""
-        laps_before = self._watch.legs.laps
+    def fly_next(
+        self,
+        plan: FlightPlan,
+        text: str,
+        at_s: float,
+        reason: str,
+        before: tuple[int, bool],
+        *,
+        amended: bool = False,
+    ) -> None:
+        """Let another plan, in JSON this text, count as flown from a vehicle time on, after laps as ``laps_before``."""
+        laps_before, begun = before
         self.plans += 1
         self._on_plan(self.plans, text)
         self._record.write(
@@ -311,11 +322,12 @@ class Replanning:
             amended=amended,
             start_m=plan.start_m,
             laps_before=laps_before,
+            begun=begun,
             duration_s=plan.trajectory.duration_s,
         )
         onward = next((letter for letter in plan.certificate.word[1:] if letter), frozenset({"its end"}))
         self._say(f"going on from here to {', '.join(sorted(onward))}")
-        self._watch.take_over(plan, at_s, laps_before)
+        self._watch.take_over(plan, at_s, laps_before, begun=begun)
 
     def _is_calm(self, approach: Approach, vehicle_s: float) -> bool:
         """Whether the vehicle has stood for a while where the new plan begins."""

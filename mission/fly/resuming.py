@@ -6,7 +6,7 @@ flight by now, or one that must not go on, is refused.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -19,6 +19,7 @@ from mission.link.ending import Ending
 from mission.link.frames import Anchor, enu_from_ned
 from mission.link.values import LandedState
 from mission.link.vehicle_state import VehicleState
+from mission.logic.formula.word import Letter
 from mission.monitor.legs import FlightLegs
 from mission.plan import FlightPlan
 from mission.plan.rest import Rest
@@ -58,17 +59,10 @@ class Unfinished:
     speed_m_s: float
 
     @property
-    def returning(self) -> bool:
-        """Whether laps were over, or ended."""
-        plan = self.legs.now.plan
-        asked = plan.trajectory.laps
-        ended = any(event.text == RETURNING for event in self.record.events)
-        return plan.run.recurrent and (ended or (asked is not None and self.laps >= asked))
-
-    @property
-    def laps(self) -> int:
-        """How many laps of the last plan were flown."""
-        return self.legs.laps - self.legs.now.laps_before
+    def laps(self) -> tuple[int, tuple[Letter, ...] | None]:
+        """How many laps are over, and what one that is under way has not met; None where none is."""
+        leg = self.legs.now
+        return leg.laps_at(leg.judged.monitor.known, leg.in_tube_until_s)
 
     @property
     def began_s(self) -> float:
@@ -78,9 +72,13 @@ class Unfinished:
 
     def request(self, place_m: Point) -> PlanRequest:
         """What is to be planned for a vehicle that hovers at a place, which has been reported: what was not done."""
-        leg = self.legs.now
-        rest = Rest(leg.judged.monitor.word, place_m, flown_s=leg.in_tube_until_s, laps=self.laps)
-        return PlanRequest(0, leg.plan, rest, returns=self.returning)
+        leg, (laps, due) = self.legs.now, self.laps
+        laps -= leg.laps_before
+        rest = Rest(leg.judged.monitor.word, place_m, flown_s=leg.in_tube_until_s, laps=laps, due=due)
+        amended, flight = None, leg.plan.spec.flight
+        if leg.plan.run.recurrent and any(event.text == RETURNING for event in self.record.events):
+            amended = replace(leg.plan.spec, flight=replace(flight, laps=laps + int(due is not None)))
+        return PlanRequest(0, leg.plan, rest, amended)
 
     def check(self, vehicle: VehicleState, kind: Autopilot) -> None:
         """Refuse to take a vehicle over that is not the one that was left, or not as it was left.

@@ -17,8 +17,8 @@ class FlightMonitor:
         monitor: The word flown so far.
     """
 
-    def __init__(self, plan: FlightPlan, laps_before: int = 0) -> None:
-        """Watch from the ground, or from where another plan was flown that came to so many laps."""
+    def __init__(self, plan: FlightPlan, laps_before: int = 0, *, begun: bool = False) -> None:
+        """Watch from the ground, or from where another plan was flown, as ``Monitor`` has it."""
         self.monitor = Monitor(
             plan.locator,
             plan.labelling,
@@ -31,6 +31,7 @@ class FlightMonitor:
             suffix=plan.run.suffix if plan.run.recurrent else (),
             laps=plan.trajectory.laps,
             laps_before=laps_before,
+            begun=begun,
             any_way=plan.spec.flight.guidance == FIELD,
         )
         self._flying = False

@@ -4,6 +4,7 @@ from itertools import groupby
 
 from mission.geometry.regions import Labelling
 from mission.logic.automata.rabin import DEAD, Rabin
+from mission.logic.formula.word import Letter
 
 
 class LapCounter:
@@ -17,9 +18,11 @@ class LapCounter:
     Args:
         suffix: The triangles of the loop, in order, at least one.
         labelling: The labels of the domain.
+        begun: Whether a lap that was begun before is completed on the way to the loop: -1 laps are over until that is
+            come to.
     """
 
-    def __init__(self, suffix: tuple[int, ...], labelling: Labelling) -> None:
+    def __init__(self, suffix: tuple[int, ...], labelling: Labelling, *, begun: bool = False) -> None:
         letters: list[int] = labelling.letter_of.tolist()
         spelled = [letters[t] for t in suffix if labelling.label(t)]
         if len(set(spelled)) > 1:
@@ -32,13 +35,26 @@ class LapCounter:
         marks = marks[:-1] if len(marks) > 1 and marks[0] == marks[-1] else marks
         self._closes = self._key[suffix[0]] == marks[0]
         self._marks = (*marks, marks[0]) if self._closes else tuple(marks)
+        self._label = {self._key[triangle]: labelling.label(triangle) for triangle in range(len(letters))}
         self._next = 0
-        self.laps = 0
+        self._begun = begun
+        self.laps = -1 if begun else 0
+
+    @property
+    def due(self) -> tuple[Letter, ...] | None:
+        """The labels that the lap under way has not met, without what closes it; None where none is under way."""
+        if self._begun:
+            return ()
+        if self._next == 0:
+            return None
+        return tuple(self._label[mark] for mark in self._marks[self._next : len(self._marks) - int(self._closes)])
 
     def enter(self, triangle: int) -> None:
         """Take note that the vehicle has entered a triangle."""
         if self._key[triangle] != self._marks[self._next]:
             return
+        if self._begun:
+            self._begun, self.laps = False, 0
         self._next += 1
         if self._next == len(self._marks):
             # What closes one lap begins the next one.

@@ -12,9 +12,10 @@ from itertools import chain
 import shapely
 
 from mission.logic.automata.rabin import DEAD
+from mission.logic.formula.word import Letter
 from mission.monitor.coverage import CoverageWatch, Covered, together
 from mission.monitor.flight import FlightMonitor
-from mission.monitor.monitor import Outcome, Violation
+from mission.monitor.monitor import Foreseen, Outcome, Violation
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.plan.photographs import planned_pictures
@@ -28,7 +29,7 @@ class FlightLeg:
     Attributes:
         plan: What is flown.
         from_s: Vehicle time from which it is; minus infinity for the first.
-        laps_before: How many laps were flown before.
+        laps_before: How many laps were flown before, with the one that is under way when the leg begins.
         judged: What of it counts.
         coverage: What of it covers.
         in_tube_until_s: Up to which time of the trajectory the vehicle was in the tube all the while; None before it is
@@ -36,10 +37,10 @@ class FlightLeg:
         has_left_tube: Whether it was outside once.
     """
 
-    def __init__(self, plan: FlightPlan, from_s: float, laps_before: int) -> None:
-        """Watch a leg that begins after so many laps."""
-        self.plan, self.from_s, self.laps_before = plan, from_s, laps_before
-        self.judged = FlightMonitor(plan, laps_before)
+    def __init__(self, plan: FlightPlan, from_s: float, laps_before: int, *, begun: bool = False) -> None:
+        """Watch a leg that begins after so many laps, the last of which may have been begun only."""
+        self.plan, self.from_s, self.laps_before, self._begun = plan, from_s, laps_before, begun
+        self.judged = FlightMonitor(plan, laps_before, begun=begun)
         self.coverage = CoverageWatch(plan, laps_before)
         self.in_tube_until_s: float | None = None
         self.has_left_tube = False
@@ -49,6 +50,20 @@ class FlightLeg:
         self.has_left_tube |= not in_tube
         if not self.has_left_tube:
             self.in_tube_until_s = trajectory_s
+
+    def laps_at(self, foreseen: Foreseen, flown_s: float | None) -> tuple[int, tuple[Letter, ...] | None]:
+        """How many laps are over, and what one that is under way has not met; None where none is.
+
+        Args:
+            foreseen: What was spelled.
+            flown_s: How much of the trajectory was flown; None where that is not known.
+        """
+        trajectory = self.plan.trajectory
+        if flown_s is not None and flown_s < trajectory.laps_end_s and not trajectory.lap_at([flown_s])[0]:
+            # Regions of the lap that are met on the way to it are no part of it.
+            return self.laps_before - int(self._begun), () if self._begun else None
+        over = trajectory.laps is not None and foreseen.laps >= self.laps_before + trajectory.laps
+        return foreseen.laps, None if over and self.plan.run.recurrent else foreseen.lap_due
 
     def is_clear(self, place_m: Point) -> bool:
         """Whether the tube about a place touches nothing that must not be entered, as far as the word has come."""
@@ -79,9 +94,9 @@ class FlightLegs:
         """The leg that is flown."""
         return self.legs[-1]
 
-    def take_over(self, plan: FlightPlan, at_s: float, laps_before: int) -> None:
-        """Let another plan be flown from a vehicle time on, after so many laps."""
-        self._next.append(FlightLeg(plan, at_s, laps_before))
+    def take_over(self, plan: FlightPlan, at_s: float, laps_before: int, *, begun: bool = False) -> None:
+        """Let another plan be flown from a vehicle time on, after so many laps, the last of them begun only."""
+        self._next.append(FlightLeg(plan, at_s, laps_before, begun=begun))
 
     def report(self, stage: Stage | None, t_s: float, position_m: Point, trajectory_s: float | None = None) -> None:
         """Take a position into account that was reported in a stage, and at a time on the trajectory of the plan."""
@@ -123,7 +138,8 @@ class FlightLegs:
         leg = broken[0] if broken else self.now
         outcome = leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
         returned = leg.laps_before > 0 and not leg.plan.run.recurrent
-        flown = f"{leg.laps_before} lap{'s were' if leg.laps_before != 1 else ' was'} flown"
+        laps = leg.judged.monitor.laps
+        flown = f"{laps} lap{'s were' if laps != 1 else ' was'} flown"
         return replace(outcome, reason=f"{flown}; {outcome.reason}") if returned else outcome
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:

@@ -19,7 +19,7 @@ from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
 from mission.logic.automata.rabin import Rabin
-from mission.logic.formula.word import LassoWord
+from mission.logic.formula.word import LassoWord, Letter
 from mission.monitor.laps import LapCounter, RoundCounter, laps_text
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics
@@ -58,17 +58,19 @@ class Foreseen:
         word: Its letters.
         state: As in ``Whereabouts``.
         due: Likewise.
-        laps: Likewise.
+        laps: How often the loop was flown.
+        lap_due: The labels that the lap under way has not met; None where none is under way.
     """
 
     word: tuple[frozenset[str], ...]
     state: int
     due: tuple[int, ...]
     laps: int
+    lap_due: tuple[Letter, ...] | None = None
 
     def agrees(self, other: "Foreseen") -> bool:
         """Whether what is left after both is the same."""
-        return (self.state, self.due, self.laps) == (other.state, other.due, other.laps)
+        return (self.state, self.due, self.laps, self.lap_due) == (other.state, other.due, other.laps, other.lap_due)
 
 
 class ViolationKind(StrEnum):
@@ -117,7 +119,8 @@ class Monitor:
         restricted: Shape (M,), triangles that must not be entered.
         suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
         laps: How often the loop is to be flown; None where nobody has said.
-        laps_before: How often it was before.
+        laps_before: How often it was before, with the lap that is under way when this begins.
+        begun: Whether one is: it is completed on the way to the loop, or where there is none, in the end.
         any_way: Whether any round that ``whole`` accepts is a lap, and not that of ``suffix`` alone.
     """
 
@@ -135,6 +138,7 @@ class Monitor:
         suffix: tuple[int, ...] = (),
         laps: int | None = 0,
         laps_before: int = 0,
+        begun: bool = False,
         any_way: bool = False,
     ) -> None:
         self._locator, self._labelling = locator, labelling
@@ -142,9 +146,9 @@ class Monitor:
         self._restricted = restricted
         self._watch = FormulaWatch(automata, whole, refutation, labelling.letters)
         self._rounds = RoundCounter(whole)
-        self._laps = LapCounter(suffix, labelling) if suffix else None
+        self._laps = LapCounter(suffix, labelling, begun=begun) if suffix else None
         self._any_way = any_way
-        self._laps_before = laps_before
+        self._laps_before, self._begun = laps_before, begun
         self._laps_asked = None if laps is None else laps_before + laps
         self._last: tuple[float, Point] | None = None
         self._inside = True
@@ -216,10 +220,19 @@ class Monitor:
     @property
     def laps(self) -> int:
         """How often the loop of a recurrent run has been flown."""
+        if self._laps is None and self._begun:
+            return self._laps_before - int(not self.verdict_at_end(stays=True).achieved)
         return self._counted(self._rounds, self._laps)
 
     def _counted(self, rounds: RoundCounter, laps: LapCounter | None) -> int:
-        return self._laps_before + (0 if laps is None else rounds.laps if self._any_way else laps.laps)
+        if laps is None:
+            return self._laps_before - int(self._begun)
+        return self._laps_before + (rounds.laps if self._any_way else laps.laps)
+
+    def _lap_due(self, laps: LapCounter | None) -> tuple[Letter, ...] | None:
+        if laps is None:
+            return () if self._begun else None
+        return None if self._any_way else laps.due
 
     @property
     def whereabouts(self) -> Whereabouts | None:
@@ -240,12 +253,13 @@ class Monitor:
                     last = triangle
                     if laps is not None:
                         laps.enter(triangle)
-        return Foreseen(tuple(letters), rounds.state, rounds.due, self._counted(rounds, laps))
+        return Foreseen(tuple(letters), rounds.state, rounds.due, self._counted(rounds, laps), self._lap_due(laps))
 
     @property
     def known(self) -> "Foreseen":
         """The word so far, and the automaton's state."""
-        return Foreseen(self.word, self._rounds.state, self._rounds.due, self.laps)
+        laps = self._counted(self._rounds, self._laps)
+        return Foreseen(self.word, self._rounds.state, self._rounds.due, laps, self._lap_due(self._laps))
 
     def verdict_at_end(self, *, stays: bool) -> Outcome:
         """The verdict on the flight as if it ended now.

@@ -49,6 +49,7 @@ class Beginning:
         halts: Whether the vehicle first comes to rest, straight ahead.
         lanes: What is left of visits that cover, which are under way.
         stays: What is left of stays.
+        completes: Whether the way to the laps does what one that is under way lacks, and the laps none of that.
     """
 
     place_m: Point
@@ -57,6 +58,7 @@ class Beginning:
     halts: bool = False
     lanes: tuple[LanesLeft, ...] = ()
     stays: tuple[StayLeft, ...] = ()
+    completes: bool = False
 
     @property
     def moves(self) -> bool:

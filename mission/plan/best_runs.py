@@ -91,9 +91,15 @@ def best_runs(
 
 
 def best_accepted(
-    system: TransitionSystem, automaton: Conjunction, start: int, semantics: Semantics, objective: Objective
+    system: TransitionSystem,
+    automaton: Conjunction,
+    start: int,
+    semantics: Semantics,
+    objective: Objective,
+    *,
+    closing: bool = False,
 ) -> BestRuns:
-    """The same with an automaton over the letters of the system.
+    """The same with an automaton over the letters of the system; ``closing`` is that of ``search``.
 
     Tasks that recur are met in whatever order is best.
 
@@ -103,7 +109,7 @@ def best_accepted(
     """
     product = Product(system, automaton, start, semantics)
     try:
-        return BestRuns(product, search(product, objective), exact=True)
+        return BestRuns(product, search(product, objective, closing=closing), exact=True)
     except SearchSizeError:
         product = Product(system, automaton.in_turn(), start, semantics)
         return BestRuns(product, search(product, objective, closing=True), exact=False)

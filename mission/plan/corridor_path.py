@@ -169,6 +169,8 @@ class CorridorPlanner:
         entries = [renumbered[entry] for entry in stages.entries]
         # A lap that begins where one rests needs no way to there that does a part of it as well.
         resting = [entry for entry in entries if rests(done[entry - 1 if entry != lap_from else -1])]
+        if begins.completes and lap_from is not None:
+            resting = [lap_from]
         found = taut_path(start_m, stretches, lap=lap_from, entries=resting or entries)
         lines = [
             _line(
@@ -180,14 +182,14 @@ class CorridorPlanner:
         if found.lap is None:
             return lines, []
         to_lap, lap = lines[: found.lap], lines[found.lap :]
-        if to_lap:
+        if to_lap and not begins.completes:
             # It leads to where the lap begins; what is done there is done at the end of each lap.
             to_lap[-1] = Line(to_lap[-1].way)
         first = next((number for number, line in enumerate(lap) if line.rests), None)
         if first is None:
             return to_lap, lap
         if lap[-1].rests:
-            if to_lap:
+            if to_lap and not begins.completes:
                 to_lap[-1] = Line(to_lap[-1].way, lap[-1].held_s)
             return to_lap, lap
         head, tail = lap[: first + 1], lap[first + 1 :]

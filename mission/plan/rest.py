@@ -7,7 +7,7 @@ it once more, which what is left does not tell apart, or leaves its first letter
 entered, and not yet covered or stood in as its region asks, is due beside what is left.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import chain, count
@@ -40,6 +40,7 @@ from mission.logic.hoa.text import to_hoa
 from mission.plan.beginning import Beginning
 from mission.plan.begun import LanesLeft, StayLeft, lanes_left, stays_left
 from mission.plan.flight_plan import FlightPlan
+from mission.plan.lap_under_way import come, done_first, visits_due
 from mission.plan.stages import planned
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.finding import listed
@@ -77,7 +78,8 @@ class Rest:
         acceleration_m_s2: Likewise; both zero where it begins at rest.
         flown_s: All of the old trajectory before this time was flown as it was planned, laps unfolded; None where
             nothing of it was.
-        laps: How many rounds are over.
+        laps: How many of the old plan's laps are over; -1 on the way to them, where that completes one before.
+        due: The labels that the lap under way has not met; None where none is under way.
     """
 
     word: tuple[Letter, ...]
@@ -86,6 +88,7 @@ class Rest:
     acceleration_m_s2: Point = (0.0, 0.0)
     flown_s: float | None = None
     laps: int = 0
+    due: tuple[Letter, ...] | None = None
 
     @property
     def begins(self) -> Beginning:
@@ -95,6 +98,8 @@ class Rest:
 
 def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) -> FlightPlan:
     """Plan what is left of a flight; after the last of its laps, that is the return.
+
+    A lap that is under way is completed on the way to the laps that are left, or to the return where it is the last.
 
     Args:
         plan: What was flown so far, or some of it.
@@ -113,13 +118,24 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
         raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
     if not _asks_the_same(spec, plan.spec):
         return _with_room(_begun_at(replace(spec, semantics=Semantics.STANDARD), rest), rest.begins, plan)
-    if plan.run.recurrent and spec.flight.laps != UNTIL_STOPPED and rest.laps >= spec.flight.laps:
-        return plan_return(plan, rest)
     lanes, stays = _under_way(plan, spec, rest)
-    due = [*(left.region for left in lanes), *(left.region for left in stays)]
-    return _with_room(
-        _begun_at(_left(plan, spec, rest, due), rest), replace(rest.begins, lanes=lanes, stays=stays), plan
-    )
+    under_way = [*(left.region for left in lanes), *(left.region for left in stays)]
+    begins = replace(rest.begins, lanes=lanes, stays=stays)
+    if not plan.run.recurrent or (rest.due is None and _laps_left(spec, rest)):
+        return _with_room(_begun_at(_left(plan, spec, rest, under_way), rest), begins, plan)
+    visits = () if rest.due is None else visits_due(plan, rest.due, under_way)
+    if not _laps_left(spec, rest):
+        return _returning(plan, spec, rest, begins if visits else rest.begins, visits)
+    begins = replace(begins, completes=bool(visits))
+    try:
+        return _with_room(_begun_at(_left(plan, spec, rest, (), done_first(plan, visits)), rest), begins, plan)
+    except NoRollingStartError:
+        raise
+    except NoPlanError:
+        if not visits:
+            raise
+        # What the lap had already cannot be kept out of.
+        return _with_room(_begun_at(_left(plan, spec, rest, (), come(visits)), rest), begins, plan)
 
 
 def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
@@ -133,7 +149,14 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
         NoPlanError: No way back violates nothing, or there is no proof.
         AutomatonSizeError: What must not be done asks for too large an automaton.
     """
-    spec, letters = plan.spec, plan.labelling.letters
+    return _returning(plan, plan.spec, rest, rest.begins, ())
+
+
+def _returning(
+    plan: FlightPlan, spec: MissionSpec, rest: Rest, begins: Beginning, visits: Sequence[frozenset[str]]
+) -> FlightPlan:
+    """Plan a return, and some visits before it; the errors are those of ``plan_return``."""
+    letters = plan.labelling.letters
     left, safety = spec, safety_of(everything(len(letters)))
     with suppress(NoPlanError):
         left = _left(plan, spec, rest, ())
@@ -141,12 +164,13 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
         whole = deterministic_of(required.formula, required.given, letters).whole
         if whole.initial != DEAD:
             safety = safety_of(whole)
-    regions = [replace(region, loiter_s=0.0, cover=None) for region in spec.regions]
+    due = frozenset().union(*visits)
+    regions = [each if each.name in due else replace(each, loiter_s=0.0, cover=None) for each in spec.regions]
     homes = [region.name for region in regions if region.kind is RegionKind.HOME]
     if not homes:
         regions.append(_start_region(spec, plan.start_m))
         homes = [regions[-1].name]
-    goal = eventually(always(disjunction(*map(proposition, homes))))
+    goal = conjunction(eventually(always(disjunction(*map(proposition, homes)))), *come(visits))
     asked = generalised_of(goal, _named(_RETURN, safety.unviolated(letters)))
     back = replace(
         left,
@@ -155,7 +179,7 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
         tasks=(),
         automaton=_named(_RETURN, asked),
     )
-    return _with_room(_begun_at(back, rest), rest.begins, plan)
+    return _with_room(_begun_at(back, rest), begins, plan)
 
 
 def _with_room(spec: MissionSpec, begins: Beginning, known: FlightPlan) -> FlightPlan:
@@ -214,11 +238,18 @@ def _begun_at(spec: MissionSpec, rest: Rest) -> MissionSpec:
     return replace(spec, run=0, start=Start(rest.place_m))
 
 
-def _left(plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Sequence[str]) -> MissionSpec:
-    """The mission that is left, with a visit of some regions."""
-    flight = spec.flight
-    if plan.run.recurrent and flight.laps != UNTIL_STOPPED:
-        spec = replace(spec, flight=replace(flight, laps=max(1, flight.laps - rest.laps)))
+def _laps_left(spec: MissionSpec, rest: Rest) -> int:
+    """How many laps are left beside the one that is under way; one where nobody has said how many there are."""
+    laps = spec.flight.laps
+    return 1 if laps == UNTIL_STOPPED else max(0, laps - rest.laps - int(rest.due is not None))
+
+
+def _left(
+    plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Sequence[str], before: Iterable[Formula] = ()
+) -> MissionSpec:
+    """The mission that is left, with a visit of some regions, and what comes before its laps."""
+    if plan.run.recurrent and spec.flight.laps != UNTIL_STOPPED:
+        spec = replace(spec, flight=replace(spec.flight, laps=max(1, _laps_left(spec, rest))))
     if not rest.word:
         return spec
     triangle = int(plan.locator.triangle_at(np.array([rest.place_m]))[0])
@@ -230,6 +261,8 @@ def _left(plan: FlightPlan, spec: MissionSpec, rest: Rest, regions: Sequence[str
         formula = following(formula)
     # A visit that is asked for in any case is not asked for twice: it would make the first lap another than the others.
     whole = simplified(conjunction(formula, *map(_visited, dict.fromkeys(regions)))) if regions else formula
+    # That one is another than the others is what is asked for: it is not simplified.
+    whole = conjunction(whole, *before)
     automaton = None
     if plan.required.given is not None:
         left = remainder(plan.required.given.automaton, rest.word)

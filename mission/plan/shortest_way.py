@@ -40,10 +40,12 @@ class RunSearch:
     Attributes:
         system: T, with weights.
         maps: Crossing points on the map.
+        closing: Whether a loop must lead the automaton back to where it was, so that all rounds are alike.
     """
 
     system: TransitionSystem
     maps: CrossingMaps
+    closing: bool = False
 
     def best(
         self, specification: Specification, closed: Sequence[int] = (), unfit: frozenset[int] = frozenset()
@@ -126,7 +128,8 @@ class RunSearch:
         return None if found is None else self._traced(ground, found, lap_triangle, goal)
 
     def _searched(self, system: TransitionSystem, automaton: Conjunction, start: int) -> BestRuns:
-        return best_accepted(system, automaton, start, self._spec.semantics, objective_of(self._spec))
+        objective = objective_of(self._spec)
+        return best_accepted(system, automaton, start, self._spec.semantics, objective, closing=self.closing)
 
     @property
     def _spec(self) -> MissionSpec:

@@ -78,7 +78,8 @@ def planned(
     weights = transition_weights(partition, spec.search.cost, spec.flight.speed_m_s)
     system = TransitionSystem.from_partition(partition, labelling, restricted, weights)
 
-    search = RunSearch(system, CrossingMaps(spec, labelling, restricted, locator, start, triangle))
+    maps = CrossingMaps(spec, labelling, restricted, locator, start, triangle)
+    search = RunSearch(system, maps, closing=begins.completes)
     covering = Covering(spec, partition, labelling, restricted)
     planner = PathPlanner(spec, partition, labelling, covering)
 

@@ -83,11 +83,12 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class LaterPlan:
-    """A plan that was made in flight: flown from a vehicle time on, after so many laps."""
+    """A plan that was made in flight: flown from a vehicle time on, after so many laps, the last perhaps begun only."""
 
     from_s: float
     plan: FlightPlan
     laps_before: int
+    begun: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,10 +116,15 @@ class Record:
     later: tuple[LaterPlan, ...] = ()
 
     @property
-    def takeovers(self) -> tuple[tuple[float, int, int], ...]:
-        """Vehicle time, number of the plan, from 2, and laps that were over, of each plan that was taken over."""
+    def takeovers(self) -> tuple[tuple[float, int, int, bool], ...]:
+        """Vehicle time, number of the plan, from 2, the laps before and whether the last was begun only, of each later plan."""
         return tuple(
-            (event.t_s, int(event.values["number"]), int(event.values.get("laps_before") or 0))
+            (
+                event.t_s,
+                int(event.values["number"]),
+                int(event.values.get("laps_before") or 0),
+                bool(event.values.get("begun")),
+            )
             for event in self.events
             if event.text == LEG
         )

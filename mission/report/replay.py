@@ -44,5 +44,5 @@ def legs_of(plan: FlightPlan, record: Record) -> FlightLegs:
     """The legs of a flight, none of which has begun but the first."""
     legs = FlightLegs(plan)
     for later in record.later:
-        legs.take_over(later.plan, later.from_s, later.laps_before)
+        legs.take_over(later.plan, later.from_s, later.laps_before, begun=later.begun)
     return legs

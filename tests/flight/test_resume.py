@@ -61,7 +61,7 @@ def test_a_killed_program_is_followed_by_another(
     record = read_record(folder)
     assert record.verdict is not None
     assert record.verdict["achieved"] is True
-    assert [number for _, number, _ in record.takeovers] == [2]
+    assert [number for _, number, _, _ in record.takeovers] == [2]
     assert (folder / "plan-2.json").is_file()
     assert main(["fly", "--resume", str(folder), "--connect", address]) == 2
     assert "has come to its end" in capsys.readouterr().err

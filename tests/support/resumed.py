@@ -41,7 +41,7 @@ class Killed:
     def record(self) -> Record:
         """What was written, with the plans beside it."""
         record = parse_record(self._whole)
-        later = tuple(LaterPlan(from_s, self.plans[number], laps) for from_s, number, laps in record.takeovers)
+        later = tuple(LaterPlan(at_s, self.plans[number], laps, begun) for at_s, number, laps, begun in record.takeovers)
         return replace(record, later=later)
 
     @property
