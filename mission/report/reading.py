@@ -117,7 +117,7 @@ class Record:
 
     @property
     def takeovers(self) -> tuple[tuple[float, int, int, bool], ...]:
-        """Vehicle time, number of the plan, from 2, the laps before and whether the last was begun only, of each later plan."""
+        """Of each plan that was taken over: when, its number, from 2, laps before it, whether the last is under way."""
         return tuple(
             (
                 event.t_s,

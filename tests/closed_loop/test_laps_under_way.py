@@ -2,7 +2,9 @@
 
 from itertools import groupby
 
+import numpy as np
 import pytest
+import shapely
 
 from mission.plan import FlightPlan
 from tests.closed_loop.test_amended import flown
@@ -10,7 +12,6 @@ from tests.support.fault_grid import MISSION
 from tests.support.replanned import Replanned
 from tests.support.small_missions import ROUNDS, plan_of
 
-EITHER = pytest.mark.parametrize("flavour", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 ELSEWHERE = "restrict elsewhere [[17, 27], [19, 27], [19, 29], [17, 29]]"
 """What is in nobody's way: for its sake another plan is made."""
 
@@ -42,21 +43,30 @@ def field() -> FlightPlan:
     return plan_of(MISSION.replace("laps: 1", "laps: 2"))
 
 
-@EITHER
-@pytest.mark.parametrize("share", [0.05, 0.2, 0.4, 0.6, 0.8])
+def moments(*usual: tuple[str, float]) -> pytest.MarkDecorator:
+    """Flavours and shares of the laps: some are flown always, the others in long campaigns."""
+    every = [(flavour, share) for flavour in ("ardupilot", "px4") for share in (0.05, 0.2, 0.4, 0.6, 0.8)]
+    marks = [() if each in usual else pytest.mark.long for each in every]
+    return pytest.mark.parametrize(
+        ("flavour", "share"), [pytest.param(*each, marks=mark) for each, mark in zip(every, marks, strict=True)]
+    )
+
+
+@moments(("ardupilot", 0.2), ("px4", 0.4))
 def test_each_region_is_visited_as_often_as_there_are_laps(rounds: FlightPlan, flavour: str, share: float) -> None:
     _, entered = replanned(rounds, flavour, share_of_laps(rounds, share))
-    print("ZZ", share, flavour, entered, [(e["laps_before"], e["begun"], e["t_s"]) for e in _.events("leg")], [e["reason"] for e in _.events("asked again")])
     assert entered.count("north") == 2
     # The last lap may be closed where it began.
     assert entered.count("east") in {2, 3}
 
 
-@EITHER
-@pytest.mark.parametrize("share", [0.05, 0.2, 0.4, 0.6, 0.8])
+@moments(("ardupilot", 0.4))
 def test_each_lane_is_flown_once_a_lap(field: FlightPlan, flavour: str, share: float) -> None:
     flight, entered = replanned(field, flavour, share_of_laps(field, share))
-    inside = [field.area_of("field").contains(__import__("shapely").Point(l["position_m"])) for l in flight.lines if l["kind"]=="telemetry"]
-    print("ZZ", share, flavour, entered, sum(inside), [(e["laps_before"], e["begun"], e["t_s"]) for e in flight.events("leg")], [e["reason"] for e in flight.events("asked again")])
     assert entered.count("field") == 2
     assert entered.count("goal") in {2, 3}
+    [visit] = field.covers
+    once_m = float(np.linalg.norm(visit.lanes_m[:, 1] - visit.lanes_m[:, 0], axis=1).sum()) + visit.ways_m
+    track = shapely.LineString([line["position_m"][:2] for line in flight.lines if line["kind"] == "telemetry"])
+    inside_m = float(shapely.intersection(track, field.area_of("field")).length)
+    assert 1.8 * once_m < inside_m < 2.5 * once_m

@@ -41,7 +41,9 @@ class Killed:
     def record(self) -> Record:
         """What was written, with the plans beside it."""
         record = parse_record(self._whole)
-        later = tuple(LaterPlan(at_s, self.plans[number], laps, begun) for at_s, number, laps, begun in record.takeovers)
+        later = tuple(
+            LaterPlan(at_s, self.plans[number], laps, begun) for at_s, number, laps, begun in record.takeovers
+        )
         return replace(record, later=later)
 
     @property

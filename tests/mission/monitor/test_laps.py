@@ -41,6 +41,32 @@ def test_laps(suffix: tuple[int, ...], flown: tuple[int, ...], laps: int) -> Non
 
 
 @pytest.mark.parametrize(
+    ("flown", "due"),
+    [
+        ((7,), None),
+        ((7, 0), (2, 3)),
+        ((0, 4, 2), (3,)),
+        ((0, 4, 2, 5, 3), ()),  # all but what closes it
+        ((0, 4, 2, 5, 3, 6, 0), (2, 3)),  # the next one
+    ],
+)
+def test_what_a_lap_has_not_met_is_due(flown: tuple[int, ...], due: tuple[int, ...] | None) -> None:
+    counter = LapCounter((0, 4, 2, 5, 3, 6), LABELS)
+    for triangle in flown:
+        counter.enter(triangle)
+    assert counter.due == (None if due is None else tuple(LABELS.label(triangle) for triangle in due))
+
+
+def test_a_lap_that_was_begun_before_is_over_where_the_loop_begins() -> None:
+    counter = LapCounter((0, 4, 2, 5, 3, 6), LABELS, begun=True)
+    counts = []
+    for triangle in (2, 5, 0, 4, 2, 5, 3, 6, 0):
+        counter.enter(triangle)
+        counts.append(counter.laps)
+    assert counts == [-1, -1, 0, 0, 0, 0, 0, 0, 1]
+
+
+@pytest.mark.parametrize(
     ("letters", "rounds", "due"),
     [
         ((), 0, 3),

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from itertools import groupby
 
 import numpy as np
 import pytest
@@ -210,3 +211,21 @@ def test_after_the_last_lap_the_rest_is_the_return() -> None:
     assert over.trajectory.lap is None
     assert spelled(over)[-1] == frozenset(("home",))
     assert faults(over) == []
+
+
+@pytest.mark.parametrize(
+    ("laps", "due", "word"),
+    [
+        (0, ("c",), "c b c home"),
+        (0, (), "b c b home"),
+        (1, ("c",), "c home"),
+        (1, (), "home"),
+    ],
+)
+def test_of_a_lap_under_way_what_it_has_not_met_comes_first(laps: int, due: tuple[str, ...], word: str) -> None:
+    plan = planned("mission:\n  formula: G F b & G F c\n  laps: 2\n")
+    rest = replace(flown(plan, 0.4 * plan.trajectory.duration_s), laps=laps, due=tuple(map(frozenset, due)))
+    left = plan_rest(plan, rest)
+    assert faults(left) == []
+    visited = [name for letter in spelled(left)[1:] for name in sorted(letter)]
+    assert [name for name, _ in groupby(visited)] == word.split()
