@@ -61,7 +61,8 @@ class CadenceWatch:
         if self._last is not None:
             gap_s, before_s = t_s - self._last[0], self._last[1]
             self._gaps.append(gap_s)
-            if trajectory_s is not None and before_s is not None and gap_s <= GAP_S:
+            # A trajectory that begins anew is another one, of a flight whose plan was changed.
+            if trajectory_s is not None and before_s is not None and gap_s <= GAP_S and trajectory_s >= before_s:
                 self._slowed_s += max(gap_s - (trajectory_s - before_s), 0.0)
         self._last = (t_s, trajectory_s)
 

@@ -42,6 +42,13 @@ def test_what_a_trajectory_takes_longer_is_counted_but_no_pause_of_it() -> None:
     assert watch.cadence.largest_gap_s == pytest.approx(3.0)
 
 
+def test_another_trajectory_is_no_slower_one() -> None:
+    watch = CadenceWatch()
+    for tick in range(100):
+        watch.note(tick * PERIOD_S, tick % 50 * PERIOD_S)
+    assert watch.cadence.slowed_s == pytest.approx(0.0)
+
+
 def test_little_is_no_word_worth() -> None:
     assert slowed_text(Cadence(slowed_s=0.4), 1.0) == ""
     assert slowed_text(Cadence(slowed_s=7.0), 0.05) == "the trajectory took 7 s longer, for the vehicle to keep up"
