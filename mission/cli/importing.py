@@ -28,7 +28,8 @@ def run(arguments: Namespace) -> int:
     else:
         write_named("--out", target, text)
         asked = sum(line.lstrip().startswith("#") and "?" in line for line in text.splitlines())
-        out.out(f"{printable(str(target))}: {count(asked, 'question')} in it, as comments", highlight=False)
+        questions = f"{count(asked, 'question')} in it, as comments" if asked else "written, with no question open"
+        out.out(f"{printable(str(target))}: {questions}", highlight=False)
         if trial.plan is not None:
             out.out(f"    it plans as it is: {extent(trial.plan, 1)}, proved", highlight=False)
     print_warnings(trial.draft.remarks)

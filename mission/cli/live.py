@@ -21,6 +21,8 @@ _AGAIN_S = 10.0
 class Display:
     """A bar that follows one flight; on what is no terminal, one line for each stage, and more where it takes long.
 
+    What stages do not tell, of pilots and of other plans, has lines of its own on both.
+
     Nothing that goes wrong here, such as a closed pipe, reaches the flight.
 
     Attributes:
@@ -37,6 +39,7 @@ class Display:
         self._task = self._bar.add_task("starting", total=_total(plan.trajectory.duration_s))
         self._live = err.is_terminal and not err.is_dumb_terminal
         self._said = ""
+        self._told = 0
         self._since_s: float | None = None
         self._again_s = _AGAIN_S
 
@@ -68,8 +71,15 @@ class Display:
                 total=_total(moment.duration_s),
             )
         elif line := self._line(stage, words, moment.t_s):
-            with contextlib.suppress(OSError):
-                err.print(line, markup=False)
+            self._print(line)
+        for news in moment.told[self._told :]:
+            self._print(printable(news))
+        self._told = len(moment.told)
+
+    @staticmethod
+    def _print(line: str) -> None:
+        with contextlib.suppress(OSError):
+            err.print(line, markup=False)
 
     def _line(self, stage: str, words: str, now_s: float | None) -> str:
         """What is said where lines stay: each stage once, and what it waits for again after ever more seconds."""

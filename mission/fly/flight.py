@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from traceback import format_exception
 
 from mission.clock import Clock, SteadyClock
@@ -23,11 +23,11 @@ from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner, answered
 from mission.fly.replanning import Replanning
 from mission.fly.result import FlightResult, Progress
-from mission.fly.resuming import RETURNING, Unfinished
+from mission.fly.resuming import RETURNING, Unfinished, is_still
 from mission.fly.retreat import put_back, retreat, speak
 from mission.fly.watch import FlightWatch
 from mission.link.announcer import Announcer
-from mission.link.events import Moved, StageEntered, WentOn
+from mission.link.events import Held, Moved, StageEntered, WentOn
 from mission.link.frames import enu_from_ned
 from mission.link.session import Session
 from mission.link.transport import Transport
@@ -39,6 +39,7 @@ from mission.spec.model import Point
 
 _STRAY_FOR_S = 5.0
 _UNTRUSTED_FOR_S = 2.0
+_COMES_TO_REST_S = 20.0
 _CRITICAL_FOR_S = 3.0
 """A vehicle that does something about its battery itself has told of that by then, in two heartbeats."""
 
@@ -80,6 +81,8 @@ class Flight:
         self.listening = Listening(self.session, self.clock)
         self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
         self._news: News | None = None
+        self._told: tuple[str, ...] = ()
+        self._moves_since_s: float | None = None
         self._fenced = plan
 
     @property
@@ -107,7 +110,8 @@ class Flight:
             self._circumstances.turn()
             self.renew_fence()
             if session.stage is Stage.STANDBY and self._unfinished is not None:
-                self._take_up(self._unfinished)
+                if self._has_come_to_rest():
+                    self._take_up(self._unfinished)
             elif session.stage is Stage.STANDBY and self.gate.open:
                 self.gate.judge(self.plan, self.options.link, self.record, fenced=self.options.fence)
                 self.depart()
@@ -143,7 +147,7 @@ class Flight:
     @property
     def progress(self) -> Progress:
         """Where the flight is now."""
-        return self.watch.progress(self.session, self.listening)
+        return replace(self.watch.progress(self.session, self.listening), told=self._told)
 
     @property
     def _state(self) -> int:
@@ -171,6 +175,8 @@ class Flight:
         """Pass on what the session has to tell."""
         for event in self.session.events():
             self.watch.take(event)
+            if isinstance(event, Held) and event.words:
+                self._told += (event.words,)
             if isinstance(event, WentOn):
                 self.record.warn(f"{event.words}; the flight goes on")
 
@@ -205,6 +211,16 @@ class Flight:
             self._replanner.prepare(self.plan)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
+
+    def _has_come_to_rest(self) -> bool:
+        """Whether a vehicle that was left hovers, or has had the time for it: autopilots miss setpoints for seconds."""
+        vehicle, now_s = self.session.vehicle, self.newest_s
+        if now_s is None or vehicle.position is None or is_still(vehicle.position):
+            return True
+        if self._moves_since_s is None:
+            self._moves_since_s = now_s
+            self.say("the vehicle moves still: waiting until it hovers")
+        return now_s - self._moves_since_s >= _COMES_TO_REST_S
 
     def _take_up(self, left: Unfinished) -> None:
         """Go on with a flight from where the vehicle hovers.
@@ -252,8 +268,9 @@ class Flight:
         return replanning, Amending(self.session, self.watch, replanning, self._amendments)
 
     def say(self, text: str) -> None:
-        """Tell whoever watches the vehicle what is intended."""
+        """Tell whoever watches the vehicle, or this flight, what is intended."""
         self.record.write("event", self.newest_s, name="intention", reason=text)
+        self._told += (text,)
         if self._news is not None:
             self._news.say(text)
 

@@ -32,6 +32,7 @@ class Progress:
         returning: Whether no further lap will be begun.
         verdict: What is known of the word flown so far.
         behind_s: How far this computer is behind what the vehicle says, by its time; 0 while it keeps up.
+        told: What has come up so far that the stages do not tell, in plain words: pilots, other plans.
     """
 
     stage: Stage
@@ -49,6 +50,7 @@ class Progress:
     returning: bool
     verdict: Verdict
     behind_s: float = 0.0
+    told: tuple[str, ...] = ()
 
     @property
     def left_s(self) -> float:

@@ -17,7 +17,7 @@ from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.link.autopilot import Autopilot
 from mission.link.ending import Ending
 from mission.link.frames import Anchor, enu_from_ned
-from mission.link.values import LandedState
+from mission.link.values import LandedState, LocalPosition
 from mission.link.vehicle_state import VehicleState
 from mission.logic.formula.word import Letter
 from mission.monitor.legs import FlightLegs
@@ -102,9 +102,9 @@ class Unfinished:
         if vehicle.landed is LandedState.ON_GROUND:
             raise VehicleError("the vehicle has landed since; its flight is over")
         self._check_home(vehicle)
-        north, east, _ = position.velocity_ned_m_s
-        if math.hypot(north, east) > _STILL_M_S:
-            raise VehicleError(f"the vehicle flies at {math.hypot(north, east):.1f} m/s; wait until it hovers")
+        if not is_still(position):
+            speed_m_s = math.hypot(*position.velocity_ned_m_s[:2])
+            raise VehicleError(f"the vehicle flies at {speed_m_s:.1f} m/s; wait until it hovers")
         here_m = self.anchor.to_domain(position.position_ned_m)[:2]
         off_m = math.dist(here_m, self.last_m)
         most_m = _DRIFT_M + self.speed_m_s**2 / (2.0 * _BRAKING_M_S2)
@@ -130,6 +130,11 @@ class Unfinished:
             raise VehicleError(
                 f"the vehicle took off {off_m:.0f} m from where this flight did: it has flown another mission since"
             )
+
+
+def is_still(position: LocalPosition) -> bool:
+    """Whether a vehicle that reports this hovers."""
+    return math.hypot(*position.velocity_ned_m_s[:2]) <= _STILL_M_S
 
 
 def unfinished(plan: FlightPlan, record: Record) -> Unfinished:

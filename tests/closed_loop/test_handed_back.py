@@ -50,10 +50,9 @@ def test_handed_back_it_goes_on_from_where_it_is(plan: FlightPlan, flavour: str)
     assert back["t_s"] - held["t_s"] == pytest.approx(FOR_S, abs=3.0)
     commands = [row["t_s"] or 0.0 for row in flight.events("command")]
     assert not [t_s for t_s in commands if held["t_s"] <= t_s <= back["t_s"]]  # nobody is fought
-    assert [row["reason"] for row in flight.events("intention")] == [
-        "handed back: planning from here",
-        "going on from here to goal",
-    ]
+    intentions = ["handed back: planning from here", "going on from here to goal"]
+    assert [row["reason"] for row in flight.events("intention")] == intentions
+    assert flight.told == (held["reason"], *intentions)
 
 
 def test_without_being_asked_to_wait_it_lets_go(plan: FlightPlan) -> None:

@@ -1,5 +1,6 @@
 """A program that is killed in flight, and its flight taken up again: nothing is done twice, and nothing left out."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -70,6 +71,14 @@ def taken_up(killed: Killed) -> None:
 def test_a_flight_goes_on_from_its_record(two_places: FlightPlan, flavour: Flavour, at_s: float) -> None:
     killed = Killed(two_places, flavour, at_s)
     killed.leave(ALONE_S)
+    taken_up(killed)
+
+
+@FLAVOURS
+def test_what_moves_still_is_waited_for(two_places: FlightPlan, flavour: Flavour) -> None:
+    killed = Killed(two_places, flavour, 24.0)
+    north_m_s, east_m_s, _ = killed.bench.vehicle.truth.velocity_ned_m_s
+    assert math.hypot(north_m_s, east_m_s) > 2.0
     taken_up(killed)
 
 

@@ -36,6 +36,7 @@ class Replanned:
         """Fly; ``at_step`` is called with the seconds since the trajectory began."""
         self.plan, self.flavour = plan, flavour
         self.flying_from_s: float | None = None
+        self.told: tuple[str, ...] = ()
         self._at_step = at_step
         config = vehicle_of(flavour, drag_per_s=drag_per_s)
         if faults:
@@ -81,6 +82,7 @@ class Replanned:
         return entered([line["position_m"] for line in self.lines if line["kind"] == "telemetry"], shapes)
 
     def _look(self, progress: Progress) -> None:
+        self.told = progress.told
         if progress.stage is Stage.FLY and self.flying_from_s is None:
             self.flying_from_s = self.vehicle.now_s()
 

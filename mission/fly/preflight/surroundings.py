@@ -51,7 +51,8 @@ def _allows(asked: Asked, percent: float, capacity_mah: float | None) -> str:
     if capacity_mah is None or math.isinf(asked.air_s):
         return ""
     most_a = percent / _PERCENT * capacity_mah * 3.6 / asked.air_s
-    return f" of {capacity_mah:.0f} mAh: suffices for {asked.air_s:.0f} s at up to {most_a:.0f} A; see `battery` in the file"
+    suffices = f"suffices for {asked.air_s:.0f} s at up to {most_a:.0f} A; see `battery` in the file"
+    return f" of {capacity_mah:.0f} mAh: {suffices}"
 
 
 _MOMENTUM: Final = Setting({ARDUPILOT: (("EK3_DRAG_MCOEF", 1.0),), PX4: (("EKF2_MCOEF", 1.0),)}, none_is_none=True)

@@ -4,6 +4,7 @@ import io
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import pytest
 from rich.console import Console
@@ -170,6 +171,19 @@ def test_that_the_vehicle_will_return_is_said_without_a_terminal(
         for returning in (False, False, True, True):
             display.show(moment(returning=returning))
     assert screen.getvalue() == "flying\nflying the last lap, then back\n"
+
+
+@pytest.mark.parametrize("terminal", [None, True])
+def test_what_comes_up_in_flight_is_said_once(
+    terminal: Literal[True] | None, rounds: FlightPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = io.StringIO()
+    monkeypatch.setattr(live, "err", Console(file=screen, force_terminal=terminal, width=160, color_system=None))
+    told = ("the pilot has it [now]", "going on from here to east")
+    with Display(rounds) as display:
+        for count in (0, 1, 1, 2, 2):
+            display.show(moment(told=told[:count]))
+    assert [screen.getvalue().count(words) for words in told] == [1, 1]
 
 
 def test_what_a_stage_waits_for_is_said_once_and_again_when_it_takes_long(
