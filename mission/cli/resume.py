@@ -6,8 +6,12 @@ from pathlib import Path
 from mission.cli.inputs import bad_file, unwritable
 from mission.cli.report import flight_in
 from mission.errors import Fault, RecordError, SpecError
+from mission.fly.amendments import amended_file
 from mission.fly.resuming import Unfinished, unfinished
+from mission.report.reading import LEG, Record
 from mission.report.record import FlightRecord
+from mission.spec.loader import load_mission
+from mission.spec.model import MissionSpec
 
 _NO_CHOICE = (("run", "--run"), ("laps", "--laps"))
 
@@ -39,9 +43,16 @@ def left_in(arguments: Namespace) -> Unfinished | None:
     folder = Path(arguments.resume)
     plan, record, _ = flight_in(folder)
     try:
-        return unfinished(plan, record)
+        return unfinished(plan, record, _amended_last(folder, record))
     except RecordError as error:
         raise RecordError(f"{folder}: {error}", line=error.line) from error
+
+
+def _amended_last(folder: Path, record: Record) -> MissionSpec | None:
+    """The mission as it was amended last in flight; None where it was not, or was not kept."""
+    amended = [event.values["number"] for event in record.events if event.text == LEG and event.values.get("amended")]
+    file = folder / amended_file(int(amended[-1])) if amended else None
+    return load_mission(file) if file is not None and file.is_file() else None
 
 
 def reopened(folder: Path, mission: str) -> FlightRecord:

@@ -5,12 +5,12 @@ from dataclasses import replace
 from typing import Final, Protocol
 
 import numpy as np
-import shapely
 
 from mission.errors import MissionError, SpecError
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
 from mission.fly.replanning import Cause, Replanning
 from mission.fly.watch import FlightWatch
+from mission.geometry.sweep import SweptSquare
 from mission.link.guidance import Guidance
 from mission.link.session import Session
 from mission.monitor.stage import Stage
@@ -66,10 +66,11 @@ class Amending:
         watch: FlightWatch,
         replanning: Replanning,
         amendments: Amendments,
+        mission: MissionSpec,
     ) -> None:
-        """Take none yet."""
+        """Take none yet; ``mission`` is what is asked for, whatever of it is done already."""
         self._session, self._watch, self._replanning, self._amendments = session, watch, replanning, amendments
-        self._mission = watch.plan.spec
+        self._mission, self._laps_before = mission, 0
 
     def turn(self, now_s: float) -> None:
         """Take the next change, once nothing else is planned; those that come before the flight wait for it."""
@@ -100,12 +101,14 @@ class Amending:
                 self._refuse(change, _words(error))
             return
         fresh = not asks_the_same(mission, self._mission)
-        wanted = mission if fresh else _left_of(mission, leg.plan.spec, leg.laps_before)
+        wanted = mission if fresh else _left_of(mission, leg.plan.spec, leg.laps_before - self._laps_before)
         threats = [] if not guidance.course.planned else [*_threats(self._watch, guidance, vehicle_s, mission)]
 
         def told(why: str) -> None:
             if not why:
                 self._mission = mission
+                if fresh:
+                    self._laps_before = self._watch.legs.laps
                 self._amendments.keep(self._replanning.plans, mission)
                 self._amendments.answer(change, AmendmentAnswer(accepted=True, words="another plan is flown"))
             elif threats:
@@ -139,18 +142,17 @@ def _threats(watch: FlightWatch, guidance: Guidance, vehicle_s: float, mission: 
     plan = watch.plan
     until_s = min(course.duration_s, from_s + _LONGEST_S)
     times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _STEP_S))
-    line = shapely.LineString(course.trajectory.state(times)[0])
-    tube = line.buffer(plan.certificate.tube_m, cap_style="square", join_style="mitre")
+    swept = SweptSquare(course.trajectory.state(times)[0], plan.certificate.tube_m)
     for region in mission.regions:
         ground = None
         if region.kind is RegionKind.RESTRICTED and region not in plan.spec.regions:
             ground = region_ground(region, mission.domain)
-        if ground is not None and shapely.intersects(tube, ground.kept):
+        if ground is not None and swept.meets(ground.kept):
             yield region.name
     domain = mission.domain
     if domain == plan.spec.domain or not isinstance(domain, BoundaryDomain):
         return
-    if not shapely.covers(boundary_ground(domain).kept, tube):
+    if not swept.stays_in(boundary_ground(domain).kept):
         yield "what is beyond the boundary"
 
 

@@ -91,7 +91,7 @@ class AmendmentFolder:
         """Keep a mission that was amended, with the number of its plan, which holds it in any case."""
         text = yaml.safe_dump(document_of(mission), sort_keys=False, allow_unicode=True)
         try:
-            write_whole(self._folder / f"mission-{number}.yaml", text, durable=False)
+            write_whole(self._folder / amended_file(number), text, durable=False)
         except OSError:
             return
 
@@ -104,6 +104,11 @@ class AmendmentFolder:
         except (OSError, ValueError, AttributeError, TypeError, RecursionError):
             self.answer(found, AmendmentAnswer(accepted=False, words="the request cannot be read"))
             return None
+
+
+def amended_file(number: int) -> str:
+    """The name of a mission that was amended in flight, by the number of its plan."""
+    return f"mission-{number}.yaml"
 
 
 def hand_in(folder: Path, *, lines: Sequence[str] = (), mission: str = "") -> str:

@@ -240,7 +240,7 @@ class Flight:
         check_stand(left.legs.now.plan, place_m[:2])
         # The way from where it was heard last counts as flown.
         self.watch.take(StageEntered(at_s, Stage.FLY))
-        self.watch.take_up(left.legs, left.began_s, left.last_s)
+        self.watch.take_up(left.legs, left.began_s, left.last_s, [each.number for each in left.record.pictures])
         self.watch.take(Moved(at_s, place_m, velocity_m_s, angles_rad, place_m, velocity_m_s, None))
         answer = answered(left.request(place_m[:2]))
         if answer.plan is None:
@@ -265,7 +265,8 @@ class Flight:
         replanning = Replanning(self.session, self.watch, self.record, self._replanner, (self._on_plan, self.say))
         if self._amendments is None:
             return replanning, None
-        return replanning, Amending(self.session, self.watch, replanning, self._amendments)
+        mission = self.watch.plan.spec if self._unfinished is None else self._unfinished.mission
+        return replanning, Amending(self.session, self.watch, replanning, self._amendments, mission)
 
     def say(self, text: str) -> None:
         """Tell whoever watches the vehicle, or this flight, what is intended."""

@@ -25,7 +25,7 @@ from mission.plan import FlightPlan
 from mission.plan.rest import Rest
 from mission.report.reading import Record
 from mission.report.replay import judged_again
-from mission.spec.model import Point
+from mission.spec.model import MissionSpec, Point
 
 RETURNING: Final = "returning after this lap"
 
@@ -45,6 +45,7 @@ class Unfinished:
     Attributes:
         record: As far as it goes.
         legs: What of it counts.
+        mission: What was asked for last, all of it.
         anchor: Ties its domain to the vehicle's local frame.
         last_s: Vehicle time of the last report.
         last_m: Where that was, ENU in the domain.
@@ -53,6 +54,7 @@ class Unfinished:
 
     record: Record
     legs: FlightLegs
+    mission: MissionSpec
     anchor: Anchor
     last_s: float
     last_m: Point
@@ -137,12 +139,13 @@ def is_still(position: LocalPosition) -> bool:
     return math.hypot(*position.velocity_ned_m_s[:2]) <= _STILL_M_S
 
 
-def unfinished(plan: FlightPlan, record: Record) -> Unfinished:
+def unfinished(plan: FlightPlan, record: Record, mission: MissionSpec | None = None) -> Unfinished:
     """What a record tells of a flight that did not come to its end.
 
     Args:
         plan: Its first plan, as it was flown.
         record: With its later plans.
+        mission: As it was amended last; that of the first plan by default.
 
     Raises:
         RecordError: The flight has come to its end, or never began, or a value is none.
@@ -164,6 +167,7 @@ def unfinished(plan: FlightPlan, record: Record) -> Unfinished:
     return Unfinished(
         record,
         judged_again(plan, record),
+        plan.spec if mission is None else mission,
         Anchor((north, east, down)),
         last_s=float(record.track.t_s[last]),
         last_m=(x, y),

@@ -2,6 +2,7 @@
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -77,8 +78,16 @@ class FlightWatch:
         """Which leg was written last, and how many of its visits and violations."""
         self._trajectory = plan.trajectory
 
-    def take_up(self, legs: FlightLegs, began_s: float, last_s: float) -> None:
-        """Go on with a flight that was left: with what of it counts, when it began, and when it was reported last."""
+    def take_up(self, legs: FlightLegs, began_s: float, last_s: float, pictures: Iterable[int]) -> None:
+        """Go on with a flight that was left.
+
+        Args:
+            legs: What of it counts.
+            began_s: Vehicle time at which its trajectory began.
+            last_s: Vehicle time of its last report.
+            pictures: The numbers of those that were told of.
+        """
+        self.pictures.extend(pictures)
         self.legs, self._trajectory = legs, legs.now.plan.trajectory
         self._written = (len(legs.legs) - 1, len(self.monitor.visits), len(self.monitor.violations))
         self.began_s, self._told_s = began_s, last_s

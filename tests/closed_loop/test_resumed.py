@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from mission.errors import MissionError, NoPlanError, RecordError, VehicleError
+from mission.fly.amendments import Amendment, AmendmentAnswer
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
+from mission.spec.model import MissionSpec
 from tests.support.fault_grid import KilledError
 from tests.support.resumed import Killed
-from tests.support.small_missions import SMALL, plan_of
+from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.parameters import Flavour
 
@@ -49,6 +51,11 @@ def two_places() -> FlightPlan:
 @pytest.fixture(scope="module")
 def covered() -> FlightPlan:
     return plan_of(COVERED)
+
+
+@pytest.fixture(scope="module")
+def rounds() -> FlightPlan:
+    return plan_of(ROUNDS.replace("laps: 2", "laps: 3"))
 
 
 def instants(count: int, seed: int) -> list[float]:
@@ -107,6 +114,59 @@ def test_a_flight_goes_on_after_a_second_kill(two_places: FlightPlan) -> None:
 
 
 @FLAVOURS
+class Told:
+    """One change, as soon as it can be taken."""
+
+    def __init__(self, change: Amendment) -> None:
+        self.waiting, self.answers = [change], list[AmendmentAnswer]()
+
+    def take(self) -> Amendment | None:
+        return self.waiting.pop() if self.waiting else None
+
+    def answer(self, _amendment: Amendment, answer: AmendmentAnswer) -> None:
+        self.answers.append(answer)
+
+    def keep(self, number: int, mission: MissionSpec) -> None:
+        """Nobody looks for it."""
+
+
+def test_a_mission_that_is_amended_once_it_was_taken_up_is_what_was_written(two_places: FlightPlan) -> None:
+    """The same mission with a region more asks for nothing new: the first place is not visited again."""
+    killed = Killed(two_places, Flavour.ARDUPILOT, 33.5)
+    killed.leave(ALONE_S)
+    far = "  far: {kind: restricted, polygon: [[20, 24], [23, 24], [23, 28], [20, 28]]}\nmission:\n"
+    told = Told(Amendment("", mission=TWO_PLACES.replace("mission:\n", far)))
+    result = killed.resume(amendments=told)
+    assert result.achieved, result.reason
+    assert [answer.accepted for answer in told.answers] == [True], told.answers
+    assert [name for name in killed.entered() if name != "home"] == ["goal", "pond"]
+
+
+def test_laps_that_are_left_are_counted_once(rounds: FlightPlan) -> None:
+    """Taken up twice and amended then, a flight of three laps has three."""
+    killed = Killed(rounds, Flavour.ARDUPILOT, 32.0)
+    killed.leave(ALONE_S)
+    with pytest.raises(KilledError):
+        killed.resume(killed_at_s=50.0)
+    killed.leave(ALONE_S)
+    told = Told(Amendment("", ("restrict far [[17, 24], [20, 24], [20, 28], [17, 28]]",)))
+    result = killed.resume(amendments=told)
+    assert result.achieved, result.reason
+    assert [answer.accepted for answer in told.answers] == [True], told.answers
+    assert result.laps == 3
+    assert killed.entered().count("north") >= 3
+
+
+def test_pictures_of_both_parts_are_counted() -> None:
+    killed = Killed(plan_of(PHOTOGRAPHED), Flavour.ARDUPILOT, 60.0)
+    taken = len(killed.record.pictures)
+    assert taken
+    killed.leave(ALONE_S)
+    result = killed.resume()
+    assert len(result.pictures) == len(killed.record.pictures) > taken
+    assert abs(len(result.pictures) - result.planned_pictures) <= 1
+
+
 def test_lanes_that_were_flown_are_not_flown_again(covered: FlightPlan, flavour: Flavour) -> None:
     visit = covered.covers[0]
     times = covered.trajectory.time_at(visit.lanes_s.ravel()).reshape(-1, 2)

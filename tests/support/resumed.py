@@ -8,6 +8,7 @@ from itertools import groupby
 from shapely import Point
 
 from mission.fly import FlightOptions, FlightResult, fly
+from mission.fly.amending import Amendments
 from mission.fly.resuming import unfinished
 from mission.plan import FlightPlan, plan_from_json
 from mission.report.reading import LaterPlan, Record, parse_record
@@ -51,14 +52,23 @@ class Killed:
         data = self.bench.sink.getvalue()
         return data[: data.rfind(b"\n") + 1]
 
-    def resume(self, killed_at_s: float = math.inf) -> FlightResult:
+    def resume(self, killed_at_s: float = math.inf, amendments: Amendments | None = None) -> FlightResult:
         """Go on from the record, up to another kill."""
         bench, left = self.bench, unfinished(self.plan, self.record)
         written = self._whole
         bench.sink, bench.dead, bench.happened, bench.at_s = FullDisk(), False, False, killed_at_s
         bench.sink.write(written)
         record = FlightRecord(bench.sink, mission="killed", begins=False)
-        return fly(self.plan, bench, bench, record, options=self.options, unfinished=left, on_plan=self._keep)
+        return fly(
+            self.plan,
+            bench,
+            bench,
+            record,
+            options=self.options,
+            unfinished=left,
+            on_plan=self._keep,
+            amendments=amendments,
+        )
 
     def _keep(self, number: int, text: str) -> None:
         self.plans[number] = plan_from_json(text)
