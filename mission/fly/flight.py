@@ -21,10 +21,11 @@ from mission.fly.placing import anchored_at_start, check_stand, course_of, place
 from mission.fly.preflight import Gate
 from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner, answered
-from mission.fly.replanning import Replanning
+from mission.fly.replanning import Cause, Replanning
 from mission.fly.result import FlightResult, Progress
 from mission.fly.resuming import RETURNING, Unfinished, is_still
 from mission.fly.retreat import put_back, retreat, speak
+from mission.fly.return_in_time import ReturnInTime
 from mission.fly.watch import FlightWatch
 from mission.link.announcer import Announcer
 from mission.link.events import Held, Moved, StageEntered, WentOn
@@ -76,7 +77,7 @@ class Flight:
         self._given_up = False
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
         self._amendments = amendments
-        self._replanning, self._amending = self._replans()
+        self._replanning, self._in_time, self._amending = self._replans()
         self._trusted_s = self._near_s = self._charged_s = self._looked_s = -math.inf
         self.listening = Listening(self.session, self.clock)
         self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
@@ -99,7 +100,7 @@ class Flight:
     @property
     def remarks(self) -> str:
         """What was lost of the record, and what the flight was made against; empty where nothing was."""
-        return joined(self.record.lost_text, self.gate.forced_text)
+        return joined(self._in_time.text, self.record.lost_text, self.gate.forced_text)
 
     def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
         """One turn of the loop: listen, think, speak."""
@@ -118,8 +119,9 @@ class Flight:
             self.look_after()
             if self._amending is not None:
                 self._amending.turn(self.clock.now_s())
-            if reason := self._replanning.turn(self.clock.now_s()):
-                self.stop(reason)
+            for part in (self._replanning, self._in_time):
+                if reason := part.turn(self.clock.now_s()):
+                    self.stop(reason)
         if request := stop_request():
             self.heed(request)
         for frame in (*self.announcements(), *session.outgoing()):
@@ -191,7 +193,7 @@ class Flight:
             self.plan = self._planner(stands_m)
             name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
             self.watch.vehicle = name
-            self._replanning, self._amending = self._replans()
+            self._replanning, self._in_time, self._amending = self._replans()
         self.record.write(
             "event",
             self.newest_s,
@@ -207,7 +209,8 @@ class Flight:
         self._fenced = self.plan
         if self.options.fence:
             contact.fence, anchoring = guarded(self.plan, anchoring, contact, keep=self.options.keep_fence)
-        if self.plan.spec.flight.replan or self._amendments is not None or self.options.resume_when_handed_back:
+        replans = spec.flight.replan or spec.battery is not None or self.options.resume_when_handed_back
+        if replans or self._amendments is not None:
             self._replanner.prepare(self.plan)
         self.session.depart(course, anchoring, self.plan.photographs)
         self.listening.excuse()
@@ -246,10 +249,10 @@ class Flight:
         if answer.plan is None:
             raise NoPlanError(answer.refusal)
         self.plan, self._fenced = answer.plan, left.legs.now.plan
-        self._replanning, self._amending = self._replans()
+        self._replanning, self._in_time, self._amending = self._replans()
         laps, due = left.laps
         before = laps + int(due is not None), due is not None
-        again = f"taken up again after {at_s - left.last_s:.0f} s"
+        again = Cause(f"taken up again after {at_s - left.last_s:.0f} s")
         self._replanning.fly_next(answer.plan, answer.text, at_s, again, before)
         self._replanner.prepare(answer.plan)
         for event in left.record.events:
@@ -260,13 +263,16 @@ class Flight:
         session.depart(course, left.anchor, answer.plan.photographs)
         self.listening.excuse()
 
-    def _replans(self) -> tuple[Replanning, Amending | None]:
-        """What replans this flight, and what amends its mission."""
+    def _replans(self) -> tuple[Replanning, ReturnInTime, Amending | None]:
+        """What replans this flight, what brings it home in time, and what amends its mission."""
         replanning = Replanning(self.session, self.watch, self.record, self._replanner, (self._on_plan, self.say))
+        in_time = ReturnInTime(
+            self.session, self.watch, self.record, replanning, replanner=self._replanner, say=self.say
+        )
         if self._amendments is None:
-            return replanning, None
+            return replanning, in_time, None
         mission = self.watch.plan.spec if self._unfinished is None else self._unfinished.mission
-        return replanning, Amending(self.session, self.watch, replanning, self._amendments, mission)
+        return replanning, in_time, Amending(self.session, self.watch, replanning, self._amendments, mission)
 
     def say(self, text: str) -> None:
         """Tell whoever watches the vehicle, or this flight, what is intended."""

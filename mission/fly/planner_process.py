@@ -113,6 +113,7 @@ def _written(asked: PlanRequest | None, plan: FlightPlan | None) -> str:
             "plan": "" if plan is None else plan_to_json(plan),
             "number": 0 if asked is None else asked.number,
             "amended": None if asked is None or asked.amended is None else _mission_text(asked.amended),
+            "returns": asked is not None and asked.returns,
             "rest": None
             if rest is None
             else {
@@ -189,7 +190,7 @@ def _answer(plan: FlightPlan, data: dict[str, Any]) -> PlanAnswer:
         )
         due = None if rest["due"] is None else tuple(frozenset(letter) for letter in rest["due"])
         asked = Rest(word, place, velocity, acceleration, flown_s=rest["flown_s"], laps=int(rest["laps"]), due=due)
-        return answered(PlanRequest(data["number"], plan, asked, amended))
+        return answered(PlanRequest(data["number"], plan, asked, amended, data["returns"]))
     except MissionError as error:
         return PlanAnswer(data["number"], None, refusal=str(error))
     except Exception as error:  # noqa: BLE001 - a failure to plan must not end the planner of a flight

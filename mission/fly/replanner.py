@@ -6,7 +6,7 @@ from typing import Final, Protocol
 
 from mission.errors import MissionError
 from mission.plan import FlightPlan, plan_to_json
-from mission.plan.rest import Rest, plan_rest
+from mission.plan.rest import Rest, plan_rest, plan_return
 from mission.spec.model import MissionSpec
 
 _TAKES_S: Final = 0.1
@@ -21,12 +21,14 @@ class PlanRequest:
         plan: What is flown.
         rest: How far, and where the new plan begins.
         amended: The mission as it is from now on; None where it stays as it is.
+        returns: Whether what is left is given up for a return.
     """
 
     number: int
     plan: FlightPlan
     rest: Rest
     amended: MissionSpec | None = None
+    returns: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +103,10 @@ class SynchronousReplanner:
 def answered(request: PlanRequest) -> PlanAnswer:
     """The answer to a request."""
     try:
-        plan = plan_rest(request.plan, request.rest, request.amended)
+        if request.returns:
+            plan = plan_return(request.plan, request.rest)
+        else:
+            plan = plan_rest(request.plan, request.rest, request.amended)
         return PlanAnswer(request.number, plan, plan_to_json(plan))
     except MissionError as error:
         return PlanAnswer(request.number, None, refusal=str(error))

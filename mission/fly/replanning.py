@@ -69,6 +69,7 @@ class Cause:
         holds: Whether the old plan must not be flown on meanwhile.
         amended: The mission as it is from now on; None where it stays as it is.
         fresh: Whether that asks for something else, so that what was done so far does not count.
+        returns: Whether what is left of the mission is given up for a return.
         told: Called with why there is no plan, empty once one is taken over; None where the flight ends without one.
     """
 
@@ -76,6 +77,7 @@ class Cause:
     holds: bool = False
     amended: MissionSpec | None = None
     fresh: bool = False
+    returns: bool = False
     told: Callable[[str], None] | None = None
 
 
@@ -241,7 +243,7 @@ class Replanning:
         amended, recurrent = cause.amended, leg.plan.run.recurrent
         if recurrent and amended is None and self._laps is not None:
             amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=self._laps))
-        self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended))
+        self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, cause.returns))
 
     def _state(self, ahead_s: float) -> Reference:
         """Where the vehicle will be so long after what is sent now arrives, by its last report."""
@@ -295,20 +297,11 @@ class Replanning:
             return self._again("another word was spelled meanwhile")
         at_s = max(approach.until_s, vehicle_s)
         self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
-        self.fly_next(plan, asked.text, at_s, cause.reason, asked.laps_before, amended=cause.amended is not None)
+        self.fly_next(plan, asked.text, at_s, cause, asked.laps_before)
         self._end("")
         return ""
 
-    def fly_next(
-        self,
-        plan: FlightPlan,
-        text: str,
-        at_s: float,
-        reason: str,
-        before: tuple[int, bool],
-        *,
-        amended: bool = False,
-    ) -> None:
+    def fly_next(self, plan: FlightPlan, text: str, at_s: float, cause: Cause, before: tuple[int, bool]) -> None:
         """Let another plan, in JSON this text, count as flown from a vehicle time on, after laps as ``laps_before``."""
         laps_before, begun = before
         self.plans += 1
@@ -318,8 +311,10 @@ class Replanning:
             at_s,
             name="leg",
             number=self.plans,
-            reason=reason,
-            amended=amended,
+            reason=cause.reason,
+            amended=cause.amended is not None,
+            returns=cause.returns,
+            fresh=cause.fresh,
             start_m=plan.start_m,
             laps_before=laps_before,
             begun=begun,
@@ -327,7 +322,7 @@ class Replanning:
         )
         onward = next((letter for letter in plan.certificate.word[1:] if letter), frozenset({"its end"}))
         self._say(f"going on from here to {', '.join(sorted(onward))}")
-        self._watch.take_over(plan, at_s, laps_before, begun=begun)
+        self._watch.take_over(plan, at_s, laps_before, begun=begun, returns=cause.returns, fresh=cause.fresh)
 
     def _is_calm(self, approach: Approach, vehicle_s: float) -> bool:
         """Whether the vehicle has stood for a while where the new plan begins."""

@@ -102,9 +102,18 @@ class FlightWatch:
         """The word of the present leg."""
         return self.legs.now.judged.monitor
 
-    def take_over(self, plan: FlightPlan, at_s: float, laps_before: int, *, begun: bool) -> None:
-        """Let another plan be flown from a vehicle time on, after so many laps, the last of them begun only."""
-        self.legs.take_over(plan, at_s, laps_before, begun=begun)
+    def take_over(
+        self,
+        plan: FlightPlan,
+        at_s: float,
+        laps_before: int,
+        *,
+        begun: bool,
+        returns: bool = False,
+        fresh: bool = False,
+    ) -> None:
+        """Let another plan be flown from a vehicle time on, after so many laps (``FlightLegs.take_over``)."""
+        self.legs.take_over(plan, at_s, laps_before, begun=begun, returns=returns, fresh=fresh)
 
     def take(self, event: Event) -> None:
         """Write an event down and draw the consequences."""

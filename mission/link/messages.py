@@ -139,7 +139,9 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
         Sensors(m.onboard_control_sensors_health),
         m.battery_remaining,
     ),
-    "BATTERY_STATUS": lambda m: Battery(m.charge_state in _CRITICAL_CHARGES),
+    "BATTERY_STATUS": lambda m: Battery(
+        m.charge_state in _CRITICAL_CHARGES, _told(m.current_consumed), _told(m.battery_remaining)
+    ),
     "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7),
     "WIND": lambda m: Wind(m.speed, m.direction % 360.0),
     "WIND_COV": lambda m: _wind_of(m.wind_x, m.wind_y),
@@ -364,6 +366,11 @@ def autopilot_name(number: int) -> str:
 def vehicle_type_name(number: int) -> str:
     """The name of a MAV_TYPE."""
     return _enum_name("MAV_TYPE", number)
+
+
+def _told(number: int) -> float | None:
+    """A figure of which a negative one says that it is not known."""
+    return float(number) if number >= 0 else None
 
 
 def _enum_name(enum: str, number: int) -> str:

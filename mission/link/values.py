@@ -173,9 +173,11 @@ class Health:
 
 @dataclass(frozen=True, slots=True)
 class Battery:
-    """BATTERY_STATUS: whether the charge is critical or worse."""
+    """BATTERY_STATUS: whether the charge is critical or worse, what was drawn, and per cent left; None unknown."""
 
     critical: bool
+    consumed_mah: float | None = None
+    percent: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

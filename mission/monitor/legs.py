@@ -7,12 +7,12 @@ time. Between the reports before and after that, the vehicle is taken to have mo
 
 import math
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, groupby
 
 import shapely
 
 from mission.logic.automata.rabin import DEAD
-from mission.logic.formula.word import Letter
+from mission.logic.formula.word import LassoWord, Letter
 from mission.monitor.coverage import CoverageWatch, Covered, together
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.monitor import Foreseen, Outcome, Violation
@@ -35,11 +35,21 @@ class FlightLeg:
         in_tube_until_s: Up to which time of the trajectory the vehicle was in the tube all the while; None before it is
             flown.
         has_left_tube: Whether it was outside once.
+        given_up: The leg whose mission was given up for a return, of which this is; None where none was.
     """
 
-    def __init__(self, plan: FlightPlan, from_s: float, laps_before: int, *, begun: bool = False) -> None:
+    def __init__(
+        self,
+        plan: FlightPlan,
+        from_s: float,
+        laps_before: int,
+        *,
+        begun: bool = False,
+        given_up: "FlightLeg | None" = None,
+    ) -> None:
         """Watch a leg that begins after so many laps, the last of which may have been begun only."""
         self.plan, self.from_s, self.laps_before, self._begun = plan, from_s, laps_before, begun
+        self.given_up = given_up
         self.judged = FlightMonitor(plan, laps_before, begun=begun)
         self.coverage = CoverageWatch(plan, laps_before)
         self.in_tube_until_s: float | None = None
@@ -94,9 +104,29 @@ class FlightLegs:
         """The leg that is flown."""
         return self.legs[-1]
 
-    def take_over(self, plan: FlightPlan, at_s: float, laps_before: int, *, begun: bool = False) -> None:
-        """Let another plan be flown from a vehicle time on, after so many laps, the last of them begun only."""
-        self._next.append(FlightLeg(plan, at_s, laps_before, begun=begun))
+    def take_over(
+        self,
+        plan: FlightPlan,
+        at_s: float,
+        laps_before: int,
+        *,
+        begun: bool = False,
+        returns: bool = False,
+        fresh: bool = False,
+    ) -> None:
+        """Let another plan be flown from a vehicle time on, after so many laps.
+
+        Args:
+            plan: What is flown from then on.
+            at_s: When.
+            laps_before: How many laps were flown.
+            begun: Whether the last of them was begun only.
+            returns: Whether what is left of the mission is given up for it.
+            fresh: Whether it asks for something else than what was asked for before.
+        """
+        before = (self._next or self.legs)[-1]
+        given_up = None if fresh else before.given_up or (before if returns else None)
+        self._next.append(FlightLeg(plan, at_s, laps_before, begun=begun, given_up=given_up))
 
     def report(self, stage: Stage | None, t_s: float, position_m: Point, trajectory_s: float | None = None) -> None:
         """Take a position into account that was reported in a stage, and at a time on the trajectory of the plan."""
@@ -132,9 +162,40 @@ class FlightLegs:
         """How many laps were flown."""
         return max(leg.judged.monitor.laps for leg in self.legs)
 
+    @property
+    def given_up(self) -> FlightLeg | None:
+        """The leg whose mission was given up for a return, in the plan that was taken over last."""
+        return (self._next or self.legs)[-1].given_up
+
+    @property
+    def undone(self) -> str:
+        """What a return has left undone, in plain words; empty where nothing was given up."""
+        left = self.given_up
+        if left is None:
+            return ""
+        flown = frozenset[str]().union(*self.word)
+        asked = dict.fromkeys(chain.from_iterable(map(sorted, left.plan.certificate.word)))
+        missed = [name for name in asked if name not in flown]
+        counted = left.judged.monitor.progress
+        steps = f"{counted.done} of {counted.total} steps done" if counted.total and not left.plan.run.recurrent else ""
+        named = f"left undone: {', '.join(missed)}" if missed else ""
+        return "; ".join(filter(None, ("returned before all was done", steps, named)))
+
+    def _outcome_of_return(self, left: FlightLeg) -> Outcome:
+        """The verdict on a mission that was given up for a return: on what was flown of it, and the way home."""
+        if left.plan.run.recurrent:
+            return left.judged.monitor.verdict_at_end(stays=False)
+        parts = [leg.judged.monitor.word for leg in self.legs[self.legs.index(left) :]]
+        word = tuple(letter for letter, _ in groupby(chain.from_iterable(parts)))
+        if left.plan.required.satisfied_by(LassoWord(word, word[-1:])):
+            return Outcome(achieved=True, reason="the word that was flown satisfies the specification all the same")
+        return Outcome(achieved=False, reason="the mission was given up for a return")
+
     def outcome(self) -> Outcome:
         """The verdict on the flight as if it ended now."""
         broken = [leg for leg in self.legs if leg.judged.monitor.violations]
+        if not broken and self.now.given_up is not None:
+            return self._outcome_of_return(self.now.given_up)
         leg = broken[0] if broken else self.now
         outcome = leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
         returned = leg.laps_before > 0 and not leg.plan.run.recurrent

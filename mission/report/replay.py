@@ -7,7 +7,7 @@ import numpy as np
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.legs import FlightLegs
 from mission.plan import FlightPlan
-from mission.report.reading import Record
+from mission.report.reading import LEG, Record
 from mission.report.tracking import tracking_of
 
 
@@ -43,6 +43,9 @@ def judged_again(plan: FlightPlan, record: Record) -> FlightLegs:
 def legs_of(plan: FlightPlan, record: Record) -> FlightLegs:
     """The legs of a flight, none of which has begun but the first."""
     legs = FlightLegs(plan)
+    told = {event.t_s: event.values for event in record.events if event.text == LEG}
     for later in record.later:
-        legs.take_over(later.plan, later.from_s, later.laps_before, begun=later.begun)
+        why = told.get(later.from_s, {})
+        returns, fresh = (why.get(key) is True for key in ("returns", "fresh"))
+        legs.take_over(later.plan, later.from_s, later.laps_before, begun=later.begun, returns=returns, fresh=fresh)
     return legs

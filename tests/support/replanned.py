@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
@@ -32,6 +32,7 @@ class Replanned:
         options: FlightOptions | None = None,
         amendments: Amendments | None = None,
         drag_per_s: float = 0.3,
+        parameters: Mapping[str, float] | None = None,
     ) -> None:
         """Fly; ``at_step`` is called with the seconds since the trajectory began."""
         self.plan, self.flavour = plan, flavour
@@ -42,6 +43,8 @@ class Replanned:
         if faults:
             config = replace(config, faults=schedule_of(*faults))
         self.vehicle = LockstepVehicle(config, at_step=self._step)
+        for name, value in (parameters or {}).items():
+            self.vehicle.vehicle.parameters.set(name, value)
         self.sink = io.BytesIO()
         self.texts: dict[int, str] = {}
         self.result = fly(

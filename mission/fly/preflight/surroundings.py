@@ -9,12 +9,12 @@ from mission.spec.battery import Battery
 
 _PERCENT: Final = 100.0
 _LITTLE_PERCENT: Final = 30.0
-_CAPACITY: Final = Setting({ARDUPILOT: (("BATT_CAPACITY", 1.0),), PX4: (("BAT1_CAPACITY", 1.0),)}, none_is_none=True)
+CAPACITY: Final = Setting({ARDUPILOT: (("BATT_CAPACITY", 1.0),), PX4: (("BAT1_CAPACITY", 1.0),)}, none_is_none=True)
 
 
 def _battery(asked: Asked, told: Told) -> Judgement:
     """The charge that the plan takes against what is left, above the reserve."""
-    percent, capacity = told.battery_percent, _CAPACITY.of(told)
+    percent, capacity = told.battery_percent, CAPACITY.of(told)
     if told.battery_critical:
         return Judgement(Level.NO_GO, "the vehicle calls its charge critical", "charge it, or change it")
     if percent is None:
@@ -164,6 +164,6 @@ SURROUNDING_ROWS: Final = (
     Row("estimator", _estimator),
     Row("satellites", _satellites),
     Row("origin", lambda _asked, told: told.stand),
-    Row("battery", _battery, (_CAPACITY,)),
+    Row("battery", _battery, (CAPACITY,)),
     Row("wind", _wind, (_MOMENTUM, _BALLISTIC)),
 )

@@ -123,7 +123,11 @@ def test_parameters_of_commands() -> None:
         ),
         (
             mavlink.MAVLink_battery_status_message(0, 0, 0, 0, [0] * 10, 0, 0, 0, 5, 0, 3),
-            Battery(critical=True),
+            Battery(critical=True, consumed_mah=0.0, percent=5.0),
+        ),
+        (
+            mavlink.MAVLink_battery_status_message(0, 0, 0, 0, [0] * 10, 0, -1, 0, -1, 0, 1),
+            Battery(critical=False),
         ),
         (
             mavlink.MAVLink_autopilot_version_message(0, 0x04070000, 0, 0, 0, *[[0] * 8] * 3, 0, 0, 0),
