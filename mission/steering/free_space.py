@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
+from mission.steering.sights import Sights
 from mission.steering.solid_cells import SolidCells
 
 HAIR: Final = 1e-9
@@ -46,9 +47,8 @@ class FreeSpace:
         rims = _Rims.of(self._parts)
         reflex = rims.arriving[:, 0] * rims.leaving[:, 1] - rims.arriving[:, 1] * rims.leaving[:, 0] < 0.0
         nodes = np.flatnonzero(reflex)
-        self._ring_of_edge = rims.ring
         self._rims = rims
-        self._begins = np.searchsorted(rims.ring[nodes], np.arange(int(rims.ring[-1]) + 2))
+        self._nodes = nodes
         self.corners_m, self.part_of_corner = rims.corners_m[nodes], rims.part[nodes]
         self._before, self._after = -rims.arriving[nodes], rims.leaving[nodes]
         moved = rims.corners_m + self.hair_m * _outwards(rims.arriving, rims.leaving)
@@ -66,8 +66,8 @@ class FreeSpace:
         found[index[::-1]] = part[::-1]
         return found
 
-    def hits(self, begins_m: FloatArray, ends_m: FloatArray) -> tuple[IntArray, IntArray]:
-        """Which straight ways, shapes (N, 2), meet barriers: pairs of the way's index and a ring that it meets."""
+    def hits(self, begins_m: FloatArray, ends_m: FloatArray) -> IntArray:
+        """Which straight ways, shapes (N, 2), meet barriers."""
         # In short parts: the box round a long slanting way holds far more of the rims than are near it. Those at its
         # ends first: most ways that are not free are not even free there.
         count = np.maximum(np.ceil(np.hypot(*(ends_m - begins_m).T) / self._part_m), 1.0).astype(np.int64)
@@ -79,16 +79,15 @@ class FreeSpace:
             part = np.where(place % 2 == 0, place // 2, count[way] - 1 - place // 2)
             begins, step = begins_m[way], (ends_m - begins_m)[way] / count[way, None]
             lines = np.stack((begins + part[:, None] * step, begins + (part + 1)[:, None] * step), axis=1)
-            index, edge = self._tree.query(shapely.linestrings(lines), predicate="intersects")
-            found.append((way[index], self._ring_of_edge[edge]))
+            index, _ = self._tree.query(shapely.linestrings(lines), predicate="intersects")
+            found.append(way[index])
             done += max(2, done)
             open_ = np.setdiff1d(open_[count[open_] > done], way[index])
-        return np.concatenate([way for way, _ in found]), np.concatenate([ring for _, ring in found])
+        return np.unique(np.concatenate(found)) if found else open_
 
-    def solid(self, begins_m: FloatArray, ends_m: FloatArray) -> tuple[IntArray, IntArray]:
-        """Those of straight ways, shapes (N, 2), that are quickly seen to meet a barrier; and a ring of each."""
-        none = np.empty(0, dtype=np.int64)
-        return (none, none) if self._cells is None else self._cells.met(begins_m, ends_m)
+    def solid(self, begins_m: FloatArray, ends_m: FloatArray) -> IntArray:
+        """Those of straight ways, shapes (N, 2), that are quickly seen to meet a barrier."""
+        return np.empty(0, dtype=np.int64) if self._cells is None else self._cells.met(begins_m, ends_m)[0]
 
     @cached_property
     def _cells(self) -> SolidCells | None:
@@ -97,21 +96,41 @@ class FreeSpace:
             return None
         return SolidCells(rims.corners_m, rims.corners_m[rims.following], rims.ring, rims.is_hole)
 
-    def corners_of(self, rings: set[int]) -> IntArray:
-        """The corners of some rings, ascending."""
-        wanted = np.zeros(len(self._begins) - 1, dtype=np.bool_)
-        wanted[list(rings)] = True
-        return np.concatenate([np.arange(self._begins[k], self._begins[k + 1]) for k in np.flatnonzero(wanted)])
+    @cached_property
+    def _sights(self) -> Sights:
+        return Sights(self._rims.corners_m, self._rims.following, 2.0 * _LONGEST_MITRE * self.hair_m)
 
-    def touched(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
-        """Whether a path from a point could bend at a corner, (P, C): the line leaves both edges there on one side."""
-        return self._beside(points_m[:, None], corners[None])
+    @cached_property
+    def _number(self) -> IntArray:
+        """Of each corner of the rims among ``corners_m``; -1 where none may bend."""
+        number = np.full(len(self._rims.corners_m), -1, dtype=np.int64)
+        number[self._nodes] = np.arange(len(self._nodes))
+        return number
 
-    def touching(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
-        """The same of points (N, 2) and the corners beside them."""
-        return self._beside(points_m, corners)
+    def seen_from_corners(self, corners: IntArray) -> tuple[IntArray, IntArray]:
+        """Ways between corners at both of which a path may bend: pairs of an index into some, and a corner.
+
+        All that are free are among them, and few others.
+        """
+        index, seen = self._sights.from_corners(self._nodes[corners])
+        index, seen = self._bending(index, self._number[seen], self.corners_m[corners])
+        both = self._beside(self.corners_m[seen], corners[index])
+        return index[both], seen[both]
+
+    def seen_from_places(self, places_m: FloatArray) -> tuple[IntArray, IntArray]:
+        """The same of ways from places, shape (N, 2), to corners: a path need bend at these only."""
+        inside = np.flatnonzero(self.part_of(places_m) >= 0)
+        index, seen = self._sights.from_places(places_m[inside])
+        return self._bending(inside[index], self._number[seen], places_m)
+
+    def _bending(self, index: IntArray, corners: IntArray, points_m: FloatArray) -> tuple[IntArray, IntArray]:
+        index, corners = index[corners >= 0], corners[corners >= 0]
+        bends = self._beside(points_m[index], corners)
+        pairs = np.unique(index[bends] * len(self.corners_m) + corners[bends])
+        return pairs // len(self.corners_m), pairs % len(self.corners_m)
 
     def _beside(self, points_m: FloatArray, corners: IntArray) -> BoolArray:
+        """Whether a path from points, (N, 2), could bend at corners, (N,): both edges there lie on one side of it."""
         x, y = (self.corners_m[corners, axis] - points_m[..., axis] for axis in (0, 1))
         slack = self.hair_m * (np.abs(x) + np.abs(y) + self.hair_m)
         first = x * self._before[corners, 1] - y * self._before[corners, 0]

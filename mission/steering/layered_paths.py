@@ -1,9 +1,9 @@
 """Shortest paths over layers of places, each layer reached through a free space of its own, with lazy visibility.
 
 A shortest path among polygons bends at their corners only and touches them there (Lozano-Perez and Wesley, "An
-algorithm for planning collision-free paths among polyhedral obstacles", 1979). Which of very many obstacles matter is
-found by trying: all straight ways are taken to be free until the best path asks for them; where one hits a ring of the
-rim, that ring's corners join the graph, once a path over them could be as short as the best one. The length found never
+algorithm for planning collision-free paths among polyhedral obstacles", 1979). A corner joins the graph once a path
+over it could be as short as the best one, with ways to what may be seen from it; these are taken to be free until the
+best path asks for them. The length found never
 exceeds the true one meanwhile, so the first path whose ways are all free is a shortest one (the argument of lazy
 search: Dellin and Srinivasa, "A unifying formalism for shortest path problems with expensive edge evaluations", 2016).
 """
@@ -25,7 +25,10 @@ _NO_LENGTH: Final = 1e-9
 """Metres that a way between equal places counts: sparse arrays take zero for no way."""
 _NEARLY: Final = 2e-3
 """Ways on paths that are longer than the best one by at most this part are looked at together with its own."""
+_WIDER: Final = 0.5
+"""How much more than the shortest length that is possible is looked for at once, by what it exceeds the first one."""
 _AT_ONCE: Final = 1500
+_NONE: Final = -1
 _ROUNDING: Final = 1e-9
 """By what part of its length sums along a path differ that begin at its one end or at the other."""
 
@@ -75,20 +78,22 @@ class LayeredPaths:
         none = np.empty(0, dtype=np.int64)
         self._layers: list[FloatArray] = []
         self._offsets = none
-        # Nodes: the places, layer by layer, then corners. Of a corner: its stage, its number in the free space there,
-        # and whether it is linked with others.
+        # Nodes: the places, layer by layer, then corners: of each its stage, and its number in the free space there.
         self._points = np.empty((0, 2))
         self._corner_stage, self._corner = none, none
-        self._linked = np.empty(0, dtype=np.bool_)
-        self._met: list[set[int]] = [set() for _ in spaces]
+        # Of each stage, for all corners: its node, counted from the first corner's; and how long a path is at least
+        # that bends there, and whether that is exact. Corners that are left out for good have an infinite one.
+        self._node = [np.full(len(space.corners_m), _NONE) for space in spaces]
+        self._least = [np.zeros(len(space.corners_m)) for space in spaces]
+        self._left_out = [np.zeros(len(space.corners_m), dtype=np.bool_) for space in spaces]
+        self._exact = [np.zeros(len(space.corners_m), dtype=np.bool_) for space in spaces]
         # Ways between two nodes that may be free: of some stage, perhaps both ways, perhaps seen to be free, and
         # perhaps on a path that is nearly as short as the best one.
         self._begins, self._ends, self._stage = none, none, none
         self._both, self._seen, self._near = (np.empty(0, dtype=np.bool_) for _ in range(3))
         self._lengths = np.empty(0)
         self._joined: list[tuple[IntArray, IntArray, IntArray, BoolArray, FloatArray]] = []
-        self._parts: list[tuple[IntArray, IntArray]] = []
-        self._least = np.empty(0)
+        self._seen_from: list[tuple[tuple[IntArray, IntArray], tuple[IntArray, IntArray]]] = []
 
     @property
     def _count(self) -> int:
@@ -108,14 +113,14 @@ class LayeredPaths:
         first, last = np.arange(self._offsets[1]), np.arange(self._offsets[-2], self._offsets[-1])
         ends = list(zip(first[:, None], last[:, None], strict=True)) if self._cyclic else [(first, last)]
         least = self._straight_rounds() if self._cyclic else np.zeros(1)
-        limit = np.inf
+        limit, straight = np.inf, float(self._unlinked_m)
         while True:
             choice = int(np.argmin(least))
             graph = self._graph()
             there, before, _ = dijkstra(graph, indices=ends[choice][0], min_only=True, return_predecessors=True)
             end = int(ends[choice][1][np.argmin(there[ends[choice][1]])])
             # Any other path bends at a corner that is not linked yet.
-            least[choice] = min(there[end], self._least[~self._linked].min(initial=np.inf))
+            least[choice] = min(there[end], self._unlinked_m)
             best = float(least.min())
             if best > limit:
                 self._near, limit = np.isfinite(self._lengths), np.inf
@@ -123,7 +128,9 @@ class LayeredPaths:
             if not np.isfinite(best):
                 raise NoWayError(self._stuck(there), "no way leads to the target")
             # What is left out below is on no path up to the limit, if all corners of such paths are linked.
-            reach = limit if np.isfinite(limit) else best * (1.0 + _NEARLY)
+            reach = limit
+            if not np.isfinite(limit):
+                reach = min(float(there[end]), best + _WIDER * max(best - straight, 0.0)) * (1.0 + _NEARLY)
             if self._link(reach) or there[end] > best:
                 continue
             nodes = _followed(before.astype(np.int64), end)
@@ -139,15 +146,20 @@ class LayeredPaths:
         """Leave out the corners over which no path through the layers is as short as a length."""
         self._begin(layers)
         there, back = self._distances(self._graph())
-        kept = np.append(np.ones(self._count, dtype=np.bool_), ~self._linked)
+        kept = np.append(np.ones(self._count, dtype=np.bool_), np.zeros(len(self._corner), dtype=np.bool_))
         kept |= there + back <= length_m * (1.0 + _ROUNDING)
         number = np.cumsum(kept) - 1
         self._keep(kept[self._begins] & kept[self._ends])
         self._begins, self._ends = number[self._begins], number[self._ends]
         corners = kept[self._count :]
+        for stage, left_out in enumerate(self._left_out):
+            left_out[self._corner[~corners & (self._corner_stage == stage)]] = True
         self._points = self._points[kept]
         self._corner_stage, self._corner = self._corner_stage[corners], self._corner[corners]
-        self._linked, self._least = self._linked[corners], self._least[corners]
+        for stage, node in enumerate(self._node):
+            node[:] = _NONE
+            here = np.flatnonzero(self._corner_stage == stage)
+            node[self._corner[here]] = here
 
     # -- what is asked of the graph --------------------------------------------------------------------------------
 
@@ -168,13 +180,12 @@ class LayeredPaths:
         return found
 
     def _look(self, ways: IntArray) -> None:
-        """Find out which ways are free; the corners of what others hit may be bent at from now on."""
+        """Find out which ways are free."""
         self._seen[ways] = True
         for stage in np.unique(self._stage[ways]).tolist():
             these = ways[self._stage[ways] == stage]
-            index, ring = self._spaces[stage].hits(self._points[self._begins[these]], self._points[self._ends[these]])
-            self._near[these[index]], self._lengths[these[index]] = False, np.inf
-            self._meet(stage, set(ring.tolist()) - self._met[stage])
+            hit = these[self._spaces[stage].hits(self._points[self._begins[these]], self._points[self._ends[these]])]
+            self._near[hit], self._lengths[hit] = False, np.inf
 
     def _keep(self, ways: BoolArray) -> None:
         """Forget all other ways, and those that are not free."""
@@ -230,20 +241,28 @@ class LayeredPaths:
         shift = self._count - before
         self._begins, self._ends = self._begins + shift, self._ends + shift
         self._points = np.concatenate((*layers, corners))
-        self._parts = [
-            (space.part_of(layers[stage]), space.part_of(layers[stage + 1])) for stage, space in enumerate(self._spaces)
-        ]
         self._straight = _straight_lengths(self._layers)
-        self._least = self._least_over(corners, self._corner_stage)
-        for stage, (entry, exit_) in enumerate(self._parts):
+        self._seen_from = []
+        for stage, space in enumerate(self._spaces):
+            layers_here = self._layers[stage], self._layers[stage + 1]
+            entry, exit_ = (space.part_of(places) for places in layers_here)
             same = (entry[:, None] == exit_[None]) & (entry >= 0)[:, None]
             if stage == 0 and (entry < 0).all():
                 raise NoWayError(stage, "the way would begin where it must not be")
             if not same.any():
                 raise NoWayError(stage, "no place from which the way could begin is connected with its target")
             first, second = np.nonzero(same)
+            solid = space.solid(layers_here[0][first], layers_here[1][second])
+            first, second = np.delete(first, solid), np.delete(second, solid)
             self._join(stage, self._offsets[stage] + first, self._offsets[stage + 1] + second, both=False)
-            self._join_places(stage, np.flatnonzero((self._corner_stage == stage) & self._linked))
+            if stage > 0 and space is self._spaces[stage - 1]:
+                one = self._seen_from[-1][1]
+            else:
+                one = space.seen_from_places(layers_here[0])
+            self._seen_from.append((one, space.seen_from_places(layers_here[1])))
+            self._join_places(stage, self._node[stage] >= 0)
+            self._least[stage] = self._roughly_least(stage)
+            self._exact[stage][:] = False
 
     def _straight_rounds(self) -> FloatArray:
         """How long rounds from each place of the first layer are at least."""
@@ -253,48 +272,56 @@ class LayeredPaths:
         least: FloatArray = np.diagonal(found).copy()
         return least
 
-    def _least_over(self, points: FloatArray, stages: IntArray) -> FloatArray:
-        """How long a path is at least that bends at some points, each in a stage of its own."""
-        least = np.empty(len(points))
-        there, back = self._straight
-        for stage in range(len(self._spaces)):
-            here = stages == stage
-            if here.any():
-                to = (there[stage] + _distances(points[here], self._layers[stage])).min(axis=1)
-                onward = (back[stage + 1] + _distances(points[here], self._layers[stage + 1])).min(axis=1)
-                least[here] = to + onward
-        return least
+    def _roughly_least(self, stage: int) -> FloatArray:
+        """How long a path is at least that bends at each corner of a stage, from discs round the places."""
+        total = np.zeros(len(self._least[stage]))
+        for places, more in zip(self._layers[stage : stage + 2], self._onward(stage), strict=True):
+            middle = places.mean(axis=0)
+            far = float(np.hypot(*(places - middle).T).max())
+            total += more.min() + np.maximum(np.hypot(*(self._spaces[stage].corners_m - middle).T) - far, 0.0)
+        total[self._left_out[stage]] = np.inf
+        return total
 
-    def _meet(self, stage: int, rings: set[int]) -> None:
-        """Take the corners of some rings for nodes that may be linked."""
-        if not rings:
-            return
-        self._met[stage].update(rings)
-        space = self._spaces[stage]
-        new = space.corners_of(rings)
-        stages = np.full(len(new), stage)
-        self._points = np.concatenate((self._points, space.corners_m[new]))
-        self._corner_stage, self._corner = np.append(self._corner_stage, stages), np.append(self._corner, new)
-        self._linked = np.append(self._linked, np.zeros(len(new), dtype=np.bool_))
-        self._least = np.append(self._least, self._least_over(space.corners_m[new], stages))
+    def _onward(self, stage: int) -> tuple[FloatArray, FloatArray]:
+        """How far the places before a stage are at least from the first layer, and those after it from the last."""
+        return self._straight[0][stage], self._straight[1][stage + 1]
+
+    @property
+    def _unlinked_m(self) -> float:
+        """How long a path is at least that bends at a corner which is not linked."""
+        return min(
+            float(least[node == _NONE].min(initial=np.inf)) for least, node in zip(self._least, self._node, strict=True)
+        )
 
     def _link(self, length_m: float) -> bool:
         """Link the corners over which a path may be as short as a length; whether there are any."""
-        wanted = ~self._linked & (self._least <= length_m)
-        for stage in np.unique(self._corner_stage[wanted]).tolist():
-            space, here = self._spaces[stage], self._corner_stage == stage
-            new, known = np.flatnonzero(wanted & here), np.flatnonzero(self._linked & here)
-            self._join_places(stage, new)
-            every = np.append(known, new)
-            fits = space.touched(space.corners_m[self._corner[every]], self._corner[new])
-            fits &= space.part_of_corner[self._corner[every]][:, None] == space.part_of_corner[self._corner[new]]
-            fits &= np.arange(len(every))[:, None] < len(known) + np.arange(len(new))
-            one, other = np.nonzero(fits)
-            one, other = every[one], new[other]
-            back = space.touching(space.corners_m[self._corner[other]], self._corner[one])
-            self._join(stage, self._count + one[back], self._count + other[back], both=True)
-            self._linked[new] = True
-        return bool(wanted.any())
+        any_ = False
+        for stage, space in enumerate(self._spaces):
+            least, exact, node = self._least[stage], self._exact[stage], self._node[stage]
+            rough = np.flatnonzero((least <= length_m) & ~exact & (node == _NONE))
+            if len(rough):
+                least[rough] = sum(
+                    (more + _distances(space.corners_m[rough], places)).min(axis=1)
+                    for places, more in zip(self._layers[stage : stage + 2], self._onward(stage), strict=True)
+                )
+                exact[rough] = True
+            new = np.flatnonzero((least <= length_m) & (node == _NONE))
+            if not len(new):
+                continue
+            any_ = True
+            first = len(self._corner)
+            node[new] = first + np.arange(len(new))
+            self._points = np.concatenate((self._points, space.corners_m[new]))
+            self._corner_stage = np.append(self._corner_stage, np.full(len(new), stage))
+            self._corner = np.append(self._corner, new)
+            linked = np.zeros(len(node), dtype=np.bool_)
+            linked[new] = True
+            self._join_places(stage, linked)
+            index, seen = space.seen_from_corners(new)
+            one, other = node[new][index], node[seen]
+            kept = (other >= 0) & (other < one)  # each once
+            self._join(stage, self._count + other[kept], self._count + one[kept], both=True)
+        return any_
 
     def _distances(self, graph: Graph) -> tuple[FloatArray, FloatArray]:
         """How far each node is from the nearest place of the first layer, and from the nearest of the last."""
@@ -302,13 +329,11 @@ class LayeredPaths:
         last = np.arange(self._offsets[-2], self._offsets[-1])
         return there, dijkstra(graph.T.tocsr(), indices=last, min_only=True)
 
-    def _join_places(self, stage: int, corners: IntArray) -> None:
+    def _join_places(self, stage: int, corners: BoolArray) -> None:
         """Link corners of a stage with the places of its layers."""
-        space, own = self._spaces[stage], self._corner[corners]
-        for layer, of_place in zip((stage, stage + 1), self._parts[stage], strict=True):
-            fits = space.touched(self._layers[layer], own) & (of_place[:, None] == space.part_of_corner[own])
-            place, corner = np.nonzero(fits)
-            ends = (self._offsets[layer] + place, self._count + corners[corner])
+        for layer, (place, seen) in zip((stage, stage + 1), self._seen_from[stage], strict=True):
+            kept = corners[seen]
+            ends = (self._offsets[layer] + place[kept], self._count + self._node[stage][seen[kept]])
             self._join(stage, *(ends if layer == stage else ends[::-1]), both=False)
 
     def _join(self, stage: int, begins: IntArray, ends: IntArray, *, both: bool) -> None:
@@ -316,25 +341,16 @@ class LayeredPaths:
         self._joined.append((begins, ends, np.full(len(begins), stage), np.full(len(begins), both), lengths))
 
     def _settle(self) -> None:
-        """Take what was joined to the other ways, but for what is seen at once to be not free."""
+        """Take what was joined to the other ways."""
         if not self._joined:
             return
-        joined = tuple(np.concatenate(each) for each in zip(*self._joined, strict=True))
+        begins, ends, stage, both, lengths = (np.concatenate(each) for each in zip(*self._joined, strict=True))
         self._joined.clear()
-        begins, ends, stage, *_ = joined
-        free = np.ones(len(begins), dtype=np.bool_)
-        for number in np.unique(stage).tolist():
-            these = np.flatnonzero(stage == number)
-            solid, ring = self._spaces[number].solid(self._points[begins[these]], self._points[ends[these]])
-            free[these[solid]] = False
-            self._meet(number, set(ring.tolist()) - self._met[number])
-        begins, ends, stage, both, lengths = (each[free] for each in joined)
-        count = len(begins)
         self._begins, self._ends = np.append(self._begins, begins), np.append(self._ends, ends)
         self._stage, self._both = np.append(self._stage, stage), np.append(self._both, both)
         self._lengths = np.append(self._lengths, lengths)
-        self._seen = np.append(self._seen, np.zeros(count, dtype=np.bool_))
-        self._near = np.append(self._near, np.ones(count, dtype=np.bool_))
+        self._seen = np.append(self._seen, np.zeros(len(begins), dtype=np.bool_))
+        self._near = np.append(self._near, np.ones(len(begins), dtype=np.bool_))
 
 
 def _followed(before: IntArray, end: int) -> list[int]:
