@@ -83,6 +83,8 @@ class Amending:
         if not self._session.redirectable or not isinstance(guidance, Guidance) or vehicle_s is None:
             why = self._session.pilot.words or f"the vehicle is {self._session.stage}"
             self._refuse(change, f"the mission cannot be changed now: {why}")
+        elif not self._watch.plan.run.recurrent and _counts(change):
+            self._refuse(change, "no laps are flown: there are none, or they are over; what is left is flown once")
         elif change.lines == (GO_ON,):
             self._replanning.go_on(guidance, vehicle_s)
             self._amendments.answer(change, AmendmentAnswer(accepted=True, words="the plan that was left is flown on"))
@@ -127,6 +129,11 @@ class Amending:
 
     def _refuse(self, change: Amendment, why: str) -> None:
         self._amendments.answer(change, AmendmentAnswer(accepted=False, words=why))
+
+
+def _counts(change: Amendment) -> bool:
+    """Whether a change is of the number of laps alone."""
+    return bool(change.lines) and all(line.split()[:1] == ["laps"] for line in change.lines)
 
 
 def _left_of(mission: MissionSpec, flown: MissionSpec, laps_before: int) -> MissionSpec:

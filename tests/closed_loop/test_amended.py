@@ -113,9 +113,12 @@ def test_one_under_the_vehicle_stops_it_until_it_is_told_to_go_on(small: FlightP
 
 @FLAVOURS
 def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan, flavour: str) -> None:
-    flight, said = flown(small, flavour, (1.0, "formula F (goal & F pond)"), (3.0, "fly faster"), (3.5, "drop gaol"))
+    flight, said = flown(
+        small, flavour, (1.0, "formula F (goal & F pond)"), (3.0, "fly faster"), (3.5, "drop gaol"), (4.0, "laps 2")
+    )
     answers = [answer for _, answer in said.answers]
-    assert [answer.accepted for answer in answers] == [False] * 3
+    assert [answer.accepted for answer in answers] == [False] * 4
+    assert "no laps are flown" in answers[3].words
     assert "pond" in answers[0].words
     assert "old plan is flown on" in answers[0].words
     assert "`fly` is no change" in answers[1].words
