@@ -84,7 +84,7 @@ class _Heard:
         if moment.stage.value != self._said:
             self._said = moment.stage.value
             with suppress(OSError):
-                err.print(f"  {self._said}", markup=False)
+                err.print(self._said, markup=False)
 
 
 def _print_found(found: Calibration, spec: MissionSpec) -> None:

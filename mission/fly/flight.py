@@ -178,7 +178,7 @@ class Flight:
         for event in self.session.events():
             self.watch.take(event)
             if isinstance(event, Held) and event.words:
-                self._told += (event.words,)
+                self._told += (f"{event.words}: waiting until it is handed back",)
             if isinstance(event, WentOn):
                 self.record.warn(f"{event.words}; the flight goes on")
 

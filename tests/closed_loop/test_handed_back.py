@@ -52,7 +52,7 @@ def test_handed_back_it_goes_on_from_where_it_is(plan: FlightPlan, flavour: str)
     assert not [t_s for t_s in commands if held["t_s"] <= t_s <= back["t_s"]]  # nobody is fought
     intentions = ["handed back: planning from here", "going on from here to goal"]
     assert [row["reason"] for row in flight.events("intention")] == intentions
-    assert flight.told == (held["reason"], *intentions)
+    assert flight.told == (f"{held['reason']}: waiting until it is handed back", *intentions)
 
 
 def test_without_being_asked_to_wait_it_lets_go(plan: FlightPlan) -> None:
