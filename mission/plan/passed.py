@@ -62,6 +62,8 @@ def _passed(locator: Locator, points_m: FloatArray) -> tuple[int, ...]:
 
 def _round(locator: Locator, here: int, there: int, place_m: tuple[float, float]) -> Iterator[int]:
     """The triangles after one and up to another that touch the place at which the line goes over: neighbours."""
+    if there in locator.partition.neighbours[here].tolist():  # nearly always, and without a search
+        return iter((there,))
     around = {*locator.triangles_touching(place_m).tolist(), there}
     ways = [[here]]
     while ways[0][-1] != there:
