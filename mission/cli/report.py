@@ -70,6 +70,10 @@ def with_later_plans(record: Record, folder: Path) -> Record:
     Raises:
         SpecError: One is not there, or is no plan.
     """
+    missing = [name for _, number, *_ in record.takeovers if not (folder / (name := later_plan_file(number))).exists()]
+    if missing:
+        hint = "put it back: without it nobody knows what was flown from then on"
+        raise bad_file(folder, f"{missing[0]} is missing, a plan that was taken over in flight", hint)
     later = tuple(
         LaterPlan(from_s, read_plan(folder / later_plan_file(number))[0], laps, begun)
         for from_s, number, laps, begun in record.takeovers
@@ -84,8 +88,11 @@ def later_plan_file(number: int) -> str:
 
 def _as_flown(plan: FlightPlan, record: Record) -> FlightPlan:
     """The plan that was flown: one with a place on Earth was made anew where the vehicle stood."""
-    starts = [event.values["start_m"] for event in record.events if event.text == "planned"]
-    if not starts or tuple(starts[-1]) == plan.start_m:
+    starts = [event.values.get("start_m") or () for event in record.events if event.text == "planned"]
+    if not starts:
         return plan
-    east, north = starts[-1]
-    return plan_mission(plan.spec, start_m=(float(east), float(north)), run=plan.asked_run)
+    try:
+        east, north = map(float, starts[-1])
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RecordError("the record does not say where its flight began", line=0) from error
+    return plan if (east, north) == plan.start_m else plan_mission(plan.spec, start_m=(east, north), run=plan.asked_run)

@@ -157,9 +157,12 @@ def parse_record(data: bytes) -> Record:
     for line in lines:
         kinds.setdefault(line["kind"], []).append(line)
     try:
-        return _record(kinds, _stages(lines), cut=bool(rest))
+        record = _record(kinds, _stages(lines), cut=bool(rest))
+        if all(number > 1 for _, number, *_ in record.takeovers):
+            return record
     except (TypeError, ValueError, KeyError, OverflowError) as error:
         raise RecordError(f"a value of the record has the wrong type: {error}", line=0) from error
+    raise RecordError("a later plan of the record has no number from 2 on", line=0)
 
 
 def _parse_line(number: int, raw: bytes) -> Line:
