@@ -51,7 +51,7 @@ def test_a_clearance_that_parts_the_boundary_is_told_of_and_refused_where_the_wa
     with pytest.raises(NoPlanError) as refused:
         plan_mission(site(NECK, "far", 2.5))
     assert refused.value.cause == "clearance"
-    assert "two sides of the boundary are 4 m apart near (50, 10); with domain.clearance_m: 1.99" in str(refused.value)
+    assert "two sides of the boundary are 4 m apart near (50, 10); with domain.clearance_m: 1.71" in str(refused.value)
 
 
 def test_a_region_of_which_clearances_leave_nothing_is_told_of_where_it_is_not_needed() -> None:

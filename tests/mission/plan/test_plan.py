@@ -214,7 +214,7 @@ def test_a_formula_that_is_none_is_refused(paper: FlightPlan) -> None:
     [
         ("1", 0.0, "a `loiter_s` of theirs, or a `disturbance_m_s2` above 0"),
         ("1", 0.5, "the tube is 0.5 m wide on each side"),
-        ("auto", 7.0, "the tube is 7 m wide on each side"),
+        ("auto", 7.0, "not with this one of 7 m per axis:\n    the tube does not fit into north"),
     ],
 )
 def test_where_nothing_is_proved_it_says_what_may_help(frequencies: str, disturbance: float, advice: str) -> None:
