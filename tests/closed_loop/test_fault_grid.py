@@ -62,7 +62,9 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
 def expected(cell: Cell) -> Outcome:
     rule = RULES[cell.fault][cell.flavour]
     place = {Moment.ON_THE_GROUND: rule.ground, Moment.LANDING: rule.landing}.get(cell.moment, rule.air)
-    return LANDS if place is HOLDS and rule.given_up and cell.setting is Setting.LANDS else place
+    # Before the flight has begun PX4 is in the mode that holds already, and says that it is in a failsafe.
+    lands = rule.given_up and cell.setting is Setting.LANDS and cell.moment is not Moment.ON_THE_GROUND
+    return LANDS if place is HOLDS and lands else place
 
 
 CELLS: Final = [
