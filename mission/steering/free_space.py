@@ -115,13 +115,17 @@ class FreeSpace:
         index, seen = self._sights.from_corners(self._nodes[corners])
         index, seen = self._bending(index, self._number[seen], self.corners_m[corners])
         both = self._beside(self.corners_m[seen], corners[index])
+        both &= self.part_of_corner[seen] == self.part_of_corner[corners[index]]
         return index[both], seen[both]
 
     def seen_from_places(self, places_m: FloatArray) -> tuple[IntArray, IntArray]:
         """The same of ways from places, shape (N, 2), to corners: a path need bend at these only."""
-        inside = np.flatnonzero(self.part_of(places_m) >= 0)
+        part = self.part_of(places_m)
+        inside = np.flatnonzero(part >= 0)
         index, seen = self._sights.from_places(places_m[inside])
-        return self._bending(inside[index], self._number[seen], places_m)
+        index, seen = self._bending(inside[index], self._number[seen], places_m)
+        same = part[index] == self.part_of_corner[seen]
+        return index[same], seen[same]
 
     def _bending(self, index: IntArray, corners: IntArray, points_m: FloatArray) -> tuple[IntArray, IntArray]:
         index, corners = index[corners >= 0], corners[corners >= 0]

@@ -82,7 +82,7 @@ class LayeredPaths:
         self._points = np.empty((0, 2))
         self._corner_stage, self._corner = none, none
         # Of each stage, for all corners: its node, counted from the first corner's; and how long a path is at least
-        # that bends there, and whether that is exact. Corners that are left out for good have an infinite one.
+        # that bends there, and whether that is exact: infinitely long over those that are left out for good.
         self._node = [np.full(len(space.corners_m), _NONE) for space in spaces]
         self._least = [np.zeros(len(space.corners_m)) for space in spaces]
         self._left_out = [np.zeros(len(space.corners_m), dtype=np.bool_) for space in spaces]
