@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import groupby
 
 import numpy as np
 import pytest
@@ -59,8 +60,8 @@ def rounds() -> FlightPlan:
 
 
 def instants(count: int, seed: int) -> list[float]:
-    """Vehicle times from arming to the landing of a flight of about 50 s."""
-    return [round(float(at_s), 2) for at_s in np.random.default_rng(seed).uniform(13.0, 62.0, count)]
+    """Vehicle times from arming to the landing of a flight of about 33 s."""
+    return [round(float(at_s), 2) for at_s in np.random.default_rng(seed).uniform(13.0, 46.0, count)]
 
 
 def taken_up(killed: Killed) -> None:
@@ -68,7 +69,8 @@ def taken_up(killed: Killed) -> None:
     result = killed.resume()
     assert result.achieved, result.reason
     assert result.ending is Ending.LANDED
-    goals = [name for name in killed.entered() if name != "home"]
+    # A region out of which the vehicle has braked before its stay was over is entered again for what is left of that.
+    goals = [name for name, _ in groupby(name for name in killed.entered() if name != "home")]
     assert goals == ["goal", "pond"], killed.entered()
     assert not result.violations
 
@@ -99,7 +101,9 @@ def test_a_flight_goes_on_from_whatever_instant(two_places: FlightPlan, flavour:
         taken_up(killed)
     except (RecordError, VehicleError) as refusal:
         words = str(refusal)
-        assert any(said in words for said in ("had not begun", "motors are off", "has come to its end", "is in")), words
+        assert any(
+            said in words for said in ("had not begun", "motors are off", "has landed", "has come to its end", "is in")
+        ), words
         assert killed.entered() in ([], ["home"], ["home", "goal", "pond", "home"])
 
 
