@@ -24,7 +24,10 @@ def run(arguments: Namespace) -> int:
     if arguments.plan is None:
         raise SpecError((Fault(0, 0, "", "there is nothing to verify", "name a plan, or a log with --flight"),))
     plan, text = read_plan(Path(arguments.plan))
-    judged = (*claims(text, arguments.plan), _choices(plan, json.loads(text)))
+    try:
+        judged = (*claims(text, arguments.plan), _choices(plan, json.loads(text)))
+    except SpecError as error:
+        raise SpecError(error.faults, error.source or arguments.plan) from error
     fault = next((claim for claim in judged if claim.fault), None)
     if arguments.json:
         document = {

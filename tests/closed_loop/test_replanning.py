@@ -88,10 +88,12 @@ def test_a_field_is_covered_by_both_plans_together(flavour: str) -> None:
     assert len(flown.result.plans) > 1
     [covered] = flown.result.covered
     assert covered.share >= 0.9
-    # No picture is taken twice, and none is left out: by where the record says that they were taken.
+    # No picture is taken twice, and none is left out: by where the record says that they were taken. Only what is left
+    # of a lane begins with a picture of its own, however near the last one before it was.
     places = np.array([each.position_m[:2] for each in flown.record.pictures])
     apart = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
-    assert apart.min() > 1.0
+    assert int((apart.min(axis=1) <= 1.0).sum()) in (0, 2)
+    assert apart.min() > 0.2
     assert abs(len(places) - plan.planned_pictures) <= 2
     assert flown.entered()[-1] == "home"
 

@@ -117,7 +117,6 @@ def test_a_flight_goes_on_after_a_second_kill(two_places: FlightPlan) -> None:
     assert len(killed.record.takeovers) == 2
 
 
-@FLAVOURS
 class Told:
     """One change, as soon as it can be taken."""
 
@@ -171,6 +170,7 @@ def test_pictures_of_both_parts_are_counted() -> None:
     assert abs(len(result.pictures) - result.planned_pictures) <= 1
 
 
+@FLAVOURS
 def test_lanes_that_were_flown_are_not_flown_again(covered: FlightPlan, flavour: Flavour) -> None:
     visit = covered.covers[0]
     times = covered.trajectory.time_at(visit.lanes_s.ravel()).reshape(-1, 2)

@@ -107,7 +107,7 @@ def test_what_is_no_plan(content: str, tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_a_plan_that_cannot_be_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe")
-    for name, words in (("no.json", "no such file"), ("", "directory"), ("binary.json", "not text")):
+    for name, words in (("no.json", "no such file"), ("", "is a folder"), ("binary.json", "not text")):
         result = ran(capsys, "verify", str(tmp_path / name))
         assert (result.code, result.out) == (2, "")
         assert result.err.startswith(f"{tmp_path / name}: ")
