@@ -31,7 +31,7 @@ def flying(folder: Path) -> bool:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@pytest.mark.parametrize("flavour", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 def test_a_killed_program_is_followed_by_another(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], flavour: str
 ) -> None:
