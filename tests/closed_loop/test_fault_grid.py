@@ -25,13 +25,15 @@ COMPLETES, HOLDS, RETURNS, LANDS, STAYS = (
 class Rule(NamedTuple):
     """Where a fault leaves a vehicle: on the ground before the flight, in the air, and while it lands.
 
-    ``given_up`` is whether it is this program that holds the vehicle, and so lands it if that is wished.
+    ``given_up`` is whether it is this program that holds the vehicle, and so lands it if that is wished; ``astray``
+    whether the vehicle does not know where wind takes it, and lands elsewhere by what it says itself.
     """
 
     ground: Outcome
     air: Outcome
     landing: Outcome
     given_up: bool = False
+    astray: bool = False
 
 
 FINE: Final = Rule(COMPLETES, COMPLETES, COMPLETES)
@@ -41,12 +43,20 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
         (Fault.LINK_CUT, Rule(STAYS, HOLDS, LANDS), Rule(STAYS, HOLDS, LANDS)),
         (Fault.LINK_CUT_BRIEFLY, FINE, FINE),
         (Fault.LINK_LOSES, FINE, FINE),
-        (Fault.GPS_LOST, Rule(LANDS, LANDS, COMPLETES), Rule(LANDS, LANDS, COMPLETES)),
+        (
+            Fault.GPS_LOST,
+            Rule(LANDS, LANDS, COMPLETES, astray=True),
+            Rule(LANDS, LANDS, COMPLETES, astray=True),
+        ),
         (Fault.GPS_LOST_BRIEFLY, FINE, FINE),
         # PX4 stops landing once its estimator has gone over to where the receiver says that it is.
-        (Fault.ESTIMATOR, Rule(LANDS, LANDS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES)),
+        (
+            Fault.ESTIMATOR,
+            Rule(LANDS, LANDS, COMPLETES, astray=True),
+            Rule(HOLDS, HOLDS, COMPLETES, astray=True),
+        ),
         (Fault.MOTOR, FINE, FINE),
-        (Fault.BATTERY, Rule(LANDS, LANDS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES, given_up=True)),
+        (Fault.BATTERY, Rule(STAYS, LANDS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES, given_up=True)),
         (Fault.FENCE, Rule(RETURNS, RETURNS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES)),
         # As PX4 the vehicle takes off within the second in which its next heartbeat would have told of the pilot.
         (Fault.PILOT, Rule(STAYS, HOLDS, HOLDS), Rule(COMPLETES, HOLDS, HOLDS)),
@@ -61,6 +71,8 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
 
 def expected(cell: Cell) -> Outcome:
     rule = RULES[cell.fault][cell.flavour]
+    if rule.astray and cell.moment is Moment.LANDING and cell.setting is Setting.WIND:
+        return LANDS
     place = {Moment.ON_THE_GROUND: rule.ground, Moment.LANDING: rule.landing}.get(cell.moment, rule.air)
     # Before the flight has begun PX4 is in the mode that holds already, and says that it is in a failsafe.
     lands = rule.given_up and cell.setting is Setting.LANDS and cell.moment is not Moment.ON_THE_GROUND
