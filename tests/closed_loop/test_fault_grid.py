@@ -75,7 +75,8 @@ def expected(cell: Cell) -> Outcome:
         return LANDS
     place = {Moment.ON_THE_GROUND: rule.ground, Moment.LANDING: rule.landing}.get(cell.moment, rule.air)
     # Before the flight has begun PX4 is in the mode that holds already, and says that it is in a failsafe.
-    lands = rule.given_up and cell.setting is Setting.LANDS and cell.moment is not Moment.ON_THE_GROUND
+    begun = cell.moment not in (Moment.ON_THE_GROUND, Moment.CLIMBING)
+    lands = rule.given_up and cell.setting is Setting.LANDS and begun
     return LANDS if place is HOLDS and lands else place
 
 
