@@ -41,6 +41,16 @@ def _parameter(ardupilot: str | None, px4: str | None, unit: float = 1.0) -> Set
     return Setting({autopilot: ((name, unit),) for autopilot, name in pairs if name is not None})
 
 
+_PX4_ON_LOSS: Final[Mapping[int, Action]] = {
+    0: (_CAUTION, "nothing", "1 holds, 2 returns, 3 lands"),
+    1: _HOLD,
+    2: _RETURN,
+    3: _LAND,
+    5: (_NO_GO, "terminates the flight", _FALLS),
+    6: (_NO_GO, "disarms", _FALLS),
+}
+"""Of its ground station (NAV_DLL_ACT) and of its sticks (NAV_RCL_ACT) alike."""
+
 _LINK_LOSS: Final = _Reaction(
     _parameter("FS_GCS_ENABLE", "NAV_DLL_ACT"),
     {
@@ -54,14 +64,7 @@ _LINK_LOSS: Final = _Reaction(
             6: _RETURN,
             7: _HOLD,
         },
-        PX4: {
-            0: (_CAUTION, "nothing", "1 holds, 2 returns, 3 lands"),
-            1: _HOLD,
-            2: _RETURN,
-            3: _LAND,
-            5: (_NO_GO, "terminates the flight", _FALLS),
-            6: (_NO_GO, "disarms", _FALLS),
-        },
+        PX4: _PX4_ON_LOSS,
     },
 )
 _STICKS_LOSS: Final = _Reaction(
@@ -77,14 +80,7 @@ _STICKS_LOSS: Final = _Reaction(
             6: _RETURN,
             7: _HOLD,
         },
-        PX4: {
-            0: (_CAUTION, "nothing", "1 holds, 2 returns, 3 lands"),
-            1: _HOLD,
-            2: _RETURN,
-            3: _LAND,
-            5: (_NO_GO, "terminates the flight", _FALLS),
-            6: (_NO_GO, "disarms", _FALLS),
-        },
+        PX4: _PX4_ON_LOSS,
     },
 )
 _ON_LOW: Final[Mapping[int, Action]] = {
