@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import NoReturn
 
 from mission.cli.flight_options import add_check, add_flights, add_run
-from mission.cli.option_values import place, positive, positive_whole, system_id
+from mission.cli.option_values import offset, place, positive, positive_whole, system_id
 from mission.printable import printable
 
 PROGRAM = "mission"
@@ -53,6 +53,11 @@ _IMPORT = """\
 Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, GPX, plans of QGroundControl, waypoint
 and fence files of ArduPilot's ground stations. It is planned before it is written, and where there is no plan, that is
 said here and in its first lines (exit code 3); its comments ask what the drawing does not tell.
+"""
+_SIMULATE = """\
+Run the paper's own closed loop: two integrators an axis (Eq. 5) track the smoothed path under the law of Eq. 12,
+exactly, from the mission's start and velocity. Figures 8 to 10 of the paper are drawn: steering law and true states,
+control signals, planned path and true trajectory.
 """
 _VERIFY = """\
 Judge each claim of a written plan:
@@ -160,6 +165,15 @@ def build_parser() -> argparse.ArgumentParser:
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
     plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
 
+    _add_simulate(
+        commands.add_parser(
+            "simulate",
+            help="fly a plan with the paper's vehicle: two integrators, no sensors, no MAVLink",
+            description=_SIMULATE,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+    )
+
     _add_verify(
         commands.add_parser(
             "verify",
@@ -193,14 +207,32 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def with_negative_pairs(arguments: Sequence[str]) -> list[str]:
-    """Join ``--wind`` or ``--at`` and a value like ``-3,1`` after it, which argparse takes for an option otherwise."""
+    """Join ``--wind``, ``--at`` or ``--off`` and a value like ``-3,1``: argparse takes that for an option otherwise."""
     joined: list[str] = []
     for argument in arguments:
-        if joined and joined[-1] in {"--wind", "--at"} and re.match(r"-[\d.]", argument):
+        if joined and joined[-1] in {"--wind", "--at", "--off"} and re.match(r"-[\d.]", argument):
             joined[-1] += f"={argument}"
         else:
             joined.append(argument)
     return joined
+
+
+def _add_simulate(simulate: argparse.ArgumentParser) -> None:
+    simulate.add_argument("file", metavar="FILE", help="mission file (YAML)")
+    add_run(simulate)
+    simulate.add_argument(
+        "--off",
+        type=offset,
+        metavar="EAST,NORTH",
+        default=(0.0, 0.0),
+        help="how far beside the mission's start the vehicle begins, metres (default: 0,0)",
+    )
+    simulate.add_argument(
+        "--pictures", metavar="FOLDER", default="simulated", help="where to draw (default: %(default)s)"
+    )
+    simulate.add_argument("--no-pictures", action="store_true", help="draw nothing")
+    simulate.add_argument("--csv", metavar="FILE", help="write time, states, steering law and control, a row a sample")
+    simulate.add_argument("--json", action="store_true", help="print one JSON object instead of lines")
 
 
 def _add_verify(verify: argparse.ArgumentParser) -> None:

@@ -80,6 +80,14 @@ def place(text: str) -> LatLon:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
+def offset(text: str) -> tuple[float, float]:
+    """EAST,NORTH in metres."""
+    east, separator, north = text.partition(",")
+    if not separator:
+        raise argparse.ArgumentTypeError(f"write EAST,NORTH in metres, not {text!r}")
+    return number(east), number(north)
+
+
 def wind(text: str) -> str:
     """NORTH,EAST or SPEED@FROM_DEGREES in m/s, as it was written."""
     first, separator, second = text.partition("@" if "@" in text else ",")

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Final
 
 from matplotlib.figure import Figure
 
@@ -14,7 +15,9 @@ from mission.report.figures.histories import control_signals, time_histories, tr
 from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path
 from mission.report.figures.quotient import quotient
+from mission.report.figures.simulated import true_control, true_path, true_states
 from mission.report.reading import Record
+from mission.simulate import Simulation
 from mission.spec.model import FIELD
 from mission.whole_file import write_whole
 
@@ -175,3 +178,22 @@ def save_all(plan: FlightPlan, record: Record | None, folder: Path) -> tuple[Pic
     if plan.spec.flight.guidance == FIELD:
         drawn = [replace(picture, caption=picture.by_field or picture.caption) for picture in drawn]
     return tuple(drawn)
+
+
+_SIMULATED: Final = {
+    "08_true_states.png": true_states,
+    "09_true_control.png": true_control,
+    "10_true_path.png": true_path,
+}
+
+
+def save_simulated(plan: FlightPlan, simulation: Simulation, folder: Path) -> tuple[Path, ...]:
+    """Draw Figures 8 to 10 of a simulated flight into a folder; return what was drawn.
+
+    Raises:
+        OSError: The folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, draw in _SIMULATED.items():
+        write_whole(folder / name, to_png(draw(plan, simulation)))
+    return tuple(folder / name for name in _SIMULATED)

@@ -37,13 +37,13 @@ def time_histories(plan: FlightPlan) -> Figure:
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
         ]
         note = "Time of the curve, before the time law that keeps the vehicle's limits."
-        figure, grid = _grid("Planned and smoothed path over time", 2, legend, note, "time of the curve, s")
+        figure, grid = grid_of("Planned and smoothed path over time", 2, legend, note, "time of the curve, s")
         for column in range(2):
             for row, name in enumerate(("position, m", "velocity, m/s")):
                 axes = grid[row][column]
                 axes.plot(s, smoothed[row][:, column], color=SMOOTHED, lw=2.4, gid="smoothed")
                 axes.plot(s, planned[row][:, column], color=PLANNED, lw=1.0, gid="planned")
-                _name(axes, AXIS_NAMES[column], name)
+                name_quantity(axes, AXIS_NAMES[column], name)
     return figure
 
 
@@ -69,20 +69,20 @@ def tracked_states(plan: FlightPlan, record: Record) -> Figure:
             legend.append(Line2D([], [], color=VERMILLION, lw=1.0, label="error"))
             legend.append(Line2D([], [], color=QUIET, lw=1.2, ls="--", label=tube))
         title, note = ("Flown states", _BY_FIELD) if by_field else ("Tracked states", "")
-        figure, grid = _grid(title, 2 if by_field else 3, legend, note, _time(plan))
+        figure, grid = grid_of(title, 2 if by_field else 3, legend, note, _time(plan))
         for column in range(2):
             for row, (name, flown, asked) in enumerate(rows):
                 axes = grid[row][column]
                 axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
                 axes.plot(tracking.trajectory_s, asked[:, column], color=PLANNED, lw=1.0, gid="asked")
-                _name(axes, AXIS_NAMES[column], name)
+                name_quantity(axes, AXIS_NAMES[column], name)
             if by_field:
                 continue
             axes = grid[2][column]
             axes.plot(tracking.trajectory_s, tracking.error_m[:, column], color=VERMILLION, lw=1.0, gid="error")
             for bound in (-half_m, half_m):
                 axes.axhline(bound, color=QUIET, lw=1.2, ls="--", gid="tube")
-            _name(axes, AXIS_NAMES[column], "error, m")
+            name_quantity(axes, AXIS_NAMES[column], "error, m")
     return figure
 
 
@@ -101,17 +101,17 @@ def control_signals(plan: FlightPlan, record: Record) -> Figure:
             Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"limit of the tilt, {limit_deg:.3g}°"),
         ]
         note = "In hover, an attitude tilted by α accelerates by g tan α."
-        figure, grid = _grid("Control signals", 2, legend, note, _time(plan), wide_last=True)
+        figure, grid = grid_of("Control signals", 2, legend, note, _time(plan), wide_last=True, own_times=True)
         for column in range(2):
             axes = grid[0][column]
             axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
             asked = tracking.asked_acceleration_m_s2[:, column]
             axes.plot(tracking.trajectory_s, asked, color=PLANNED, lw=1.0, gid="asked")
-            _name(axes, AXIS_NAMES[column], "acceleration, m/s²")
+            name_quantity(axes, AXIS_NAMES[column], "acceleration, m/s²")
         axes = grid[1][0]
         axes.plot(tracking.trajectory_s, np.rad2deg(tilt(tracking.attitude_rad)), color=FLOWN, lw=2.0, gid="tilt")
         axes.axhline(limit_deg, color=QUIET, lw=1.2, ls="--", gid="limit")
-        _name(axes, "", "tilt, °")
+        name_quantity(axes, "", "tilt, °")
         axes.set_ylim(bottom=0.0)
     return figure
 
@@ -128,17 +128,27 @@ def _time(plan: FlightPlan) -> str:
     return "time since the flight began, s" if plan.spec.flight.guidance == FIELD else "time on the trajectory, s"
 
 
-def _grid(
-    title: str, rows: int, legend: Sequence[Artist], note: str, time: str, *, wide_last: bool = False
+def grid_of(
+    title: str,
+    rows: int,
+    legend: Sequence[Artist],
+    note: str,
+    time: str,
+    *,
+    wide_last: bool = False,
+    own_times: bool = False,
 ) -> tuple[Figure, list[list[Axes]]]:
-    """Rows of two plots over a common time, the last row one wide plot if asked for; time is named at the bottom."""
+    """Rows of two plots, the last row one wide plot if asked for; time is named at the bottom.
+
+    They have a common time, numbered at the bottom, or their own.
+    """
     top, bottom, left, right, between, above = (
         62.0,
         60.0 if note else 46.0,
         58.0,
         16.0,
         56.0,
-        44.0 if wide_last else 30.0,
+        44.0 if own_times else 30.0,
     )
     height = top + rows * ROW_PT + (rows - 1) * above + bottom
     figure = new_figure(WIDTH_PT, height)
@@ -168,14 +178,14 @@ def _grid(
             axes.margins(x=0.01)
             axes.xaxis.set_major_locator(MaxNLocator(6 if not whole else 12))
             axes.yaxis.set_major_locator(MaxNLocator(5))
-            axes.tick_params(labelbottom=last or wide_last)
+            axes.tick_params(labelbottom=last or own_times)
             if last:
                 axes.set_xlabel(time)
             grid[-1].append(axes)
     return figure, grid
 
 
-def _name(axes: Axes, direction: str, quantity: str) -> None:
+def name_quantity(axes: Axes, direction: str, quantity: str) -> None:
     """Say over the plot what it shows, where it takes no room from it."""
     axes.text(
         0.0,

@@ -47,15 +47,15 @@ def planned_path(plan: FlightPlan) -> Figure:
             legend.append(Line2D([], [], color=LOOP, lw=5.0, label="loop, repeated"))
         states = plan.run.states
         note = f"Run of {len(states)} states: " + _shortened([f"T{i}" for i in states])
-        figure, axes = chart.figure("Planned path, before smoothing", legend=legend + _end_handles(), note=note)
+        figure, axes = chart.figure("Planned path, before smoothing", legend=legend + end_handles(), note=note)
         chart.draw_domain(axes)
         begins_s, ends_s = plan.path.lap_s or (math.inf, math.inf)
         loop = position[(times >= begins_s) & (times <= ends_s)]
         if len(loop):
             axes.plot(*loop.T, color=LOOP, lw=5.0, zorder=2.8, gid="loop")
         axes.plot(*position.T, color=PLANNED, lw=1.3, zorder=3, gid="planned")
-        _draw_arrows(axes, position, chart.em_m, PLANNED)
-        _draw_ends(axes, position)
+        draw_arrows(axes, position, chart.em_m, PLANNED)
+        draw_ends(axes, position)
         draw_region_names(axes, chart, [position], numbers=sorted(set(states)))
     return figure
 
@@ -74,7 +74,7 @@ def smoothed_path(plan: FlightPlan) -> Figure:
             legend.append(Patch(facecolor=(TUBE, TUBE_ALPHA), edgecolor=SMOOTHED, lw=0.5, label=label))
         figure, axes = chart.figure(
             "Smoothed path" if by_field else "Smoothed path and its tube",
-            legend=legend + _end_handles(),
+            legend=legend + end_handles(),
             note=_BY_FIELD if by_field else _proof(plan.certificate, with_clearances=bool(chart.margins)),
         )
         chart.draw_domain(axes)
@@ -83,8 +83,8 @@ def smoothed_path(plan: FlightPlan) -> Figure:
             patch.set(linewidth=0.5, zorder=2.5, gid="tube")
             axes.add_patch(patch)
         axes.plot(*position.T, color=SMOOTHED, lw=1.8, zorder=3, gid="smoothed")
-        _draw_arrows(axes, position, chart.em_m, SMOOTHED)
-        _draw_ends(axes, position)
+        draw_arrows(axes, position, chart.em_m, SMOOTHED)
+        draw_ends(axes, position)
         draw_region_names(axes, chart, [position], tube=list(tube))
     return figure
 
@@ -105,15 +105,15 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
             *([Line2D([], [], color=PLANNED, lw=1.0, ls="--", label="planned in flight")] if later else []),
         ]
-        figure, axes = chart.figure("Flown and planned path", legend=legend + _end_handles())
+        figure, axes = chart.figure("Flown and planned path", legend=legend + end_handles())
         chart.draw_domain(axes)
         axes.plot(*flown.T, color=FLOWN, lw=3.2, zorder=3, gid="flown")
         axes.plot(*planned.T, color=PLANNED, lw=1.0, zorder=3.2, gid="planned")
         for number, line in enumerate(later, 2):
             axes.plot(*line.T, color=PLANNED, lw=1.0, ls="--", zorder=3.2, gid=f"planned {number}")
         if len(flown):
-            _draw_arrows(axes, flown, chart.em_m, FLOWN)
-            _draw_ends(axes, flown)
+            draw_arrows(axes, flown, chart.em_m, FLOWN)
+            draw_ends(axes, flown)
         draw_region_names(axes, chart, [planned, *later, *([flown] if len(flown) else [])])
     return figure
 
@@ -182,20 +182,22 @@ def draw_region_names(
     draw_names(axes, small, colour=QUIET, bold=False, gid="number")
 
 
-def _draw_ends(axes: Axes, position: FloatArray) -> None:
+def draw_ends(axes: Axes, position: FloatArray) -> None:
+    """Mark where a line begins and ends."""
     (x0, y0), (x1, y1) = position[0].tolist(), position[-1].tolist()
     axes.plot(x1, y1, marker="s", ms=11, mfc=BLACK, mec=WHITE, mew=1.2, ls="", color=BLACK, zorder=6, gid="end")
     axes.plot(x0, y0, marker="o", ms=7, mfc=WHITE, mec=BLACK, mew=1.6, ls="", color=BLACK, zorder=6, gid="start")
 
 
-def _end_handles() -> list[Artist]:
+def end_handles() -> list[Artist]:
+    """Their entries in a legend."""
     return [
         Line2D([], [], marker="o", ms=7, mfc=WHITE, mec=BLACK, mew=1.6, ls="", label="start"),
         Line2D([], [], marker="s", ms=7, mfc=BLACK, mec=BLACK, ls="", label="end"),
     ]
 
 
-def _draw_arrows(axes: Axes, position: FloatArray, em_m: float, colour: str) -> None:
+def draw_arrows(axes: Axes, position: FloatArray, em_m: float, colour: str) -> None:
     """Small arrowheads along a line, evenly spaced in length."""
     steps = np.hypot(*np.diff(position, axis=0).T)
     along = np.concatenate(([0.0], np.cumsum(steps)))

@@ -20,7 +20,7 @@ def test_without_a_command_the_help_is_shown_and_it_is_an_error(capsys: pytest.C
     assert "exit codes:" in result.err
 
 
-@pytest.mark.parametrize("command", ["check", "plan", "fly", "report", "verify", "schema"])
+@pytest.mark.parametrize("command", ["check", "plan", "simulate", "fly", "report", "verify", "schema"])
 def test_each_command_explains_itself(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
         main([command, "--help"])
