@@ -159,7 +159,12 @@ def build_parser() -> argparse.ArgumentParser:
     plan.add_argument(
         "--transitions",
         action="store_true",
-        help="print the triangles, the run, and the full transition maps of T and A",
+        help="print the triangles, the run, the full transition maps of T and A, and that of P so far as it is reached",
+    )
+    plan.add_argument(
+        "--equations",
+        action="store_true",
+        help="print the field of each triangle of the run, and the conditions that it meets (the paper's Eq. 13 to 21)",
     )
     plan.add_argument("--out", metavar="PLAN.json", help="write the whole plan to a file")
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")

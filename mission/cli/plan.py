@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach, tube_costs
@@ -17,6 +18,7 @@ from mission.decimals import decimal
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT
+from mission.plan.definitions import product_steps
 from mission.plan.policy import policy_of
 from mission.planning.run import Run
 from mission.printable import printable
@@ -41,6 +43,9 @@ def run(arguments: Namespace) -> int:
     if arguments.transitions:
         _print_tables(plan)
         _print_transitions(plan)
+        print_product(plan)
+    if arguments.equations:
+        print_equations(plan)
     if arguments.runs:
         _print_runs(plan, arguments.runs)
     if arguments.out is not None or arguments.pictures is not None:
@@ -73,7 +78,10 @@ def _asked_for(plan: FlightPlan, arguments: Namespace) -> dict[str, object]:
         document["transitions"] = {
             "T": plan.successors.tolist(),
             "A": [[edge.source, str(edge.guard), edge.target] for edge in plan.shown_automaton.edges],
+            "P": [list(step) for step in product_steps(plan)],
         }
+    if arguments.equations:
+        document["equations"] = equations(plan)
     return document
 
 
