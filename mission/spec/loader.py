@@ -21,6 +21,7 @@ from mission.spec.named_files import Reader, UnreadableError, nothing_beside
 from mission.spec.placing import placed
 from mission.spec.structure import MOST_ERRORS, plain_data, structure_findings
 from mission.spec.values import mission_of
+from mission.spec.written_automaton import BY_HAND, written_automaton
 from mission.spec.yaml_tree import MAX_BYTES, read_tree
 
 MAX_AUTOMATON_BYTES = 1 << 20
@@ -88,7 +89,11 @@ def _automaton(data: Any, structural: list[Finding], read: Reader) -> tuple[Name
     """The automaton that the mission names, if it does, and what is wrong with it."""
     if not is_clean(AUTOMATON, structural) or "automaton" not in data.get("mission", {}):
         return None, []
-    file = data["mission"]["automaton"]
+    file, regions = data["mission"]["automaton"], data.get("regions")
+    names = frozenset(regions) if isinstance(regions, dict) else None
+    if isinstance(file, dict):
+        text, findings = written_automaton(file, names)
+        return (None, findings) if findings else named_automaton(BY_HAND, text.encode(), names)
     try:
         content = read(file)
     except UnreadableError as error:
@@ -97,8 +102,7 @@ def _automaton(data: Any, structural: list[Finding], read: Reader) -> tuple[Name
     if len(content) > MAX_AUTOMATON_BYTES:
         message = f"{shortened(file)}: the file is larger than {MAX_AUTOMATON_BYTES} bytes"
         return None, [Finding(AUTOMATON, message, "an automaton of this size cannot be planned with")]
-    regions = data.get("regions")
-    return named_automaton(file, content, regions if isinstance(regions, dict) else None)
+    return named_automaton(file, content, names)
 
 
 def _content(path: Path) -> bytes:

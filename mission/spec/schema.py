@@ -35,6 +35,7 @@ from mission.spec.shape_schema import (
     one_of,
 )
 from mission.spec.task_schema import REGION_NAME, TASK, TASKS
+from mission.spec.written_automaton import SCHEMA as AUTOMATON
 
 MOST_REGIONS: Final = 1_000
 
@@ -174,10 +175,8 @@ _MISSION: Final = mapping(
         },
         "automaton": {
             "description": "Instead of a formula, a file with a Büchi automaton in the Hanoi Omega-Automata format: "
-            "its path, relative to this file. Its propositions are region names.",
-            "type": "string",
-            "minLength": 1,
-            "maxLength": 1_000,
+            "its path, relative to this file. Its propositions are region names. Or the automaton itself.",
+            "anyOf": [{"type": "string", "minLength": 1, "maxLength": 1_000}, AUTOMATON],
             "examples": ["pairs.hoa"],
         },
         "semantics": {

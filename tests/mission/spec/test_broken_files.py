@@ -34,7 +34,10 @@ EXPECTED = [
         "mission.automaton",
         "automaton_not_hoa.yaml, line 1, column 1: '#' has no meaning here",
     ),
-    ("automaton_not_text", 9, 14, "mission.automaton", "expected text, found `7`"),
+    ("automaton_not_text", 9, 14, "mission.automaton", "expected text or a mapping of keys to values, found `7`"),
+    ("automaton_by_hand", 9, 17, "mission.automaton.accepting[0]", "`doen` is none of the automaton's states"),
+    ("automaton_by_hand", 12, 39, "mission.automaton.edges[1].when", "`F` is about more than one moment"),
+    ("automaton_by_hand", 13, 38, "mission.automaton.edges[2].when", "`Feld` is no region"),
     (
         "automaton_unknown_region",
         9,
