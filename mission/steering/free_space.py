@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.steering.sights import Sights
+from mission.steering.sights import Sights, ranges
 from mission.steering.solid_cells import SolidCells
 
 HAIR: Final = 1e-9
@@ -51,6 +51,9 @@ class FreeSpace:
         self._nodes = nodes
         self.corners_m, self.part_of_corner = rims.corners_m[nodes], rims.part[nodes]
         self._before, self._after = -rims.arriving[nodes], rims.leaving[nodes]
+        # What was seen from each corner, one after the other; -1 where none was looked from.
+        self._first_seen, self._after_seen = np.full((2, len(nodes)), -1)
+        self._seen = np.empty(0, dtype=np.int64)
         moved = rims.corners_m + self.hair_m * _outwards(rims.arriving, rims.leaving)
         self._tree = shapely.STRtree(shapely.linestrings(np.stack((moved, moved[rims.following]), axis=1)))
         self._part_m = _PART * float(np.sqrt(shapely.box(*bounds).area / len(moved)))
@@ -107,16 +110,27 @@ class FreeSpace:
         number[self._nodes] = np.arange(len(self._nodes))
         return number
 
+    def look_from(self, corners: IntArray) -> None:
+        """Find out what is seen from some corners, and remember it: from many together it takes less time."""
+        new = np.unique(corners[self._first_seen[corners] < 0])
+        if not len(new):
+            return
+        index, seen = self._sights.from_corners(self._nodes[new])
+        index, seen = self._bending(index, self._number[seen], self.corners_m[new])
+        both = self._beside(self.corners_m[seen], new[index])
+        both &= self.part_of_corner[seen] == self.part_of_corner[new[index]]
+        places = len(self._seen) + np.searchsorted(index[both], np.arange(len(new) + 1))
+        self._first_seen[new], self._after_seen[new] = places[:-1], places[1:]
+        self._seen = np.append(self._seen, seen[both])
+
     def seen_from_corners(self, corners: IntArray) -> tuple[IntArray, IntArray]:
         """Ways between corners at both of which a path may bend: pairs of an index into some, and a corner.
 
         All that are free are among them, and few others.
         """
-        index, seen = self._sights.from_corners(self._nodes[corners])
-        index, seen = self._bending(index, self._number[seen], self.corners_m[corners])
-        both = self._beside(self.corners_m[seen], corners[index])
-        both &= self.part_of_corner[seen] == self.part_of_corner[corners[index]]
-        return index[both], seen[both]
+        self.look_from(corners)
+        index, place = ranges(self._first_seen[corners], self._after_seen[corners])
+        return index, self._seen[place]
 
     def seen_from_places(self, places_m: FloatArray) -> tuple[IntArray, IntArray]:
         """The same of ways from places, shape (N, 2), to corners: a path need bend at these only."""

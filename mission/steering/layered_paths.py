@@ -295,33 +295,41 @@ class LayeredPaths:
 
     def _link(self, length_m: float) -> bool:
         """Link the corners over which a path may be as short as a length; whether there are any."""
-        any_ = False
-        for stage, space in enumerate(self._spaces):
-            least, exact, node = self._least[stage], self._exact[stage], self._node[stage]
-            rough = np.flatnonzero((least <= length_m) & ~exact & (node == _NONE))
-            if len(rough):
-                least[rough] = sum(
-                    (more + _distances(space.corners_m[rough], places)).min(axis=1)
-                    for places, more in zip(self._layers[stage : stage + 2], self._onward(stage), strict=True)
-                )
-                exact[rough] = True
-            new = np.flatnonzero((least <= length_m) & (node == _NONE))
+        linked = [self._to_link(stage, length_m) for stage in range(len(self._spaces))]
+        for space in set(self._spaces):
+            space.look_from(
+                np.concatenate([new for new, own in zip(linked, self._spaces, strict=True) if own is space])
+            )
+        for stage, (new, space) in enumerate(zip(linked, self._spaces, strict=True)):
             if not len(new):
                 continue
-            any_ = True
+            node = self._node[stage]
             first = len(self._corner)
             node[new] = first + np.arange(len(new))
             self._points = np.concatenate((self._points, space.corners_m[new]))
             self._corner_stage = np.append(self._corner_stage, np.full(len(new), stage))
             self._corner = np.append(self._corner, new)
-            linked = np.zeros(len(node), dtype=np.bool_)
-            linked[new] = True
-            self._join_places(stage, linked)
+            corners = np.zeros(len(node), dtype=np.bool_)
+            corners[new] = True
+            self._join_places(stage, corners)
             index, seen = space.seen_from_corners(new)
             one, other = node[new][index], node[seen]
             kept = (other >= 0) & (other < one)  # each once
             self._join(stage, self._count + other[kept], self._count + one[kept], both=True)
-        return any_
+        return any(map(len, linked))
+
+    def _to_link(self, stage: int, length_m: float) -> IntArray:
+        """The corners of a stage that are not linked yet, and over which a path may be as short as a length."""
+        least, exact, open_ = self._least[stage], self._exact[stage], self._node[stage] == _NONE
+        rough = np.flatnonzero((least <= length_m) & ~exact & open_)
+        if len(rough):
+            corners_m = self._spaces[stage].corners_m[rough]
+            least[rough] = sum(
+                (more + _distances(corners_m, places)).min(axis=1)
+                for places, more in zip(self._layers[stage : stage + 2], self._onward(stage), strict=True)
+            )
+            exact[rough] = True
+        return np.flatnonzero((least <= length_m) & open_)
 
     def _distances(self, graph: Graph) -> tuple[FloatArray, FloatArray]:
         """How far each node is from the nearest place of the first layer, and from the nearest of the last."""

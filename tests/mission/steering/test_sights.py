@@ -52,6 +52,19 @@ def test_all_corners_to_bend_at_that_are_seen_are_found_once(seed: int) -> None:
     assert len(found) < 2.5 * len(true)
 
 
+def test_what_is_seen_does_not_depend_on_what_was_looked_from_before() -> None:
+    free = stars(3)
+    space, other = FreeSpace(free), FreeSpace(free)
+    numbers = np.arange(len(space.corners_m))
+    whole = space.seen_from_corners(numbers)
+    other.look_from(numbers[::3])
+    for some in (numbers[5:20], numbers[::3], numbers):
+        index, seen = other.seen_from_corners(some)
+        wanted = np.isin(whole[0], some)
+        assert some[index].tolist() == whole[0][wanted].tolist()
+        assert seen.tolist() == whole[1][wanted].tolist()
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_from_places_anywhere_all_corners_to_bend_at_are_found(seed: int) -> None:
     free = stars(seed)
