@@ -3,6 +3,8 @@
 Edge ``i`` of a ring runs from corner ``i`` to corner ``i + 1``.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 
@@ -77,19 +79,42 @@ def _line_distances(lines: FloatArray, edges: FloatArray) -> FloatArray:
 
 def ring_fault(ring_m: FloatArray, tolerance_m: float) -> str:
     """What makes a ring no simple polygon, in words with its corners counted from 0; empty where it is one."""
+    return ring_faults([ring_m], tolerance_m)[0]
+
+
+def ring_faults(rings_m: Sequence[FloatArray], tolerance_m: float) -> list[str]:
+    """The same of many rings, each of three corners at least."""
+    if not rings_m:
+        return []
+    counts = np.array([len(ring) for ring in rings_m])
+    corners, first, end = np.concatenate(rings_m).astype(np.float64), np.cumsum(counts) - counts, np.cumsum(counts)
+    following = np.arange(len(corners)) + 1
+    following[end - 1] = first
+    lengths = np.linalg.norm(corners[following] - corners, axis=1)
+    closed = np.insert(corners, end, corners[first], axis=0)
+    polygons = shapely.polygons(shapely.linearrings(closed, indices=np.repeat(np.arange(len(counts)), counts + 1)))
+    simple = shapely.is_valid(polygons)
+    extents = np.maximum.reduceat(corners, first) - np.minimum.reduceat(corners, first)
+    flat = shapely.area(polygons) <= tolerance_m * extents.max(axis=1)
+    sound = simple & ~flat & (np.minimum.reduceat(lengths, first) > tolerance_m)
+    faults = [""] * len(rings_m)
+    for at in np.flatnonzero(~sound).tolist():
+        here = slice(first[at], end[at])
+        faults[at] = _fault_of(corners[here], lengths[here], tolerance_m, simple=simple[at], flat=flat[at])
+    return faults
+
+
+def _fault_of(ring_m: FloatArray, lengths_m: FloatArray, tolerance_m: float, *, simple: bool, flat: bool) -> str:
+    """What is wrong with a ring that is not sound."""
     corners = len(ring_m)
-    edges = ring_edges(ring_m)
-    short = np.flatnonzero(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1) <= tolerance_m)
+    short = np.flatnonzero(lengths_m <= tolerance_m)
     if len(short):
         return f"corners {short[0]} and {(short[0] + 1) % corners} are the same point"
-    simple = bool(shapely.is_valid(shapely.Polygon(ring_m)))
     if not simple:
-        pairs, points = edge_crossings(edges, tolerance_m)
+        pairs, points = edge_crossings(ring_edges(ring_m), tolerance_m)
         if len(pairs):
             (i, j), (x, y) = pairs[0], points[0]
             return (
                 f"its edges {i}-{(i + 1) % corners} and {j}-{(j + 1) % corners} cross at ({decimal(x)}, {decimal(y)})"
             )
-    if abs(ring_area_m2(ring_m)) <= tolerance_m * float(np.ptp(ring_m, axis=0).max()):
-        return "its corners all lie on one line"
-    return "" if simple else "it touches itself"
+    return "its corners all lie on one line" if flat else "it touches itself"

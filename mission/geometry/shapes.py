@@ -12,7 +12,6 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray
-from mission.geometry.rings import ring_edges
 
 DISC_SHARE: Final = 0.01
 """The rim of a disc is at most this part of the radius, and ``DISC_M``, from the circle."""
@@ -142,7 +141,10 @@ def rings_of(area: Area) -> list[FloatArray]:
 
 def edges_of(areas: Iterable[Area]) -> FloatArray:
     """The edges of all rings of some areas, shape (E, 2, 2): edge, end, xy."""
-    return np.concatenate([np.empty((0, 2, 2)), *(ring_edges(ring) for area in areas for ring in rings_of(area))])
+    rings = shapely.get_rings(shapely.get_parts(list(areas)))
+    corners, ring = shapely.get_coordinates(rings, return_index=True)
+    edges: FloatArray = np.stack((corners[:-1], corners[1:]), axis=1)[ring[:-1] == ring[1:]]
+    return edges
 
 
 def edges_within(edges_m: FloatArray, area: Area) -> FloatArray:

@@ -1,5 +1,6 @@
 """The lists of corners that a mission file has for its areas, and what is wrong with them one by one."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -7,7 +8,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray
-from mission.geometry.rings import ring_fault
+from mission.geometry.rings import ring_fault, ring_faults
 from mission.spec.finding import Finding, Path
 from mission.spec.model import AreaShape, CircleShape, PolygonShape, PolygonsShape, StripShape
 
@@ -61,11 +62,22 @@ def extent_points(shape: AreaShape) -> FloatArray:
     return np.concatenate([ring.corners_m for ring in drawn_rings((), shape, "")])
 
 
-def ring_findings(ring: DrawnRing, tolerance_m: float) -> list[Finding]:
-    """What is wrong with a list of corners; points closer than the tolerance are the same."""
-    if ring.draws is Drawn.LINE:
-        return _line_findings(ring, tolerance_m)
-    fault = ring_fault(ring.corners_m, tolerance_m)
+def ring_findings(rings: Sequence[DrawnRing], tolerance_m: float) -> list[Finding]:
+    """What is wrong with lists of corners; points closer than the tolerance are the same."""
+    closed = [ring for ring in rings if ring.draws is not Drawn.LINE]
+    faults = iter(ring_faults([ring.corners_m for ring in closed], tolerance_m))
+    return [
+        finding
+        for ring in rings
+        for finding in (
+            _line_findings(ring, tolerance_m)
+            if ring.draws is Drawn.LINE
+            else _closed_findings(ring, next(faults), tolerance_m)
+        )
+    ]
+
+
+def _closed_findings(ring: DrawnRing, fault: str, tolerance_m: float) -> list[Finding]:
     if fault:
         message = f"{_named(ring)} is not simple: {fault}"
         if not ring.region and ring.draws is Drawn.POLYGON:

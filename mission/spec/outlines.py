@@ -83,7 +83,7 @@ def _within(domain: BoundaryDomain, regions: Sequence[tuple[Region, AreaShape]])
     if too_small:
         return Outlines(), [too_small]
     tolerance_m = ROUNDING * float(np.ptp(corners, axis=0).max())
-    findings = [finding for ring in bounds for finding in ring_findings(ring, tolerance_m)]
+    findings = ring_findings(bounds, tolerance_m)
     if findings:
         return Outlines(), findings
     fence = boundary_ground(domain)
@@ -92,7 +92,7 @@ def _within(domain: BoundaryDomain, regions: Sequence[tuple[Region, AreaShape]])
     grounds, rings = {}, bounds
     for region, shape in regions:
         own = drawn_rings(("regions", region.name), shape, region.name)
-        found = [finding for ring in own for finding in ring_findings(ring, tolerance_m)]
+        found = ring_findings(own, tolerance_m)
         if not found:
             ground = area_ground(region, shape, domain)
             found = _outside(region.name, ground, own, fence.drawn)
@@ -118,7 +118,7 @@ def _over_nodes(domain: NodesDomain, regions: Sequence[tuple[Region, AreaShape]]
         own = drawn_rings(("regions", region.name), shape, region.name)
         found = _needs_boundary(region)
         if not found:
-            found = [finding for ring in own for finding in ring_findings(ring, tolerance_m)]
+            found = ring_findings(own, tolerance_m)
         if not found:
             strange = (_strangers(ring, tree, tolerance_m, _NEARNESS * extent_m) for ring in own)
             found = [finding for of in strange for finding in of]

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.geometry.regions import label_triangles
-from mission.geometry.rings import edge_crossings, ring_area_m2, ring_edges, ring_fault
+from mission.geometry.rings import edge_crossings, ring_area_m2, ring_edges, ring_fault, ring_faults
 
 
 def test_letters_are_the_observations_that_occur() -> None:
@@ -21,21 +21,28 @@ def test_letters_are_the_observations_that_occur() -> None:
     assert label_triangles(2, {}).letters == (frozenset(),)
 
 
-@pytest.mark.parametrize(
-    ("ring", "words"),
-    [
-        ([(0, 0), (4, 0), (4, 4), (0, 4)], ""),
-        ([(0, 4), (4, 4), (4, 0), (0, 0)], ""),
-        ([(0, 0), (4, 4), (4, 0), (0, 4)], "edges 0-1 and 2-3 cross at (2, 2)"),
-        ([(0, 0), (4, 0), (4, 0), (0, 4)], "corners 1 and 2 are the same point"),
-        ([(0, 0), (4, 0), (0, 4), (0, 0)], "corners 3 and 0 are the same point"),
-        ([(0, 0), (4, 0), (8, 0)], "one line"),
-        ([(0, 0), (4, 0), (4, 4), (2, 0)], "touches itself"),
-    ],
+RINGS = (
+    ([(0, 0), (4, 0), (4, 4), (0, 4)], ""),
+    ([(0, 4), (4, 4), (4, 0), (0, 0)], ""),
+    ([(0, 0), (4, 4), (4, 0), (0, 4)], "edges 0-1 and 2-3 cross at (2, 2)"),
+    ([(0, 0), (4, 0), (4, 0), (0, 4)], "corners 1 and 2 are the same point"),
+    ([(0, 0), (4, 0), (0, 4), (0, 0)], "corners 3 and 0 are the same point"),
+    ([(0, 0), (4, 0), (8, 0)], "one line"),
+    ([(0, 0), (4, 0), (4, 4), (2, 0)], "touches itself"),
+    ([(0, 0), (4, 0), (0, 0)], "corners 2 and 0 are the same point"),
 )
+
+
+@pytest.mark.parametrize(("ring", "words"), RINGS)
 def test_ring_faults_are_named(ring: list[tuple[float, float]], words: str) -> None:
     found = ring_fault(np.array(ring, dtype=np.float64), 1e-9)
     assert (words in found) if words else not found
+
+
+def test_many_rings_are_judged_one_by_one() -> None:
+    rings = [np.array(ring, dtype=np.float64) for ring, _ in RINGS]
+    assert ring_faults(rings, 1e-9) == [ring_fault(ring, 1e-9) for ring in rings]
+    assert ring_faults([], 1e-9) == []
 
 
 @given(st.integers(0, 10_000), st.integers(3, 9))
