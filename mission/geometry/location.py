@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from mission.geometry.arrays import FloatArray, IntArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.simplices import ROUNDING, Partition
 
 OUTSIDE = -1
@@ -124,6 +124,33 @@ class Locator:
         parts = self._parts(candidates, p_m, q_m)
         return self._joined(parts, np.array(p_m, dtype=np.float64), np.array(q_m, dtype=np.float64))
 
+    def straight_over(self, here: IntArray, there: IntArray, p_m: FloatArray, q_m: FloatArray) -> BoolArray:
+        """Of segments, from p in one triangle to q in another, those that are seen to meet these two alone.
+
+        They are neighbours, the ends are well inside, and the segment meets their facet well between its ends.
+
+        Args:
+            here: Shape (N,), the triangles of the starts; -1 outside the domain.
+            there: Shape (N,), those of the ends.
+            p_m: Shape (N, 2).
+            q_m: Shape (N, 2).
+
+        Returns:
+            Shape (N,); False says nothing.
+        """
+        side = self.partition.neighbours[here] == there[:, None]
+        found: BoolArray = side.any(axis=1) & (here >= 0) & (there >= 0)
+        corners, rows = self.partition.corners_m[here], np.arange(len(here))
+        facet = side.argmax(axis=1)
+        first, second = corners[rows, facet - 2], corners[rows, facet - 1]
+        slack = 2.0 * ROUNDING * np.minimum(self.partition.areas_m2[here], self.partition.areas_m2[there])
+        found &= (_turn(p_m, q_m, first) < -slack) & (_turn(p_m, q_m, second) > slack)
+        for triangles, places in ((here, p_m), (there, q_m)):
+            corners = self.partition.corners_m[triangles]
+            for j in range(3):
+                found &= _turn(corners[:, j - 2], corners[:, j - 1], places) > slack
+        return found
+
     def _well_inside(self, triangle: int, *points_m: Place) -> bool:
         corners, double_area = self.partition.corners_m[triangle].tolist(), 2.0 * self.partition.areas_m2[triangle]
         for j in range(3):
@@ -160,6 +187,13 @@ class Locator:
                 walk.append((triangle, float(entry)))
             reached = max(reached, leave)
         return tuple(entered for i, entered in enumerate(walk) if i == 0 or entered[0] != walk[i - 1][0])
+
+
+def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Twice the areas of triangles, each corner (N, 2): above 0 where they are counter-clockwise."""
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    areas: FloatArray = ux * vy - uy * vx
+    return areas
 
 
 def _clip(

@@ -51,7 +51,12 @@ def _passed(locator: Locator, points_m: FloatArray) -> tuple[int, ...]:
     """The triangles on a line through points (K, 2), that of the first and that of the last one at its ends."""
     at = locator.triangle_at(points_m)
     passed = [int(at[0])]
-    for k in np.flatnonzero(np.diff(at)).tolist():
+    steps = np.flatnonzero(np.diff(at))
+    plain = locator.straight_over(at[steps], at[steps + 1], points_m[steps], points_m[steps + 1])
+    for k, over in zip(steps.tolist(), plain.tolist(), strict=True):
+        if over:
+            passed.append(int(at[k + 1]))
+            continue
         (px, py), (qx, qy) = points_m[k : k + 2].tolist()
         crossed = locator.crossed((px, py), (qx, qy), likely=int(at[k]))
         for triangle, share in (*crossed, (int(at[k + 1]), 1.0)):

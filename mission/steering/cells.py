@@ -46,8 +46,8 @@ def borders_of(free: shapely.Geometry) -> FloatArray:
     parts = shapely.get_parts(free)
     rings = shapely.get_rings(shapely.orient_polygons(parts[shapely.area(parts) > 0.0]))
     corners, ring = shapely.get_coordinates(rings, return_index=True)
-    edges: FloatArray = np.stack((corners[:-1], corners[1:]), axis=1)[ring[:-1] == ring[1:]]
-    return edges
+    edges = np.stack((corners[:-1], corners[1:]), axis=1)[ring[:-1] == ring[1:]]
+    return np.asfortranarray(edges)  # coordinates of one kind in a row: those near a stretch are looked for often
 
 
 def cell_round(
@@ -103,11 +103,12 @@ def cell_round(
 
 def _about(borders_m: FloatArray, begin_m: FloatArray, end_m: FloatArray, reach_m: float) -> FloatArray:
     """The edges in whose boxes something is nearer than that to the box of a stretch: most are far from it."""
-    low, high = np.minimum(begin_m, end_m) - reach_m, np.maximum(begin_m, end_m) + reach_m
-    begins, ends = borders_m[:, 0], borders_m[:, 1]
-    near: BoolArray = (np.maximum(begins, ends) >= low) & (np.minimum(begins, ends) <= high)
-    about: FloatArray = borders_m[near[:, 0] & near[:, 1]]
-    return about
+    about = np.arange(len(borders_m))
+    for axis in (0, 1):
+        low, high = min(begin_m[axis], end_m[axis]) - reach_m, max(begin_m[axis], end_m[axis]) + reach_m
+        begins, ends = (borders_m[:, end, axis] if axis == 0 else borders_m[about, end, axis] for end in (0, 1))
+        about = about[(np.maximum(begins, ends) >= low) & (np.minimum(begins, ends) <= high)]
+    return np.ascontiguousarray(borders_m[about])
 
 
 def _away(side: FloatArray | None, ends_m: FloatArray, edge: FloatArray, touching: float) -> FloatArray:

@@ -140,6 +140,27 @@ def test_walks_there_and_back_are_mirrored(seed: int) -> None:
     assert [f for _, f in there][1:] == pytest.approx([1 - f for _, f in reversed(back)][:-1])
 
 
+@given(seeds)
+@settings(max_examples=10, deadline=None)
+def test_segments_straight_over_a_facet_meet_these_two_triangles_alone(seed: int) -> None:
+    locator, rng = Locator(triangulate_nodes(random_nodes(seed, 30))), np.random.default_rng(seed)
+    p = rng.uniform((-5.0, -5.0), (155.0, 105.0), (60, 2))
+    q = p + rng.uniform(-12.0, 12.0, p.shape)
+    here, there = locator.triangle_at(p), locator.triangle_at(q)
+    over = locator.straight_over(here, there, p, q)
+    walks = [locator.crossed((a[0], a[1]), (b[0], b[1])) for a, b in zip(p.tolist(), q.tolist(), strict=True)]
+    straight = [
+        tuple(t for t, _ in walk) == (a, b) and -1 not in (a, b) for walk, a, b in zip(walks, here, there, strict=True)
+    ]
+    assert over.tolist() == straight  # in general position
+
+
+def test_segments_along_a_facet_or_through_a_corner_are_not_seen_to_go_straight_over() -> None:
+    p = np.array([[1.25, 1.5], [1.0, 2.0], [0.2, 0.2], [0.5, 0.5], [-0.5, 0.25]])
+    q = np.array([[2.75, 2.5], [4.0, 2.0], [0.2, 0.2], [0.5, 0.5], [0.25, 0.25]])
+    assert not GRID.straight_over(GRID.triangle_at(p), GRID.triangle_at(q), p, q).any()
+
+
 def test_a_hundred_thousand_triangles_are_no_trouble() -> None:
     partition = triangulate_nodes(np.random.default_rng(3).uniform(0.0, 1000.0, (50_000, 2)))
     points = np.random.default_rng(4).uniform(0.0, 1000.0, (100_000, 2))
