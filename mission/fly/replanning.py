@@ -216,14 +216,17 @@ class Replanning:
     def _ask(self, cause: Cause, guidance: Guidance, vehicle_s: float, now_s: float) -> None:
         """Ask for the rest of the mission from where a new plan can begin."""
         watch, session = self._watch, self._session
-        waits, outside = guidance.course_at(vehicle_s).waits, watch.tracking.excess_s > 0.0
+        # What is flown then may have been asked for in this very turn.
+        coming_s = vehicle_s + _SOONEST_S
+        coming = guidance.course_at(coming_s)
+        waits, outside = coming.waits, watch.tracking.excess_s > 0.0
         holds = not waits and (
             cause.holds or self._tries >= _MOST_TRIES or (outside and not watch.legs.now.is_clear(watch.place_m))
         )
         takes_s = max(session.vehicle.clock.rate, 1.0) * _MORE * self._replanner.takes_s
         ahead_s = _SOONEST_S if holds else max(takes_s, self._late_s) + _AHEAD_S
         if waits:
-            approach = standing(guidance.course_at(vehicle_s), vehicle_s, guidance.pace_at(vehicle_s)[0])
+            approach = standing(coming, coming_s, guidance.pace_at(coming_s)[0])
         elif outside:
             approach = aside(self._state(ahead_s), bounds_of(watch.plan), vehicle_s + ahead_s)
         elif self._flies_on and not holds:
