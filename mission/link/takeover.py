@@ -11,6 +11,9 @@ from mission.monitor.stage import Stage
 
 _WAITS: Final = (Stage.FLY, Stage.ARRIVE)
 
+_EXPLAINED: Final = 5
+"""Heartbeats in a mode after which the pilot flies in it: what is told of a failsafe from then on did not bring it."""
+
 
 class Takeover:
     """Who flies, by heartbeats.
@@ -56,12 +59,12 @@ class Takeover:
         if heartbeat.custom_mode in step.modes and not stopped:
             self.changed, self.words = bool(self.words), ""
             return None
-        if vehicle.heartbeats_in_mode < HEARTBEATS:
+        mode, seen = kind.mode_name(heartbeat.custom_mode), vehicle.heartbeats_in_mode
+        words = f"someone else put the vehicle into {mode}"
+        if seen < HEARTBEATS or (words == self.words and seen > _EXPLAINED):
             return None
-        mode = kind.mode_name(heartbeat.custom_mode)
         if heartbeat.in_failsafe or vehicle.told_failsafe_since(since_s):
             return Ending.FAILSAFE, f"a failsafe put the vehicle into {mode}"
-        words = f"someone else put the vehicle into {mode}"
         self.changed, self.words = words != self.words, words
         return None if waits and step.stage in _WAITS else (Ending.HANDED_OVER, self.words)
 
