@@ -9,6 +9,7 @@ from mission.fly.recording import Recording
 from mission.link.session import Session
 
 GEOFENCE: Final = "geofence"
+GEOFENCE_RENEWED: Final = "geofence renewed"
 
 
 class Circumstances:

@@ -1,9 +1,10 @@
 """The geofence that guards a flight: a plan's fence in the frame that is flown in, as the autopilot takes it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from mission.errors import GeometryError, VehicleError
+from mission.fly.circumstances import GEOFENCE, GEOFENCE_RENEWED
 from mission.geometry.geodesy import LatLon
 from mission.link.contact import Contact
 from mission.link.fence_guard import FenceBefore, FenceGuard, fence_items
@@ -12,6 +13,7 @@ from mission.link.plan_values import PlanItem
 from mission.plan import FlightPlan
 from mission.plan.fence import fence_of, placed
 from mission.plan.guarding import frame_share, opened, reach_m, thinned
+from mission.report.reading import Entry
 
 _CEILING_SHARE: Final = 0.2
 _LEAST_ABOVE_M: Final = 5.0
@@ -77,19 +79,21 @@ def items_of(plan: FlightPlan, origin_ned_m: tuple[float, float], contact: Conta
         raise VehicleError(f"the vehicle cannot be fenced in: {error}") from error
 
 
-def guarded_again(values: Mapping[str, Any], plan: FlightPlan, contact: Contact, *, keep: bool) -> FenceGuard | None:
+def guarded_again(events: Sequence[Entry], plan: FlightPlan, contact: Contact, *, keep: bool) -> FenceGuard | None:
     """What guards a flight that is taken up again: the fence that it set, to be put back to what was there before.
 
     Args:
-        values: What its record says of it (``geofence``).
+        events: What its record says; of the fence, if it set one, what there was before and what it is to be now.
         plan: What is flown.
         contact: The vehicle.
         keep: Whether the fence stays after the flight.
     """
     kind = contact.autopilot
-    if kind is None:
+    told = [event for event in events if event.text in {GEOFENCE, GEOFENCE_RENEWED}]
+    if kind is None or not told:
         return None
-    items, before = (tuple(_item(each) for each in values[name]) for name in ("items", "items_before"))
+    values = next(event.values for event in reversed(told) if event.text == GEOFENCE)
+    items, before = (tuple(map(_item, each)) for each in (told[-1].values["items"], values["items_before"]))
     parameters = {str(name): float(value) for name, value in values["parameters_before"].items()}
     return FenceGuard(
         items,

@@ -10,7 +10,7 @@ from mission.clock import Clock, SteadyClock
 from mission.errors import FlightError, LinkError, MissionError, NoPlanError, VehicleError
 from mission.fly.amending import Amending, Amendments
 from mission.fly.by_field import field_orders, is_sealed
-from mission.fly.circumstances import GEOFENCE, Circumstances
+from mission.fly.circumstances import GEOFENCE_RENEWED, Circumstances
 from mission.fly.conclusion import concluded, joined, shortcomings
 from mission.fly.fencing import guarded, guarded_again, items_of
 from mission.fly.interruption import INTERRUPTED, StopRequest
@@ -32,6 +32,7 @@ from mission.link.events import Held, Moved, StageEntered, WentOn
 from mission.link.frames import enu_from_ned
 from mission.link.session import Session
 from mission.link.transport import Transport
+from mission.link.vehicle_state import HEARTBEATS
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
@@ -171,7 +172,7 @@ class Flight:
             guard.renew(items)
         except VehicleError as error:
             self.record.warn(f"the geofence stays as it was: {error}")
-        self.record.write("event", self.newest_s, name="geofence renewed", items=[asdict(item) for item in guard.items])
+        self.record.write("event", self.newest_s, name=GEOFENCE_RENEWED, items=[asdict(item) for item in guard.items])
 
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
@@ -235,12 +236,12 @@ class Flight:
         session, vehicle, kind = self.session, self.session.vehicle, self.session.contact.autopilot
         if kind is None or vehicle.position is None:
             raise VehicleError("the vehicle has not told where it is")
-        left.check(vehicle, kind)
+        now, anchor = left.legs.now.plan, left.checked(vehicle, kind)
         at_s, attitude = vehicle.position_at_s, vehicle.attitude
-        place_m = left.anchor.to_domain(vehicle.position.position_ned_m)
+        place_m = anchor.to_domain(vehicle.position.position_ned_m)
         velocity_m_s = enu_from_ned(vehicle.position.velocity_ned_m_s)
         angles_rad = None if attitude is None else attitude.angles_rad
-        check_stand(left.legs.now.plan, place_m[:2])
+        check_stand(now, place_m[:2])
         # The way from where it was heard last counts as flown.
         self.watch.take(StageEntered(at_s, Stage.FLY))
         self.watch.take_up(left.legs, left.began_s, left.last_s, [each.number for each in left.record.pictures])
@@ -248,20 +249,22 @@ class Flight:
         answer = answered(left.request(place_m[:2]))
         if answer.plan is None:
             raise NoPlanError(answer.refusal)
-        self.plan, self._fenced = answer.plan, left.legs.now.plan
+        self.plan, self._fenced = answer.plan, now
         self._replanning, self._in_time, self._amending = self._replans()
         laps, due = left.laps
         before = laps + int(due is not None), due is not None
         again = Cause(f"taken up again after {at_s - left.last_s:.0f} s")
         self._replanning.fly_next(answer.plan, answer.text, at_s, again, before)
         self._replanner.prepare(answer.plan)
-        for event in left.record.events:
-            if event.text == GEOFENCE:
-                keep = self.options.keep_fence
-                session.contact.fence = guarded_again(event.values, answer.plan, session.contact, keep=keep)
+        self._guard_again(left)
         course = course_of(answer.plan, 0.0 if angles_rad is None else angles_rad[2], None)
-        session.depart(course, left.anchor, answer.plan.photographs)
+        session.depart(course, anchor, answer.plan.photographs)
         self.listening.excuse()
+
+    def _guard_again(self, left: Unfinished) -> None:
+        """Let the vehicle have the fence back that it had before a flight, once that is over."""
+        contact, now, keep = self.session.contact, left.legs.now.plan, self.options.keep_fence
+        contact.fence = contact.fence or guarded_again(left.record.events, now, contact, keep=keep)
 
     def _replans(self) -> tuple[Replanning, ReturnInTime, Amending | None]:
         """What replans this flight, what brings it home in time, and what amends its mission."""
@@ -371,6 +374,10 @@ class Flight:
         if not gone():
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
+            if self._unfinished is not None and self.session.vehicle.heartbeats_disarmed >= HEARTBEATS:
+                self._guard_again(self._unfinished)
+                if self.session.contact.unfinished:
+                    self.record.warn("the vehicle gets back the geofence that it had before the flight")
             put_back(self.session, transport, self.clock, gone)
         self._take_what_can_be_taken()
         reason = joined(str(why), left, *shortcomings(self.session, self.watch, self.remarks))

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from mission.errors import GeometryError, RecordError, VehicleError
+from mission.fly.circumstances import GEOFENCE
 from mission.fly.replanner import PlanRequest
 from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.link.autopilot import Autopilot
@@ -28,6 +29,7 @@ from mission.report.replay import judged_again
 from mission.spec.model import MissionSpec, Point
 
 RETURNING: Final = "returning after this lap"
+_NOT_BEGUN: Final = "this flight had not begun when it was left: fly its mission anew"
 
 _BRAKING_M_S2: Final = 1.0
 _DRIFT_M: Final = 10.0
@@ -46,7 +48,7 @@ class Unfinished:
         record: As far as it goes.
         legs: What of it counts.
         mission: What was asked for last, all of it.
-        anchor: Ties its domain to the vehicle's local frame.
+        anchor: Ties its domain to the vehicle's local frame; None where it had not begun, but set a geofence.
         last_s: Vehicle time of the last report.
         last_m: Where that was, ENU in the domain.
         speed_m_s: How fast the vehicle was then.
@@ -55,7 +57,7 @@ class Unfinished:
     record: Record
     legs: FlightLegs
     mission: MissionSpec
-    anchor: Anchor
+    anchor: Anchor | None
     last_s: float
     last_m: Point
     speed_m_s: float
@@ -82,12 +84,15 @@ class Unfinished:
             amended = replace(leg.plan.spec, flight=replace(flight, laps=laps + int(due is not None)))
         return PlanRequest(0, leg.plan, rest, amended)
 
-    def check(self, vehicle: VehicleState, kind: Autopilot) -> None:
-        """Refuse to take a vehicle over that is not the one that was left, or not as it was left.
+    def checked(self, vehicle: VehicleState, kind: Autopilot) -> Anchor:
+        """What ties the domain to the frame of a vehicle that is taken over, as it was left.
 
         Raises:
-            VehicleError: It is in no mode that it is left in, moves, is elsewhere, or was restarted or flown since.
+            VehicleError: It is in no mode that it is left in, moves, is elsewhere, or was restarted or flown since; or
+                the flight had not begun.
         """
+        if self.anchor is None:
+            raise VehicleError(_NOT_BEGUN)
         newest_s, position = vehicle.clock.newest_s, vehicle.position
         if newest_s is None or position is None or vehicle.mode is None:
             raise VehicleError("the vehicle has not told where it is")
@@ -103,7 +108,7 @@ class Unfinished:
             )
         if vehicle.landed is LandedState.ON_GROUND:
             raise VehicleError("the vehicle has landed since; its flight is over")
-        self._check_home(vehicle)
+        self._check_home(vehicle, self.anchor)
         if not is_still(position):
             speed_m_s = math.hypot(*position.velocity_ned_m_s[:2])
             raise VehicleError(f"the vehicle flies at {speed_m_s:.1f} m/s; wait until it hovers")
@@ -115,8 +120,9 @@ class Unfinished:
                 f"the vehicle is {off_m:.0f} m from where the record leaves it, farther than the {most_m:.0f} m in "
                 "which it comes to rest: it was flown since, and where to is not known"
             )
+        return self.anchor
 
-    def _check_home(self, vehicle: VehicleState) -> None:
+    def _check_home(self, vehicle: VehicleState, anchor: Anchor) -> None:
         """Compare where it took off by its own word with where this flight did."""
         if vehicle.home is None or vehicle.origin is None:
             return
@@ -126,7 +132,7 @@ class Unfinished:
         except GeometryError:
             home_m = (math.inf, math.inf)
         start_m = self.legs.legs[0].plan.start_m
-        began_m = enu_from_ned(self.anchor.to_vehicle((*start_m, 0.0)))[:2]
+        began_m = enu_from_ned(anchor.to_vehicle((*start_m, 0.0)))[:2]
         off_m = math.dist(home_m, began_m)
         if off_m > _AGREE_M:
             raise VehicleError(
@@ -155,8 +161,11 @@ def unfinished(plan: FlightPlan, record: Record, mission: MissionSpec | None = N
         raise RecordError(f"this flight has come to its end: {verdict.get('reason')}", line=0)
     ties = [event.values.get("origin_ned_m") for event in record.events if event.text == "anchored"]
     known = np.flatnonzero(np.isfinite(record.track.position_m[:, :2]).all(axis=1) & np.isfinite(record.track.t_s))
+    asked = plan.spec if mission is None else mission
     if not ties or not len(known):
-        raise RecordError("this flight had not begun when it was left: fly its mission anew", line=0)
+        if not any(event.text == GEOFENCE for event in record.events):
+            raise RecordError(_NOT_BEGUN, line=0)
+        return Unfinished(record, FlightLegs(plan), asked, None, -math.inf, plan.start_m, 0.0)
     last = int(known[-1])
     x, y = record.track.position_m[last, :2].tolist()
     speed = float(np.hypot(*record.track.velocity_m_s[last, :2]))
@@ -167,7 +176,7 @@ def unfinished(plan: FlightPlan, record: Record, mission: MissionSpec | None = N
     return Unfinished(
         record,
         judged_again(plan, record),
-        plan.spec if mission is None else mission,
+        asked,
         Anchor((north, east, down)),
         last_s=float(record.track.t_s[last]),
         last_m=(x, y),

@@ -246,7 +246,7 @@ class Contact:
         if self.vehicle.heartbeats_armed >= HEARTBEATS and not self._aloft:
             raise VehicleError("the vehicle is armed already; a mission begins on the ground, with motors off")
         if self.vehicle.heartbeats_disarmed >= HEARTBEATS and self._aloft:
-            raise VehicleError("the vehicle's motors are off: it has landed since, and its flight is over")
+            raise VehicleError("the vehicle's motors are off: its flight is over")
         self.waiting_for = self.vehicle.unready(absolute=self._needs_origin, aloft=self._aloft)
         vehicle_s = self.vehicle.clock.now_s(now_s)
         if self.waiting_for or vehicle_s is None:

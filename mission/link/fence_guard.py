@@ -7,7 +7,7 @@ whoever flies it then. Each change is read back; what could not be put back is t
 
 import math
 import struct
-from collections.abc import Generator, Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -96,7 +96,8 @@ class FenceGuard:
             own: Who we are.
             bytewise: Whether the vehicle sends whole numbers of parameters as bytes.
             keep: Whether it stays after the flight.
-            before: What the vehicle had, where it has been set already; then nothing is set.
+            before: What the vehicle had, where it has been set already, by another program; then nothing is set, and
+                nothing is put back where somebody else has set a fence since.
         """
         self.items = items
         self.before = before
@@ -105,7 +106,8 @@ class FenceGuard:
         self._lost: list[str] = []
         self._rules, self._ceiling_m, self._own, self._bytewise, self._keep = rules, ceiling_m, own, bytewise, keep
         self._types: dict[str, int] = {}
-        self._touched = before is not None
+        self._touched = self._inherited = before is not None
+        self._foreign = False
         self._returning = False
         self._task: _Asked | None = self._set() if before is None else None
         self._asking: Asking | None = None
@@ -118,6 +120,8 @@ class FenceGuard:
     @property
     def trouble(self) -> str:
         """What of the vehicle's own fence was not put back, in plain words; empty where nothing was left out."""
+        if self._foreign:
+            return "somebody else has given the vehicle another geofence since, which stays as it is"
         lost = self._lost or ["its parameters and its items"] * (self._returning and self.unfinished)
         return f"of the vehicle's own geofence this was not put back: {', '.join(lost)}" if lost else ""
 
@@ -141,7 +145,7 @@ class FenceGuard:
     def renew(self, items: tuple[PlanItem, ...]) -> None:
         """From now on let the vehicle keep other items, with the fence off meanwhile; not where it is put back."""
         if self.is_set and not self._returning:
-            self.items = items
+            self.items, self._inherited = items, False
             self._asking, self._task = None, self._renewed()
 
     def take(self, body: Body) -> None:
@@ -213,6 +217,10 @@ class FenceGuard:
         before, rules = self.before, self._rules
         if before is None:
             return
+        if self._inherited:
+            yield from self._look(before)
+            if self._foreign:
+                return
         now = dict.fromkeys(before.parameters, math.nan)  # how far it has come is not known
         others = [(name, value) for name, value in before.parameters.items() if name != rules.switch]
         steps = [
@@ -235,6 +243,13 @@ class FenceGuard:
             else:
                 self._lost += [what] * (not heard)
 
+    def _look(self, before: FenceBefore) -> _Asked:
+        """See whether somebody else has set a fence since another program did; silence is for those who ask next."""
+        reading = PlanReading(PlanKind.FENCE, self._own, _ABOUT)
+        yield reading
+        kept = reading.items
+        self._foreign = reading.done and not any(_same(kept, items) for items in (self.items, before.items))
+
     def _change(self, name: str, value: float, now: dict[str, float]) -> _Asked:
         """Set a parameter that is not so already."""
         value = _single(value)
@@ -253,8 +268,7 @@ class FenceGuard:
             answer = writing.trouble or writing.answer or answer
             reading = PlanReading(PlanKind.FENCE, self._own, _ABOUT)
             yield from _answered(reading)
-            kept = reading.items
-            if len(kept) == len(items) and all(a.same_as(b) for a, b in zip(kept, items, strict=True)):
+            if _same(reading.items, items):
                 return
         said = f": {answer}" if answer else ""
         raise VehicleError(f"the vehicle does not keep the geofence that it was given{said}; {_HINT}")
@@ -265,6 +279,10 @@ def _answered(question: Question) -> _Asked:
     yield question
     if question.trouble:
         raise (LinkError if question.silent else VehicleError)(f"{question.trouble}; {_HINT}")
+
+
+def _same(kept: Sequence[PlanItem], items: Sequence[PlanItem]) -> bool:
+    return len(kept) == len(items) and all(a.same_as(b) for a, b in zip(kept, items, strict=True))
 
 
 def _single(value: float) -> float:

@@ -6,8 +6,10 @@ from itertools import groupby
 
 import numpy as np
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import MissionError, NoPlanError, RecordError, VehicleError
+from mission.fly import FlightOptions
 from mission.fly.amendments import Amendment, AmendmentAnswer
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
@@ -17,9 +19,13 @@ from tests.support.resumed import Killed
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.plan_store import PlanItem, PlanKind
 
 FLAVOURS = pytest.mark.parametrize("flavour", list(Flavour))
 ALONE_S = 8.0
+FAR_CIRCLE = PlanItem(
+    mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 1, (20.0, 0.0, 0.0, 0.0), 1, 1, 0.0
+)
 TWO_PLACES = (
     SMALL.replace("F (goal & F G home)", "F (goal & F (pond & F G home))")
     .replace("& G !pond", "")
@@ -47,6 +53,11 @@ limits: {speed_m_s: 6, acceleration_m_s2: 2.5, tilt_deg: 25}
 @pytest.fixture(scope="module")
 def two_places() -> FlightPlan:
     return plan_of(TWO_PLACES)
+
+
+@pytest.fixture(scope="module")
+def small() -> FlightPlan:
+    return plan_of(SMALL)
 
 
 @pytest.fixture(scope="module")
@@ -227,3 +238,26 @@ def test_a_vehicle_above_what_is_restricted_now_is_refused(two_places: FlightPla
     killed.plan = replace(plan_of(TWO_PLACES.replace("mission:\n", over + "mission:\n")), start_m=killed.plan.start_m)
     with pytest.raises(NoPlanError, match="restricted over"):
         killed.resume()
+
+
+@FLAVOURS
+@pytest.mark.parametrize("at_s", [12.5, 48.0])
+def test_a_vehicle_on_the_ground_gets_its_own_fence_back(small: FlightPlan, flavour: Flavour, at_s: float) -> None:
+    """Also where the flight had not begun, or is over; once, and not where somebody else has set another since."""
+    killed = Killed(small, flavour, at_s, FlightOptions(fence=True))
+    killed.leave(30.0)
+    autopilot = killed.bench.vehicle.autopilot
+    if autopilot.armed:  # as PX4 it took off by itself
+        killed.bench.station.set_mode(Mode.LAND)
+        killed.leave(30.0)
+    assert [*autopilot.guard.fence.plan.areas]
+    with pytest.raises(VehicleError, match="its flight is over"):
+        killed.resume()
+    assert not [*autopilot.guard.fence.plan.areas]
+    [told, *_] = [event.values for event in killed.record.events if event.text == "geofence"]
+    for name, value in told["parameters_before"].items():
+        assert killed.bench.vehicle.parameters[name] == value
+    killed.bench.endpoint._plans.store.replace(PlanKind.FENCE, (FAR_CIRCLE,))
+    with pytest.raises(VehicleError, match="somebody else has given the vehicle another geofence since"):
+        killed.resume()
+    assert killed.bench.endpoint._plans.store.plans[PlanKind.FENCE] == (FAR_CIRCLE,)
