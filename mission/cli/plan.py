@@ -14,7 +14,7 @@ from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import count, out, print_warnings, reach, tube_costs
-from mission.decimals import decimal
+from mission.decimals import decimal, measure
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT
@@ -131,6 +131,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
             "tube_m": certificate.tube_m,
             "tube_m_s": plan.spec.flight.tube_m_s,
             "tube_causes": dict(plan.spec.flight.tube_causes),
+            "landing_m": plan.landing_m,
             "clearance_m": certificate.clearance_m,
             "word": [sorted(letter) for letter in certificate.word],
         },
@@ -287,6 +288,8 @@ def _print_certificate(plan: FlightPlan) -> None:
         _print(
             f"               it is flown within {plan.spec.flight.tube_m_s:.2g} m/s of its velocity, by the same causes"
         )
+    if plan.landing_m:
+        _print(f"               landing at its end, it may drift by {measure(plan.landing_m)} m more")
     if certificate.clearance_m is not None:
         _print(f"               at least {certificate.clearance_m:.2f} m from every restricted triangle")
     if plan.homeward is not None:

@@ -11,10 +11,12 @@ import shapely
 from mission.errors import AutomatonSizeError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.location import Locator
+from mission.geometry.shapes import polygonal
 from mission.logic.automata.safety import Safety
 from mission.plan.corridor_path import CorridorPath, CorridorPlanner
 from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward, ends_of_flight, ways_back
+from mission.plan.landing import room_to_land
 from mission.plan.progress import Grounds
 from mission.planning.run import Run
 from mission.steering.corridor import Way, smooth_ways
@@ -69,7 +71,9 @@ def way_back_in_corridor(
         goal = ends if ends[run.suffix[0]] else np.arange(partition.size) == run.suffix[0]
         try:
             onward = np.zeros(2) if flown.onward is None else flown.onward[0]
-            ways = _taut((leaving, free), grounds.inside(goal), end_m, onward, planner.pace.acceleration_m_s2)
+            inside = polygonal(shapely.intersection(free, grounds.inside(goal)))
+            ends = room_to_land(inside, free, spec.flight.landing_m)
+            ways = _taut((leaving, free), ends, end_m, onward, planner.pace.acceleration_m_s2)
             (curve,) = smooth_ways(ways, planner.pace, onward=flown.onward)
         except (NoPlanError, NoWayError):
             continue
@@ -92,7 +96,6 @@ def _taut(
     It begins where what the laps end in may be touched, and goes on where it is not touched again.
     """
     leaving, free = frees
-    goal = shapely.intersection(free, goal)
     stretches = [Stretch(free, goal)]
     if not shapely.covers(free, leaving):
         stretches.insert(0, Stretch(leaving, free))

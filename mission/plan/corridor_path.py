@@ -118,7 +118,8 @@ class CorridorPlanner:
     def _proved(
         self, run: Run, begins: Beginning, certify: Callable[[JoinedCurve], Certificate], margin_m: float
     ) -> CorridorPath:
-        grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m)
+        landing_m = self.spec.flight.landing_m
+        grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m, landing_m)
         stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run, begins.place_m)
         free, onward = stages.stages[0].free, begins.onward(self.pace)
         halt = begins.halt(free, self.pace) if begins.halts else None

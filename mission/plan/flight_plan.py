@@ -21,6 +21,7 @@ from mission.plan.costs import UNIT, transition_weights
 from mission.plan.covering import CoveredVisit
 from mission.plan.detour import Avoidance
 from mission.plan.homeward import Homeward, ends_of_flight
+from mission.plan.landing import little_room_to_land
 from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
 from mission.plan.tasks import DroppedTask
@@ -29,7 +30,7 @@ from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import restricted_triangles
 from mission.spec.loss import cut_off, out_of_reach
-from mission.spec.model import MissionSpec, Point
+from mission.spec.model import FIELD, MissionSpec, Point
 from mission.spec.specification import Specification, deterministic_of
 from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
@@ -203,6 +204,7 @@ class FlightPlan:
             *cut_off(self.spec),
             *out_of_reach(self.spec, self.start_m),
             *flight_cautions(self.spec.flight, self.spec.limits),
+            *self._about_landing,
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics, self._covered),
             *((f"the path of the fields is flown: {self.instead}",) if self.instead else ()),
             *((self._passing_over,) if self.passed_over else ()),
@@ -215,6 +217,17 @@ class FlightPlan:
     def asked_run(self) -> int | None:
         """The number of the run that was asked for instead of the mission's own choice; None where that was left."""
         return None if self.passed_over or self.run_index == self.spec.run else self.run_index
+
+    @property
+    def landing_m(self) -> float | None:
+        """How far the landing is proved to be able to drift; None where it is not known where the flight ends."""
+        return None if self.run.recurrent and self.homeward is None else self.proofs[-1].landing_m
+
+    @property
+    def _about_landing(self) -> tuple[str, ...]:
+        flight, landing_m = self.spec.flight, self.landing_m
+        little = "" if landing_m is None or flight.guidance == FIELD else little_room_to_land(flight, landing_m)
+        return (little,) if little else ()
 
     @property
     def _covered(self) -> frozenset[str]:
@@ -299,4 +312,5 @@ def prover_of(
         semantics=spec.semantics,
         restricted=restricted,
         tube_m=spec.flight.tube_m,
+        landing_m=spec.flight.landing_m,
     )

@@ -24,6 +24,7 @@ from mission.geometry.simplices import ROUNDING, Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.inclusion import included, simulated
 from mission.logic.automata.rabin import DEAD, Pair
+from mission.plan.landing import room_to_land
 from mission.planning.run import Run
 from mission.spec.model import Point, Semantics
 from mission.steering.taut import Stretch
@@ -83,10 +84,19 @@ class Grounds:
         labelling: Its labels.
         restricted: Shape (M,), what is never touched.
         margin_m: Half width of the square.
+        landing_m: How far a landing may drift.
     """
 
-    def __init__(self, partition: Partition, labelling: Labelling, restricted: BoolArray, margin_m: float) -> None:
+    def __init__(
+        self,
+        partition: Partition,
+        labelling: Labelling,
+        restricted: BoolArray,
+        margin_m: float,
+        landing_m: float = 0.0,
+    ) -> None:
         self._partition, self._labelling, self._restricted = partition, labelling, restricted
+        self.landing_m = landing_m
         self._margin_m, self._tolerance_m = margin_m, ROUNDING * partition.extent_m
         self._known: dict[frozenset[int], Area] = {}
         self._grown: dict[int, Area] = {}
@@ -314,12 +324,15 @@ class StagesOfRuns:
         if target.is_empty:
             raise NoStagesError(f"the tube does not fit into {self._named(letter)}", allowed)
         names = frozenset.intersection(*(self._grounds.labelling.letters[each] for each in allowed))
-        if stages and shapely.covers(target, stages[-1].target):
-            last = stages.pop()
-            return (*stages, Stage(last.free, last.target, None, last.index, last.names, stays=True))
         harmless = self._reading(state, [state], None)
         free = self._grounds.touching_only(harmless | allowed)
-        return (*stages, Stage(free, target, None, index, names, stays=True))
+        ends = room_to_land(target, free, self._grounds.landing_m)
+        if stages and shapely.covers(target, stages[-1].target):
+            at_once = polygonal(shapely.intersection(ends, stages[-1].target))
+            if not at_once.is_empty:
+                last = stages.pop()
+                return (*stages, Stage(last.free, at_once, None, last.index, last.names, stays=True))
+        return (*stages, Stage(free, ends, None, index, names, stays=True))
 
     def _staying(self, state: int, letter: int) -> frozenset[int]:
         """Letters of which every word for ever is accepted from a state."""

@@ -256,6 +256,11 @@ class Flight:
         return disturbed_m(self.disturbance_m_s2, self.time_constant_s) + self.margins.sum_m
 
     @property
+    def landing_m(self) -> float:
+        """How far a landing may drift on each axis from where the vehicle was in its tube, by the same causes."""
+        return disturbed_m(self.disturbance_m_s2, self.time_constant_s) + self.margins.own_m
+
+    @property
     def tube_m_s(self) -> float:
         """The same of the velocity's error."""
         return disturbed_m_s(self.disturbance_m_s2, self.time_constant_s) + self.margins.following_m_s

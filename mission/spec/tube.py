@@ -7,6 +7,9 @@ The vehicle's distance from its trajectory, on each axis, is the sum of
 - how far its own estimate is off, for flights are judged by that;
 - how far the autopilot's law is behind by itself, where nothing disturbs it;
 - the reach of the setpoints' correction, which may lead off a vehicle that needs none.
+
+A landing is the autopilot's own: it holds the place at which the vehicle happens to be in its tube when it is told to
+land, and is off from there by the same causes, corrections left out, which nobody makes any more.
 """
 
 import math
@@ -36,7 +39,12 @@ class Margins:
     @property
     def sum_m(self) -> float:
         """All that concerns the position."""
-        return self.estimator_m + self.following_m + self.correction_m
+        return self.own_m + self.correction_m
+
+    @property
+    def own_m(self) -> float:
+        """What of it the vehicle has by itself, whoever leads it."""
+        return self.estimator_m + self.following_m
 
 
 NO_MARGINS: Final = Margins()

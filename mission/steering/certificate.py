@@ -9,6 +9,8 @@ any stops): that
    what a word is, and how it goes on for ever after the end of the curve: staying there, or flying the last leg of the
    curve, a lap, again and again).
 
+Of a flight that stays it is also about its landing, in which the vehicle may be ``landing_m`` farther from the end.
+
 The curve is enclosed piece by piece (``enclosure``), which gives for each piece the triangles that the tube may touch.
 Where the claim fails, the pieces that are to blame are cut and it is tried again, until the pieces are short against
 the tube: what is then not proved is reported with its place and its reason, and is not flown.
@@ -25,6 +27,7 @@ from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_floa
 from mission.geometry.regions import Labelling
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import CompiledAutomaton
+from mission.spec.clearances import largest_m
 from mission.spec.model import Point, Semantics
 from mission.steering.enclosure import (
     Contacts,
@@ -65,6 +68,7 @@ class Certificate:
         clearance_m: Proved lower bound of the distance of the curve itself to every restricted triangle; None where
             nothing is restricted.
         tube_m: Half width of the tube on each axis.
+        landing_m: How much farther from the end of the curve the claim holds while the vehicle lands there.
         frequencies: Number of waves of the curve.
         counterexample: Triangles of a violating flight, in order; empty unless a word is to blame.
     """
@@ -80,6 +84,7 @@ class Certificate:
     tube_m: float
     frequencies: int
     counterexample: tuple[int, ...] = ()
+    landing_m: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "knots_s", frozen_floats(self.knots_s))
@@ -105,6 +110,7 @@ class Certificate:
             "word": [sorted(letter) for letter in self.word],
             "clearance_m": self.clearance_m,
             "tube_m": self.tube_m,
+            "landing_m": self.landing_m,
             "frequencies": self.frequencies,
             "counterexample": list(self.counterexample),
         }
@@ -125,6 +131,7 @@ class Certificate:
             tube_m=float(data["tube_m"]),
             frequencies=int(data["frequencies"]),
             counterexample=tuple(int(t) for t in data["counterexample"]),
+            landing_m=float(data["landing_m"]),
         )
 
 
@@ -163,6 +170,7 @@ class Prover:
         semantics: Whether a word begins with the label of the start triangle.
         restricted: Shape (M,), the triangles that the tube must never meet.
         tube_m: Half width of the tube on each axis, at least 0.
+        landing_m: How far a landing may drift from where the vehicle is in the tube.
     """
 
     def __init__(
@@ -174,13 +182,14 @@ class Prover:
         semantics: Semantics,
         restricted: BoolArray,
         tube_m: float,
+        landing_m: float = 0.0,
     ) -> None:
         if not (np.isfinite(tube_m) and tube_m >= 0.0):
             raise ValueError("the half width of a tube is a finite length, at least 0")
         self._partition, self._labelling = partition, labelling
         self._refutation, self._semantics = refutation, semantics
         self._restricted = restricted
-        self._tube_m = float(tube_m)
+        self._tube_m, self._landing_m = float(tube_m), landing_m
         self._search = ContactSearch(partition)
         self._distance = RegionDistance(partition, restricted) if restricted.any() else None
         extent = float(np.ptp(partition.vertices_m, axis=0).max())
@@ -216,7 +225,9 @@ class Prover:
             contacts = self._contacts(enclosure)
             doubt = self._doubt(enclosure, contacts, ways)
         if doubt is None:
-            return self._proved(curve, *self._sharpened(curve, enclosure, contacts))
+            enclosure, contacts = self._sharpened(curve, enclosure, contacts)
+            landing_m = 0.0 if repeats else self._landing(enclosure, contacts, ways)
+            return replace(self._proved(curve, enclosure, contacts), landing_m=landing_m)
         certificate = self._proved(curve, enclosure, contacts)
         if doubt.violations is None:
             told = self._unsafe_place(enclosure, contacts, doubt)
@@ -246,6 +257,20 @@ class Prover:
         sets = self._contacts(enclosure).sets
         layers, _ = self._layers(enclosure.knots_s, sets, float(curve.starts_s[-2]))
         return self._violations(layers, None).at_end()
+
+    def _landing(self, enclosure: Enclosure, contacts: Contacts, ways: _Ways) -> float:
+        """How far from the tube at the end a landing may drift, at most as far as it is said to."""
+        layers, _ = self._layers(enclosure.knots_s, contacts.sets, None)
+        at_end = self._violations(layers, ways.begins).at_end()
+        end_m = enclosure.points_m[-1:]
+
+        def holds(drift_m: float) -> bool:
+            there = self._search.contacts(end_m, end_m, np.array([self._tube_m + drift_m]))
+            if (there.outside | there.marked(self._restricted)).any():
+                return False
+            return not self._violations(Layers((there.sets[0],), None), at_end).exists()
+
+        return self._landing_m if holds(self._landing_m) else largest_m(holds, self._landing_m) or 0.0
 
     def _sharpened(self, curve: JoinedCurve, enclosure: Enclosure, contacts: Contacts) -> tuple[Enclosure, Contacts]:
         """The pieces at the borders of regions cut further, so that what the tube surely spells shows."""
@@ -376,25 +401,3 @@ class Prover:
         pieces, letters = self._letters_of(contacts)
         sure = letters[np.bincount(pieces, minlength=1)[pieces] == 1].tolist()
         return tuple(self._labelling.letters[letter] for letter, _ in groupby(sure))
-
-
-def certify(
-    curve: JoinedCurve,
-    partition: Partition,
-    labelling: Labelling,
-    *,
-    refutation: CompiledAutomaton,
-    semantics: Semantics,
-    restricted: BoolArray,
-    tube_m: float,
-    repeats: bool = False,
-) -> Certificate:
-    """Prove the claim of one curve, or say where it fails; ``Prover`` explains the arguments.
-
-    Raises:
-        ValueError: ``tube_m`` is negative or not finite.
-    """
-    prover = Prover(
-        partition, labelling, refutation=refutation, semantics=semantics, restricted=restricted, tube_m=tube_m
-    )
-    return prover.certify(curve, repeats=repeats)

@@ -5,6 +5,7 @@ from itertools import groupby
 
 import numpy as np
 
+from mission.geometry.arrays import BoolArray, IntArray
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
 from mission.spec.model import Semantics
@@ -26,6 +27,12 @@ def tube_holds(plan: Written) -> Verdict:
         fault = stray(plan.ground, proof.curve, plan.spec.flight.tube_m, proof.knots_s, proof.sets)
         if fault:
             return f"{what} {fault}", ""
+        drift_m = float(proof.data["landing_m"])
+        if not 0.0 <= drift_m <= plan.spec.flight.landing_m:
+            return f"`certificate.landing_m` is {drift_m:g}, not 0 to {plan.spec.flight.landing_m:g}", ""
+        _, there, outside = _landing(plan, proof)
+        if outside.any() or plan.restricted[there].any():
+            return f"a landing that drifts by {drift_m:g} m may leave the domain, or meet what must not be entered", ""
     return None, f"{len(plan.sets)} pieces, {plan.spec.flight.tube_m:g} m on each side"
 
 
@@ -36,11 +43,12 @@ def words_satisfy(plan: Written) -> Verdict:
     arguments = (plan.partition, plan.labelling.letter_of)
     first = plan.spec.semantics is Semantics.STANDARD
     compiled = compile_to_alphabet(asked.refutation, plan.labelling.letters)
-    if spells(Layers(sets, lap), *arguments, compiled, reads_first=first):
+    landed = [] if lap else [sorted(_landing(plan, laps)[1].tolist())]
+    if spells(Layers([*sets, *landed], lap), *arguments, compiled, reads_first=first):
         return "a flight within the tube may spell a word that violates the mission", ""
     for proof in back:
         bad = safety_of(deterministic_of(asked.formula, asked.given, asked.letters).whole).refutation()
-        onward, _ = layers_of(plan, proof, alone=True)
+        onward = [*layers_of(plan, proof, alone=True)[0], sorted(_landing(plan, proof)[1].tolist())]
         if spells(Layers([*sets, *onward], lap), *arguments, bad, reads_first=first):
             return "the way back may violate the mission", ""
     return None, f"{len(sets)} layers, {compiled.states} states of the automaton of what is forbidden"
@@ -72,6 +80,12 @@ def layers_of(plan: Written, proof: Proof, *, alone: bool = False) -> tuple[Sets
     before = _merged([begin, *sets[: head + (abs(knots[head] - lap_s) > 1e-9 * knots[-1])]])
     after = _merged([*sets[head:], end])
     return [*before, *after], (len(before), len(before) + len(after))
+
+
+def _landing(plan: Written, proof: Proof) -> tuple[IntArray, IntArray, BoolArray]:
+    """What is met where the curve of a proof ends while the vehicle lands there, as in ``Ground.met_at``."""
+    half_m = plan.spec.flight.tube_m + float(proof.data["landing_m"])
+    return plan.ground.met_at(proof.curve.at(proof.curve.ends_s[-1:]), half_m)
 
 
 def _merged(sets: Sequence[Sequence[int]]) -> Sets:

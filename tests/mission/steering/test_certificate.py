@@ -19,7 +19,7 @@ from mission.logic.automata.refutation import refutation
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Extension, Semantics
-from mission.steering.certificate import Certificate, certify
+from mission.steering.certificate import Certificate, Prover
 from mission.steering.joined import JoinedCurve
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.curves import (
@@ -43,19 +43,20 @@ def certified(
     semantics: Semantics = Semantics.STANDARD,
     restricted: tuple[int, ...] = (6,),
     tube_m: float = 0.1,
+    landing_m: float = 0.0,
     repeats: bool = False,
 ) -> Certificate:
     domain, labels = partition or paper_partition(), labelling or paper_labelling()
-    return certify(
-        curve if isinstance(curve, JoinedCurve) else JoinedCurve((curve,)),
+    prover = Prover(
         domain,
         labels,
         refutation=refuting(formula, labels.letters),
         semantics=semantics,
         restricted=marked(domain, restricted),
         tube_m=tube_m,
-        repeats=repeats,
+        landing_m=landing_m,
     )
+    return prover.certify(curve if isinstance(curve, JoinedCurve) else JoinedCurve((curve,)), repeats=repeats)
 
 
 def moved(curve: FourierCurve, by_m: tuple[float, float]) -> FourierCurve:
@@ -306,15 +307,14 @@ def test_a_proof_conjunct_by_conjunct_is_one_of_the_whole(formula: str, by_m: tu
     curve = JoinedCurve((moved(fit_fourier(paper_path(), 28, Extension.ODD), by_m),))
     labels = paper_labelling()
     whole, apart = (
-        certify(
-            curve,
+        Prover(
             paper_partition(),
             labels,
             refutation=machine,
             semantics=Semantics.STANDARD,
             restricted=marked(paper_partition(), ()),
             tube_m=0.1,
-        )
+        ).certify(curve)
         for machine in (
             refuting(formula, labels.letters),
             compile_to_alphabet(refutation(parse_formula(formula)), labels.letters),
