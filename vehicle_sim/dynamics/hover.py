@@ -15,7 +15,7 @@ which roll, pitch and their rates are counted. Commands and wind are held over a
 gives the exact step.
 """
 
-from math import cos, exp, pi, sin, sqrt
+from math import cos, exp, hypot, pi, sin
 from typing import Final
 
 import numpy as np
@@ -23,6 +23,7 @@ from scipy.linalg import expm
 
 from vehicle_sim.dynamics.airframe import checked_efficiency
 from vehicle_sim.dynamics.kinematics import body_rates, specific_force
+from vehicle_sim.dynamics.power import carrying_w, moving_w
 from vehicle_sim.signals import GRAVITY_M_S2, Command, FourRotors, Motion, Vector
 
 DRAG_PER_S: Final = 0.1
@@ -33,7 +34,6 @@ MOST_ANGULAR_RAD_S2: Final = 60.0
 MOST_YAW_RAD_S2: Final = 10.0
 LEVELLING_S: Final = 0.1
 LEVEL_RAD: Final = 1e-6
-_HOVER_W: Final = 140.0
 _SOUND: Final[FourRotors] = (1.0, 1.0, 1.0, 1.0)
 _LEVER_PER_M: Final = 3.2
 """Angular acceleration about roll or pitch by thrust (m/s^2) where a rotor gives none: m l / 4 Ixx."""
@@ -98,6 +98,7 @@ class Hover:
         self._yaw_rate_rad_s = 0.0
         self._on_ground = True
         self._efficiency = _SOUND
+        self._wind: Vector = (0.0, 0.0, 0.0)
         self.motion = self._standing()
 
     @property
@@ -113,9 +114,12 @@ class Hover:
 
     @property
     def power_w(self) -> float:
-        """Electrical power: it rises with the 3/2 power of thrust (momentum theory of a hovering rotor)."""
-        load = max(self._down[2], 0.0) / GRAVITY_M_S2
-        return _HOVER_W * load * sqrt(load)
+        """Electrical power of the thrust, of which the linear model knows the upright part alone, and of its work."""
+        v_n, v_e, v_d = self.motion.velocity_ned_m_s
+        w_n, w_e, w_d = self._wind
+        up, north, east = self._down[2], GRAVITY_M_S2 * self._north[2], GRAVITY_M_S2 * self._east[2]
+        work = 0.0 if self._on_ground else north * (v_n - w_n) + east * (v_e - w_e) - up * (v_d - w_d)
+        return carrying_w(hypot(up, north, east) / GRAVITY_M_S2) + moving_w(work)
 
     def weaken(self, efficiency: FourRotors) -> None:
         """Let each rotor give only this share of its part of the thrust.
@@ -130,6 +134,7 @@ class Hover:
 
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step under `command`, held and limited to what the rotors can do."""
+        self._wind = wind_ned_m_s
         roll_up, pitch_up, yaw_up = command.angular_acceleration_rad_s2
         roll_up, pitch_up = _clip(roll_up, MOST_ANGULAR_RAD_S2), _clip(pitch_up, MOST_ANGULAR_RAD_S2)
         thrust = min(max(command.thrust_m_s2, 0.0), MOST_THRUST_M_S2)

@@ -26,6 +26,7 @@ from typing import Final
 from vehicle_sim.dynamics.airframe import checked_efficiency
 from vehicle_sim.dynamics.hover import DRAG_PER_S, LEVEL_RAD, LEVELLING_S, VERTICAL_DRAG_PER_S
 from vehicle_sim.dynamics.kinematics import body_rates, specific_force
+from vehicle_sim.dynamics.power import moving_w
 from vehicle_sim.dynamics.rotors import SURVEY_ROTORS, RotorSet, thrust_and_torques
 from vehicle_sim.signals import GRAVITY_M_S2, Command, FourRotors, Motion, Vector
 
@@ -109,6 +110,7 @@ class Quadrotor:
         self._speeds: FourRotors = (0.0, 0.0, 0.0, 0.0)
         self._attitude = quaternion_of(0.0, 0.0, yaw_rad)
         self._on_ground = True
+        self._wind = _STILL
         self.motion = Motion(
             _STILL, _STILL, _STILL, 0.0, 0.0, yaw_rad, _STILL, specific_force(0.0, 0.0, yaw_rad, _STILL), True
         )
@@ -138,8 +140,16 @@ class Quadrotor:
 
     @property
     def power_w(self) -> float:
-        """Electrical power: drag torque times speed of each rotor, over the motors' efficiency."""
-        return self._rotors.drag * sum(speed**3 for speed in self._speeds) / self._rotors.motor_efficiency
+        """Electrical power: drag torque times speed of each rotor, over the motors' efficiency, and thrust's work."""
+        w, x, y, z = self._attitude
+        v, wind = self.motion.velocity_ned_m_s, self._wind
+        sinking = (
+            2.0 * (x * z + w * y) * (v[0] - wind[0])
+            + 2.0 * (y * z - w * x) * (v[1] - wind[1])
+            + (1.0 - 2.0 * (x * x + y * y)) * (v[2] - wind[2])
+        )
+        turning_w = self._rotors.drag * sum(speed**3 for speed in self._speeds) / self._rotors.motor_efficiency
+        return turning_w + (0.0 if self._on_ground else moving_w(-self.thrust_m_s2 * sinking))
 
     def weaken(self, efficiency: FourRotors) -> None:
         """Let each rotor reach only this share of the thrust that it is asked for: it turns slower, also in drag.
@@ -153,6 +163,7 @@ class Quadrotor:
 
     def step(self, command: Command, wind_ned_m_s: Vector) -> Motion:
         """Go on by one step with the rotors' `outputs` of `command`, limited to 0 to 1, and in wind."""
+        self._wind = wind_ned_m_s
         o1, o2, o3, o4 = command.outputs
         m1, m2, m3, m4 = self._most_speeds
         wanted = (

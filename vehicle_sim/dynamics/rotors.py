@@ -17,6 +17,7 @@ from math import sqrt
 from typing import Final
 
 from vehicle_sim.dynamics.hover import MOST_THRUST_M_S2, ROTOR_TIME_S
+from vehicle_sim.dynamics.power import MASS_KG, MOTOR_EFFICIENCY
 from vehicle_sim.signals import FourRotors, Vector
 
 
@@ -37,16 +38,16 @@ class RotorSet:
         motor_efficiency: Mechanical over electrical power.
     """
 
-    mass_kg: float = 1.5
+    mass_kg: float = MASS_KG
     inertia_kg_m2: Vector = (0.0291, 0.0291, 0.0552)
     arm_m: float = 0.25
     rotor_inertia_kg_m2: float = 6e-5
     lift: float = 1.6e-5
     drag: float = 2.56e-7
     unbalance_kg_m: float = 3e-6
-    most_speed_rad_s: float = sqrt(1.5 * MOST_THRUST_M_S2 / (4.0 * 1.6e-5))
+    most_speed_rad_s: float = sqrt(MASS_KG * MOST_THRUST_M_S2 / (4.0 * 1.6e-5))
     response_s: float = ROTOR_TIME_S
-    motor_efficiency: float = 0.8
+    motor_efficiency: float = MOTOR_EFFICIENCY
 
 
 SURVEY_ROTORS: Final = RotorSet()
