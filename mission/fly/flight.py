@@ -37,6 +37,7 @@ from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.printable import printable
+from mission.report.tracking import tracking_of
 from mission.spec.model import Point
 
 _STRAY_FOR_S = 5.0
@@ -244,7 +245,8 @@ class Flight:
         check_stand(now, place_m[:2])
         # The way from where it was heard last counts as flown.
         self.watch.take(StageEntered(at_s, Stage.FLY))
-        self.watch.take_up(left.legs, left.began_s, left.last_s, [each.number for each in left.record.pictures])
+        pictures = [each.number for each in left.record.pictures]
+        self.watch.take_up(left.legs, left.began_s, left.last_s, pictures, tracking_of(left.record))
         self.watch.take(Moved(at_s, place_m, velocity_m_s, angles_rad, place_m, velocity_m_s, None))
         answer = answered(left.request(place_m[:2]))
         if answer.plan is None:

@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mission.fly.listening import Listening
 from mission.fly.recording import RecordWriter
 from mission.fly.result import Progress
@@ -34,6 +36,7 @@ from mission.monitor.monitor import Monitor
 from mission.monitor.stage import WATCHED, Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
+from mission.report.tracking import Tracking
 
 if TYPE_CHECKING:
     from mission.spec.model import Point
@@ -78,7 +81,9 @@ class FlightWatch:
         """Which leg was written last, and how many of its visits and violations."""
         self._trajectory = plan.trajectory
 
-    def take_up(self, legs: FlightLegs, began_s: float, last_s: float, pictures: Iterable[int]) -> None:
+    def take_up(
+        self, legs: FlightLegs, began_s: float, last_s: float, pictures: Iterable[int], tracked: Tracking
+    ) -> None:
         """Go on with a flight that was left.
 
         Args:
@@ -86,8 +91,12 @@ class FlightWatch:
             began_s: Vehicle time at which its trajectory began.
             last_s: Vehicle time of its last report.
             pictures: The numbers of those that were told of.
+            tracked: How well its trajectory was followed.
         """
         self.pictures.extend(pictures)
+        self.tracking.largest_m = float(np.abs(tracked.error_m).max(initial=0.0))
+        self.tracking.largest_m_s = float(np.nanmax(np.abs(tracked.velocity_error_m_s), initial=0.0))
+        self.largest_distance_m = float(tracked.distance_m.max(initial=0.0))
         self.legs, self._trajectory = legs, legs.now.plan.trajectory
         self._written = (len(legs.legs) - 1, len(self.monitor.visits), len(self.monitor.violations))
         self.began_s, self._told_s = began_s, last_s

@@ -13,6 +13,7 @@ from mission.fly import FlightOptions
 from mission.fly.amendments import Amendment, AmendmentAnswer
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
+from mission.report.tracking import tracking_of
 from mission.spec.model import MissionSpec
 from tests.support.fault_grid import KilledError
 from tests.support.resumed import Killed
@@ -126,6 +127,18 @@ def test_a_flight_goes_on_after_a_second_kill(two_places: FlightPlan) -> None:
     killed.leave(ALONE_S)
     taken_up(killed)
     assert len(killed.record.takeovers) == 2
+
+
+@FLAVOURS
+def test_the_largest_error_is_that_of_both_parts(two_places: FlightPlan, flavour: Flavour) -> None:
+    killed = Killed(two_places, flavour, 33.5)
+    before = tracking_of(killed.record)
+    killed.leave(ALONE_S)
+    result = killed.resume()
+    whole = tracking_of(killed.record)
+    assert result.largest_error_m >= np.abs(before.error_m).max() > 0.0
+    assert result.largest_error_m == pytest.approx(np.abs(whole.error_m).max(), abs=0.02)
+    assert result.largest_distance_m == pytest.approx(whole.distance_m.max(), abs=0.02)
 
 
 class Told:
