@@ -20,9 +20,11 @@ from mission.fly.recording import Recording
 from mission.fly.replanner import PlanRequest, Replanner
 from mission.fly.replanning import Cause, Replanning
 from mission.fly.watch import FlightWatch
+from mission.geometry.arrays import FloatArray
+from mission.link.course import Flown
 from mission.link.guidance import Guidance
 from mission.link.session import Session
-from mission.monitor.charge import Charge, Prospect, Resolve, margin_s, resolved
+from mission.monitor.charge import Charge, Moments, Prospect, Resolve, least_share, margin_s, resolved, share
 from mission.monitor.stage import Stage
 from mission.plan.rest import Rest
 from mission.spec.battery import Battery
@@ -35,6 +37,9 @@ if TYPE_CHECKING:
 _LOOK_S: Final = 0.2
 _FRESH_S: Final = 1.5
 _AGAIN_S: Final = 2.0
+_SAMPLES: Final = 64
+_MUCH: Final = 1.05
+_STILL: Final[Moments] = (0.0, 0.0, 0.0)
 _LAP_AHEAD_S: Final = 2.0
 """So long before a lap ends it is decided whether it is the last."""
 
@@ -52,10 +57,12 @@ class _WayHome:
     Attributes:
         from_s: Vehicle time at which it would begin.
         duration_s: How long its trajectory lasts.
+        moments: Of it.
     """
 
     from_s: float
     duration_s: float
+    moments: Moments
 
 
 class ReturnInTime:
@@ -83,6 +90,7 @@ class ReturnInTime:
         self._home: tuple[FlightPlan, Point] | None = None
         self._looked_s = self._again_s = -math.inf
         self._last_lap = ""
+        self._since: list[Point] = []
 
     @property
     def text(self) -> str:
@@ -106,16 +114,19 @@ class ReturnInTime:
         if self._charge is None:
             self._charge = self._charge_of(battery)
         charge, told = self._charge, session.vehicle.battery
+        self._since.append(self._watch.velocity_m_s)
         if told is not None and told is not self._told:
             self._told = told
-            charge.tell(vehicle_s, told.consumed_mah, told.percent, guidance.pace_at(vehicle_s)[1])
+            pace = guidance.pace_at(vehicle_s)[1]
+            charge.tell(vehicle_s, told.consumed_mah, told.percent, pace, _moments(np.array(self._since)))
+            self._since.clear()
         if session.stage is not Stage.FLY or not session.redirectable or self._replanning.busy:
             self._asked = None
             return ""
         if not charge.is_known or vehicle_s < self._looked_s + _LOOK_S or self._watch.legs.given_up is not None:
             return ""
         self._looked_s = vehicle_s
-        self._hear(vehicle_s)
+        self._hear(charge, guidance, vehicle_s)
         prospect = self._prospect(charge, guidance, vehicle_s)
         return self._act(charge, prospect, guidance, vehicle_s, now_s)
 
@@ -128,21 +139,29 @@ class ReturnInTime:
         """For how long there is charge beyond the rest, a return and the straight way."""
         spec, course, elapsed_s = self._watch.plan.spec, guidance.course_at(vehicle_s), _elapsed_s(guidance, vehicle_s)
         landing = landing_s(spec.flight.altitude_m)
+        work, flown = guidance.correction.drag.work_w_kg, self._flown_w_kg(charge, guidance)
+        landing *= share(work(_STILL), flown)
         # Laps that were not begun are another matter (``_count_laps``).
-        rest_s = math.inf if course.waits else course.trajectory.ended_after(elapsed_s).duration_s - elapsed_s
+        rest_s = math.inf
+        if not course.waits:
+            once = course.trajectory.ended_after(elapsed_s)
+            rest_s = (once.duration_s - elapsed_s) * share(work(_moments_of(once, elapsed_s)), flown)
         straight_s = math.dist(self._watch.place_m, self._home_m) / spec.limits.speed_m_s
         return_s, way = None, self._way
         if way is not None:
-            flight_s = charge.flying_s(way.duration_s) + landing
+            more = self._share_of(way, charge, guidance)
+            flight_s = more * charge.flying_s(way.duration_s) + landing
             # Flown on for so long, it takes so long to come back as well.
             away_s = max(vehicle_s - way.from_s, 0.0)
             turning_s = 2.0 * math.hypot(*self._watch.velocity_m_s) / spec.limits.acceleration_m_s2
-            needed_s = flight_s + away_s + turning_s + margin_s(flight_s) + 2.0 * self._takes_s
+            needed_s = flight_s + more * (away_s + turning_s) + margin_s(flight_s) + 2.0 * self._takes_s
             return_s = charge.spare_s(vehicle_s, needed_s)
         return Prospect(
             rest_s=charge.spare_s(vehicle_s, charge.flying_s(rest_s) + landing),
             return_s=return_s,
-            straight_s=charge.spare_s(vehicle_s, straight_s + landing, reserve=False),
+            straight_s=charge.spare_s(
+                vehicle_s, least_share(flown) * (straight_s + landing_s(spec.flight.altitude_m)), reserve=False
+            ),
             fresh=way is not None and vehicle_s - way.from_s <= _FRESH_S,
         )
 
@@ -154,7 +173,7 @@ class ReturnInTime:
             return ""
         figures = (
             f"battery: {charge.left_mah(vehicle_s):.0f} mAh left at {charge.current_a:.1f} A, "
-            f"{charge.reserve_mah:.0f} to stay"
+            f"{charge.reserve_mah:.0f} to stay{self._against_wind(charge, guidance)}"
         )
         if resolve is Resolve.GIVE_UP:
             return f"{figures}: it suffices for no way home"
@@ -180,15 +199,24 @@ class ReturnInTime:
         self._asked = _Asked(-next(self._numbers), at_s)
         self._replanner.ask(PlanRequest(self._asked.number, watch.plan, rest, returns=True))
 
-    def _hear(self, vehicle_s: float) -> None:
+    def _hear(self, charge: Charge, guidance: Guidance, vehicle_s: float) -> None:
         """Listen for the way home."""
         answer = None if self._asked is None else self._replanner.answer()
         if answer is None or self._asked is None or answer.number != self._asked.number:
             return
         at_s, self._asked = self._asked.at_s, None
         if answer.plan is not None:
-            self._way = _WayHome(at_s, answer.plan.trajectory.duration_s)
-            self._record.write("event", vehicle_s, name="way home", from_s=at_s, duration_s=self._way.duration_s)
+            trajectory = answer.plan.trajectory
+            self._way = way = _WayHome(at_s, trajectory.duration_s, _moments_of(trajectory, 0.0))
+            self._record.write(
+                "event",
+                vehicle_s,
+                name="way home",
+                from_s=at_s,
+                duration_s=way.duration_s,
+                mean_current_a=charge.current_a,
+                current_a=charge.current_a * self._share_of(way, charge, guidance),
+            )
         else:
             self._again_s = vehicle_s + _AGAIN_S
             self._record.write("event", vehicle_s, name="no way home", reason=answer.refusal)
@@ -213,7 +241,9 @@ class ReturnInTime:
         if once.laps == course.laps or once.laps_end_s - elapsed_s > _LAP_AHEAD_S:
             return
         another = course.trajectory.ended_after(once.laps_end_s + _LOOK_S)
-        needed_s = charge.flying_s(another.duration_s - elapsed_s) + landing_s(self._watch.plan.spec.flight.altitude_m)
+        work, flown = guidance.correction.drag.work_w_kg, self._flown_w_kg(charge, guidance)
+        needed_s = share(work(_moments_of(another, elapsed_s)), flown) * charge.flying_s(another.duration_s - elapsed_s)
+        needed_s += share(work(_STILL), flown) * landing_s(self._watch.plan.spec.flight.altitude_m)
         if charge.spare_s(vehicle_s, needed_s + margin_s(needed_s)) >= 0.0 or not self._session.end_laps(now_s):
             return
         self._watch.returning = True
@@ -221,6 +251,19 @@ class ReturnInTime:
         self._record.write("event", vehicle_s, name="returning after this lap", reason=self._last_lap)
         self._record.warn(self._last_lap)
         self._say(self._last_lap)
+
+    def _share_of(self, way: _WayHome, charge: Charge, guidance: Guidance) -> float:
+        """How much of the mean current the way home may take, with its own wind."""
+        return share(guidance.correction.drag.work_w_kg(way.moments), self._flown_w_kg(charge, guidance))
+
+    def _against_wind(self, charge: Charge, guidance: Guidance) -> str:
+        """What is reckoned with on the way home, where that is much more; empty where it is not, or none is known."""
+        more = 1.0 if self._way is None else self._share_of(self._way, charge, guidance)
+        return f", up to {more * charge.current_a:.1f} A on the way home against the wind" if more > _MUCH else ""
+
+    def _flown_w_kg(self, charge: Charge, guidance: Guidance) -> float:
+        """Mean work against the air while the mean current flowed."""
+        return guidance.correction.drag.work_w_kg(charge.moments)
 
     @property
     def _takes_s(self) -> float:
@@ -236,6 +279,18 @@ class ReturnInTime:
             x, y = last.state(np.array([last.duration_s]))[0][0].tolist()
             self._home = plan, (x, y)
         return self._home[1]
+
+
+def _moments(velocities_m_s: FloatArray) -> Moments:
+    """Of some velocities, shape (K, 2)."""
+    east, north = velocities_m_s.mean(axis=0).tolist()
+    return east, north, float((velocities_m_s**2).sum(axis=1).mean())
+
+
+def _moments_of(trajectory: Flown, from_s: float) -> Moments:
+    """Of the rest of a trajectory."""
+    times_s = np.linspace(min(from_s, trajectory.duration_s), trajectory.duration_s, _SAMPLES)
+    return _moments(trajectory.state(times_s)[1])
 
 
 def _elapsed_s(guidance: Guidance, vehicle_s: float) -> float:

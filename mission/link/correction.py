@@ -69,6 +69,7 @@ class Correction:
         lead_s: How much ahead of their time velocity and acceleration are asked for.
         delay_s: How much ahead of its time the position is.
         drag_per_s: What is multiplied by the planned velocity and added to the acceleration.
+        drag: What the vehicle leans against the air.
         calm: Factor of all gains, from 0 to 1.
         error_m: The error of the last report that counted.
         error_m_s: That of its velocity.
@@ -86,7 +87,7 @@ class Correction:
         self.behind_m = 0.0
         self.calm = 1.0
         self._reach_m = reach_m
-        self._drag = DragEstimate()
+        self.drag = DragEstimate()
         self._share = 1.0
         self._seen_s = math.inf
 
@@ -138,9 +139,9 @@ class Correction:
         sharp = _SHARE_PER_S2 * late / (gained[0] ** 2 + gained[1] ** 2 + _GENTLE_M2_S4)
         self.lead_s = min(max(self.lead_s + learnt_s * sharp, 0.0), MOST_LEAD_S)
         if attitude_rad is not None:
-            self._drag.observe(t_s, flown_m_s, attitude_rad)
+            self.drag.observe(t_s, flown_m_s, attitude_rad)
         growth = _DRAG_GROWTH_PER_S2 * passed_s
-        wanted = self._share * max(self._drag.drag_per_s - _LITTLE_DRAG_PER_S, 0.0)
+        wanted = self._share * max(self.drag.drag_per_s - _LITTLE_DRAG_PER_S, 0.0)
         self.drag_per_s += _clipped(wanted - self.drag_per_s, growth)
 
     def corrected(self, planned: Reference) -> Reference:
@@ -167,7 +168,7 @@ class Correction:
             lean_m_s2: g tan(lean).
             planned: At the trajectory's own pace.
         """
-        (still_x, still_y, _), drag = self._drag.lean_m_s2
+        (still_x, still_y, _), drag = self.drag.lean_m_s2
         if drag <= _LITTLE_DRAG_PER_S:
             return 1.0
         (vx, vy, _), (ax, ay, _) = planned.velocity_m_s, planned.acceleration_m_s2

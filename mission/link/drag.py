@@ -50,6 +50,18 @@ class DragEstimate:
         self._seconds = 0.0
         self._sums = np.zeros((2, 4))
 
+    def work_w_kg(self, moments: tuple[float, float, float]) -> float:
+        """What work the vehicle does against the air, per mass: k |v - w|^2; 0 as long as k is not known.
+
+        Args:
+            moments: Mean ENU velocity, m/s, and mean square of the speed.
+        """
+        (x, y, _), drag_per_s = self.lean_m_s2
+        if drag_per_s <= 0.0:
+            return 0.0
+        east, north, square = moments
+        return (x * x + y * y) / drag_per_s + 2.0 * (x * east + y * north) + drag_per_s * square
+
     def observe(self, t_s: float, velocity_m_s: Vector, attitude_rad: Vector) -> None:
         """Take a report: ENU velocity, and roll, pitch, yaw against NED."""
         reports = self._reports

@@ -2,6 +2,11 @@
 
 Times are the vehicle's. The mean current is that of the file at first, and from then on what is drawn, in which about a
 minute counts; so is the pace at which the trajectory is flown. Between two reports the mean current is taken to flow.
+
+What was drawn so far misleads where wind was with the vehicle, and will be against it. How much work it does against
+the air follows from how it leans; what that takes of the charge depends on the vehicle. A multicopter takes 80 to
+180 W/kg to hover, and its motors and blades turn 0.6 to 0.9 of what they draw into work: so 1 W/kg more takes between
+1/160 and 1/48 of the hovering current, and the less favourable of both is reckoned with.
 """
 
 import math
@@ -15,9 +20,29 @@ from mission.spec.battery import Battery
 _COUNTS_S: Final = 60.0
 _MAH_PER_A_S: Final = 1.0 / 3.6
 _SLOWEST: Final = 0.2
+_MOST_PER_W_KG: Final = 1.0 / 48.0
+_LEAST_PER_W_KG: Final = 1.0 / 160.0
 _MARGIN_S: Final = 1.0
 _MARGIN_SHARE: Final = 0.03
 """Of what a return takes: for a current that is not the mean."""
+
+
+Moments = tuple[float, float, float]
+"""Mean of a level velocity, east and north, m/s, and of the square of the speed."""
+
+
+def share(ahead_w_kg: float, flown_w_kg: float) -> float:
+    """The most that so much work against the air may take of the current that another took, as a factor of that.
+
+    With h the hovering current and s what 1 W/kg takes of it, that is h (1 + s w).
+    """
+    most = _MOST_PER_W_KG if ahead_w_kg >= flown_w_kg else _LEAST_PER_W_KG
+    return (1.0 + most * ahead_w_kg) / (1.0 + most * flown_w_kg)
+
+
+def least_share(flown_w_kg: float) -> float:
+    """The least that a flight with the wind may take, likewise."""
+    return 1.0 / (1.0 + _MOST_PER_W_KG * flown_w_kg)
 
 
 class Charge:
@@ -25,6 +50,7 @@ class Charge:
 
     Attributes:
         current_a: The mean current.
+        moments: Mean velocity and mean square of the speed while it flowed.
         capacity_mah: Of a full battery.
         reserve_mah: What is to be left after the landing.
     """
@@ -32,6 +58,7 @@ class Charge:
     def __init__(self, battery: Battery, capacity_mah: float) -> None:
         """Nothing was told yet; the capacity is the vehicle's own word, 0 where it has none, unless the file has it."""
         self.current_a = battery.current_a
+        self.moments: Moments = (0.0, 0.0, 0.0)
         self.capacity_mah = battery.capacity_mah or capacity_mah
         self.reserve_mah = battery.reserve * self.capacity_mah
         self._pace = 1.0
@@ -39,7 +66,14 @@ class Charge:
         self._told: tuple[float, float, float | None] | None = None
         """When it was, what was left then, and what had been drawn."""
 
-    def tell(self, at_s: float, consumed_mah: float | None, percent: float | None, pace: float = 1.0) -> None:
+    def tell(
+        self,
+        at_s: float,
+        consumed_mah: float | None,
+        percent: float | None,
+        pace: float = 1.0,
+        moments: Moments = (0.0, 0.0, 0.0),
+    ) -> None:
         """Take a report.
 
         Args:
@@ -47,6 +81,7 @@ class Charge:
             consumed_mah: What was drawn so far; None where it is not told.
             percent: What is left, rounded down; None where it is not told, and then nothing is known.
             pace: Rate at which the trajectory is flown now.
+            moments: Since the last report.
         """
         if percent is None or self.capacity_mah <= 0.0:
             return
@@ -63,6 +98,8 @@ class Charge:
                 return
             new = -math.expm1(-for_s / _COUNTS_S)
             self._pace += new * (min(max(pace, _SLOWEST), 1.0) - self._pace)
+            x, y, square = (kept + new * (now - kept) for kept, now in zip(self.moments, moments, strict=True))
+            self.moments = x, y, square
             if consumed_mah is not None and before_mah is not None and consumed_mah >= before_mah:
                 self.current_a += new * ((consumed_mah - before_mah) / (_MAH_PER_A_S * for_s) - self.current_a)
         self._told = at_s, left_mah, consumed_mah

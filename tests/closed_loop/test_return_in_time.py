@@ -31,8 +31,8 @@ WHOLE_MAH = 313.0
 """What the check before says of the mission above."""
 
 
-def carrying(plan: FlightPlan, usable_mah: float, current_a: float) -> FlightPlan:
-    battery = Battery(current_a, reserve=1.0 - usable_mah / CAPACITY_MAH)
+def carrying(plan: FlightPlan, usable_mah: float, current_a: float, capacity_mah: float = CAPACITY_MAH) -> FlightPlan:
+    battery = Battery(current_a, reserve=1.0 - usable_mah / capacity_mah)
     return replace(plan, spec=replace(plan.spec, battery=battery))
 
 
@@ -72,6 +72,53 @@ def test_sixty_per_cent_of_what_the_plan_takes_bring_it_home(far: FlightPlan, fl
     assert judged_again(carrying(far, usable_mah, current_a), replace(record, later=later)).outcome().achieved is False
     assert leg["reason"].startswith("battery: ")
     assert len(flight.events("way home")) < 10
+
+
+@pytest.mark.parametrize(
+    ("flavour", "capacity_mah", "wind_from_deg"),
+    [("px4", 1500.0, 270.0), ("ardupilot", 3000.0, 90.0), ("ardupilot", 5200.0, 270.0)],
+)
+def test_wind_that_is_against_the_way_home_or_with_it_is_reckoned_with(
+    far: FlightPlan, flavour: str, capacity_mah: float, wind_from_deg: float
+) -> None:
+    """As near to the reserve as with the smallest battery; home lies in the west."""
+    usable_mah = 0.6 * WHOLE_MAH
+    flight = Replanned(
+        carrying(far, usable_mah, DRAWN_A, capacity_mah),
+        flavour,
+        options=ANYWAY,
+        parameters={CAPACITY[flavour]: capacity_mah},
+        wind_m_s=5.0,
+        wind_from_deg=wind_from_deg,
+    )
+    assert flight.result.ending is Ending.LANDED
+    assert flight.entered() == ["home", "home"]
+    assert abs(over_mah(flight, usable_mah)) <= NEAR_SHARE * CAPACITY_MAH
+    way = flight.events("way home")[-1]
+    against = wind_from_deg == 270.0
+    assert (way["current_a"] > 1.1 * way["mean_current_a"]) is against
+    assert ("on the way home against the wind" in flight.events("leg")[0]["reason"]) is against
+
+
+def test_what_suffices_for_no_way_home_ends_the_flight_where_it_is(far: FlightPlan) -> None:
+    """The charge falls at once to less than the straight way takes."""
+    usable_mah = 0.9 * WHOLE_MAH
+
+    def drained(flight: Replanned, flying_s: float) -> None:
+        if flying_s >= 20.0 and flight.vehicle.vehicle.battery.consumed_mah < CAPACITY_MAH - 60.0:
+            flight.vehicle.vehicle.battery.consumed_mah = CAPACITY_MAH - 60.0
+
+    flight = Replanned(
+        carrying(far, usable_mah, DRAWN_A),
+        "ardupilot",
+        options=ANYWAY,
+        parameters={CAPACITY["ardupilot"]: CAPACITY_MAH},
+        at_step=drained,
+    )
+    assert flight.result.ending is Ending.STOPPED
+    assert not flight.result.achieved
+    assert "it suffices for no way home" in flight.result.reason
+    assert not flight.vehicle.vehicle.autopilot.armed
 
 
 @FLAVOURS

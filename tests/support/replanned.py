@@ -33,13 +33,15 @@ class Replanned:
         amendments: Amendments | None = None,
         drag_per_s: float = 0.3,
         parameters: Mapping[str, float] | None = None,
+        wind_m_s: float = 0.0,
+        wind_from_deg: float = 0.0,
     ) -> None:
         """Fly; ``at_step`` is called with the seconds since the trajectory began."""
         self.plan, self.flavour = plan, flavour
         self.flying_from_s: float | None = None
         self.told: tuple[str, ...] = ()
         self._at_step = at_step
-        config = vehicle_of(flavour, drag_per_s=drag_per_s)
+        config = vehicle_of(flavour, drag_per_s=drag_per_s, wind_m_s=wind_m_s, wind_from_deg=wind_from_deg)
         if faults:
             config = replace(config, faults=schedule_of(*faults))
         self.vehicle = LockstepVehicle(config, at_step=self._step)

@@ -148,7 +148,7 @@ def test_the_rate_is_the_largest_that_the_lean_allows(
 ) -> None:
     """Against k |s v - w| itself, for a vehicle that has swung to and fro in that wind."""
     correction = Correction(REACH_M)
-    correction._drag = flown(drag_per_s, wind_m_s)
+    correction.drag = flown(drag_per_s, wind_m_s)
     planned = Reference((0.0, 0.0, 0.0), (*velocity_m_s, 0.0), STILL)
 
     def lean(rate: float) -> float:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission.monitor.charge import Charge, Prospect, Resolve, resolved
+from mission.monitor.charge import Charge, Prospect, Resolve, least_share, resolved, share
 from mission.spec.battery import Battery
 
 SOME = st.floats(1.0, 60.0)
@@ -90,3 +90,9 @@ def test_the_table(rest_s: float, return_s: float | None, straight_s: float, fre
         assert resolve is Resolve.FLY_ON
     else:
         assert resolve is (Resolve.RETURN if fresh and return_s is not None else Resolve.LOOK_BACK)
+
+
+@given(st.floats(0.0, 60.0), st.floats(0.0, 60.0), st.floats(1.0 / 160.0, 1.0 / 48.0))
+def test_what_wind_takes_is_bounded_for_every_vehicle(ahead: float, flown: float, per_w_kg: float) -> None:
+    more = (1.0 + per_w_kg * ahead) / (1.0 + per_w_kg * flown)
+    assert least_share(flown) - 1e-9 <= more <= share(ahead, flown) + 1e-9
