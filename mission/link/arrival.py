@@ -28,8 +28,12 @@ MOST_S: Final = 5.0
 _SAMPLES: Final = 9
 _WAITING: Final = 64
 _FIRST: Final = 3
-_SLEWS: Final = 0.1
-"""A second of vehicle time changes the delay that is reckoned with by so much while a trajectory is flown."""
+_SLEWS: Final = 0.2
+"""A second of vehicle time changes the delay that is reckoned with by so much while a trajectory is flown.
+
+So much faster than the trajectory do setpoints go meanwhile. With half of that, a jump by half a second each way costs
+1.2 m.
+"""
 
 
 class Arrival:

@@ -68,6 +68,15 @@ def test_a_late_link_costs_next_to_nothing(plan: FlightPlan) -> None:
     assert result.cadence.largest_gap_s <= 0.1
 
 
+@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+def test_a_delay_that_comes_at_once_is_followed(plan: FlightPlan, flavour: str) -> None:
+    result = flown(plan, flavour, "link, delay_s: 0.5, at_s: 24")
+    assert result.achieved, result.reason
+    assert result.link_delay_s == pytest.approx(1.0, abs=0.05)
+    assert result.largest_error_m <= MOST_M
+    assert "for the vehicle to keep up, over a link that takes 1.0 s" in result.reason
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("mission", ["small at 6 m/s", "rounds"])
 @pytest.mark.parametrize("speed", [1.0, 20.0])

@@ -96,8 +96,8 @@ def test_what_is_reckoned_with_follows_slowly_while_something_moves() -> None:
     line.run(6.0)
     assert line.arrival.measured_s == pytest.approx(0.2, abs=0.05)
     before = line.arrival.follow(100.0)
-    assert line.arrival.follow(100.1) == pytest.approx(before - 0.01, abs=1e-6)
-    assert line.arrival.follow(200.0) == pytest.approx(before - 0.01 - 0.1 * GAP_S, abs=1e-6)
+    assert line.arrival.follow(100.1) == pytest.approx(before - 0.02, abs=1e-6)
+    assert line.arrival.follow(200.0) == pytest.approx(before - 0.02 - 0.2 * GAP_S, abs=1e-6)
 
 
 def test_answers_to_others_and_requests_of_the_vehicle_count_for_nothing() -> None:
