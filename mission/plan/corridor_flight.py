@@ -8,6 +8,7 @@ import numpy as np
 
 from mission.errors import UnprovedError
 from mission.geometry.arrays import FloatArray
+from mission.plan.kept import Kept
 from mission.steering.bezier import DEGREE, BezierCurve
 from mission.steering.corridor import LONGEST, Motion, Pace, Way, estimated_s, smooth_ways
 from mission.steering.joined import Curve, JoinedCurve, Piece
@@ -48,6 +49,7 @@ class Flown:
         to_lap: The lines that are flown once.
         lap: Those of the lap; it begins at a rest, or has none.
         onward: What is flown before, or the first and second derivative with which the curve begins; None at rest.
+        kept: What is flown as it was in a plan before.
     """
 
     def __init__(
@@ -56,7 +58,9 @@ class Flown:
         to_lap: Sequence[Line],
         lap: Sequence[Line],
         onward: BezierCurve | tuple[FloatArray, FloatArray] | None,
+        kept: Kept,
     ) -> None:
+        self._kept = kept
         self._pace, self._begins = pace, None if isinstance(onward, BezierCurve) else onward
         self._pieces: list[Piece] = [onward] if isinstance(onward, BezierCurve) else []
         self._stops: list[tuple[int, float]] = []  # after so many pieces, seconds
@@ -116,6 +120,9 @@ class Flown:
         if _stands(group):
             return ()
         onward = None if self._pieces else self._begins
+        known = self._kept.curve(group[0].way.points_m) if onward is None and lap is None and len(group) == 1 else None
+        if known is not None:
+            return (known,)
         return smooth_ways([line.way for line in group], self._pace, lap=lap, onward=onward)
 
     def _end(self, line: Line) -> None:

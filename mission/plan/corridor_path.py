@@ -1,6 +1,6 @@
 """From a run to a smooth curve in the corridor of the shortest path that does what the run does, with its proof."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -16,6 +16,7 @@ from mission.plan.beginning import Beginning
 from mission.plan.begun import StayLeft
 from mission.plan.corridor_flight import Flown, Line, planned_along, rests
 from mission.plan.covering import CoveredVisit, Covering
+from mission.plan.kept import Kept
 from mission.plan.progress import Grounds, Stage, Stages, StagesOfRuns
 from mission.plan.visits import covered_visits, passage_at, visits
 from mission.planning.run import Run
@@ -78,6 +79,7 @@ class CorridorPlanner:
         restricted: Shape (M,), the triangles that must not be touched.
         automaton: Of what the flight satisfies.
         covering: Covers the mission's regions; None where a visit is just that.
+        kept: What is flown as it was in a plan before.
     """
 
     spec: MissionSpec
@@ -86,6 +88,7 @@ class CorridorPlanner:
     restricted: BoolArray
     automaton: Conjunction
     covering: Covering | None
+    kept: Kept
 
     @property
     def pace(self) -> Pace:
@@ -130,7 +133,7 @@ class CorridorPlanner:
         if len(lead_m) > 1:
             to_lap.insert(0, Line(Way(lead_m, free, None)))
         before = [] if halt is None else [Line(Way(halt.position([0.0, halt.duration_s]), free, None))]
-        flown = Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward[:2]))
+        flown = Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward[:2]), self.kept)
         if not flown.moves:
             raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
         curve = flown.curve
@@ -177,7 +180,7 @@ class CorridorPlanner:
             _line(
                 line, stretches[line.stage], held_s or self._held_there_s(stretches[line.stage], line, margin_m), lanes
             )
-            for line in found.lines
+            for line in (found.lines if found.lap is not None else self._as_kept(found.lines, stretches, done))
             for held_s, lanes in (done[line.stage],)
         ]
         if found.lap is None:
@@ -200,6 +203,21 @@ class CorridorPlanner:
             head[-1] = Line(head[-1].way)
             tail.insert(0, Line(Way(head[-1].way.points_m[-1:], head[-1].way.free, None), lanes=covering))
         return [*to_lap, *head], [*tail, *head]
+
+    def _as_kept(
+        self,
+        lines: Sequence[TautLine],
+        stretches: Sequence[Stage],
+        done: Sequence[tuple[float, RoundedPolyline | None]],
+    ) -> Sequence[TautLine]:
+        """Lines of a flight without laps that come to rest where a plan before did."""
+        last = len(lines) - 1
+        rested = [
+            done[line.stage][1] is None
+            and (number == last or (done[line.stage][0] > 0.0 and stretches[line.stage].restart_m is None))
+            for number, line in enumerate(lines)
+        ]
+        return self.kept.moved(lines, stretches, rested)
 
     def _stretches(
         self, run: Run, stages: Stages, begins: Beginning, grounds: Grounds

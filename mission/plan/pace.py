@@ -12,6 +12,7 @@ from mission.plan.turning import RunIn, looked_along, run_ins, slow_to_turn, tur
 from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
 from mission.steering.grid import Limits, Slow
 from mission.steering.joined import Curve, JoinedCurve, joins_smoothly
+from mission.steering.known_laws import KnownLaw
 from mission.steering.smoothing import FourierCurve
 from mission.steering.timing import even_rate, level_acceleration, time_law
 from mission.steering.trajectory import Leg, Trajectory
@@ -39,6 +40,7 @@ def trajectory_of(
     slow: tuple[Slow, ...] = (),
     toward_m: Point | None = None,
     begins: tuple[float, float] | None = None,
+    known: Sequence[KnownLaw] = (),
 ) -> Trajectory:
     """The fastest flight along a curve within a mission's limits that has time to turn where its nose has to.
 
@@ -51,6 +53,7 @@ def trajectory_of(
         slow: Where the vehicle must be slow.
         toward_m: Where the nose looks, if that is one place.
         begins: The rate and its growth with which the flight begins; None where it begins at rest.
+        known: Laws of pieces of the curve that are known already.
 
     Raises:
         ValueError: A stop is not on the curve, or it cannot be flown with such a beginning.
@@ -62,7 +65,7 @@ def trajectory_of(
     slow, turns_s = (*slow, *slowly), (*turns_at_rest(spec, curve, lap), *turns_s)
     if begins is not None:
         turns_s = tuple((s, seconds) for s, seconds in turns_s if s > 0.0)
-    flown = _trajectory(spec, curve, (stops, turns_s), lap, slow, begins=begins)
+    flown = _trajectory(spec, curve, (stops, turns_s), lap, slow, begins=begins, known=known)
     turns: tuple[RunIn, ...] = ()
     # Where one part is flown more slowly another one may be faster than it was, and lack time in turn.
     while more := tuple(each for each in run_ins(flown, lanes, spec.limits.yaw_rate_rad_s) if each not in turns):
@@ -70,7 +73,7 @@ def trajectory_of(
         waits = tuple((each.end_s, each.wait_s) for each in turns if each.wait_s > 0.0)
         slower = (*slow, *(Slow(each.begin_s, each.end_s, each.rate) for each in turns))
         # Of two waits at one place the first says where it is: the begin of a lane, and nowhere behind it.
-        flown = _trajectory(spec, curve, (stops, (*waits, *turns_s)), lap, slower, begins=begins)
+        flown = _trajectory(spec, curve, (stops, (*waits, *turns_s)), lap, slower, begins=begins, known=known)
     return flown
 
 
@@ -82,14 +85,15 @@ def _trajectory(
     slow: tuple[Slow, ...],
     *,
     begins: tuple[float, float] | None,
+    known: Sequence[KnownLaw],
 ) -> Trajectory:
     rate = _rate_between_laps(spec, curve, [s for each in standing for s, _ in each], lap, slow)
     try:
-        legs = _legs(spec, curve, standing, slow, (lap, rate), begins=begins)
+        legs = _legs(spec, curve, standing, slow, (lap, rate), begins=begins, known=known)
     except ValueError:
         if rate == 0.0:
             raise
-        legs = _legs(spec, curve, standing, slow, (lap, 0.0), begins=begins)
+        legs = _legs(spec, curve, standing, slow, (lap, 0.0), begins=begins, known=known)
     laps = 1 if lap is None else None if spec.flight.laps == UNTIL_STOPPED else spec.flight.laps
     return Trajectory(legs, spec.flight.altitude_m, lap, laps)
 
@@ -102,6 +106,7 @@ def _legs(
     flown_through: tuple[int | None, float],
     *,
     begins: tuple[float, float] | None,
+    known: Sequence[KnownLaw],
 ) -> tuple[Leg, ...]:
     """The legs with their laws.
 
@@ -112,6 +117,7 @@ def _legs(
         slow: Where the vehicle must be slow.
         flown_through: Which leg is the lap, and the rate with which it begins and ends.
         begins: As in ``trajectory_of``, of the first leg.
+        known: As there.
     """
     (stops, waits), (lap, rate) = standing, flown_through
     legs = []
@@ -136,6 +142,7 @@ def _legs(
             ),
             ends=ends,
             growth=growth,
+            known=known,
         )
         legs.append(Leg(leg, law))
     return tuple(legs)

@@ -18,6 +18,7 @@ from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.heading import looked_toward
+from mission.plan.kept import Kept
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.pace import trajectory_of
 from mission.plan.photographs import along_lanes
@@ -61,7 +62,7 @@ def planned(
         spec: The mission.
         begins: The place, and the motion there.
         run: As in ``plan_mission``.
-        known: Another plan, whose triangles are taken where it is on the same map.
+        known: Another plan, whose triangles are taken where it is on the same map, and what of its ways is the same.
 
     Raises:
         NoRollingStartError: There is no plan with this motion; at rest there may be one.
@@ -112,6 +113,7 @@ def planned(
         index=index,
         free=run is None and spec.run == 0,
         begins=begins,
+        kept=Kept.of(known, spec),
     )
     try:
         flown, trajectory = _flown(steering)
@@ -171,6 +173,7 @@ def _flown(steering: Steering) -> tuple[Steered, Trajectory]:
                 slow=slow_parts(flown.proofs, of.labelling, of.spec.regions),
                 toward_m=looked_toward(of.spec, of.partition, of.labelling),
                 begins=None if onward is None else onward.law,
+                known=steering.kept.laws,
             )
         except NoRollingStartError as error:
             refused = error

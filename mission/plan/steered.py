@@ -15,6 +15,7 @@ from mission.plan.covering import CoveredVisit
 from mission.plan.detour import MOST_SEARCHES, Avoided, flown_run
 from mission.plan.flight_plan import prover_of
 from mission.plan.homeward import Homeward
+from mission.plan.kept import Kept
 from mission.plan.passed import run_along
 from mission.plan.passing_stops import with_passing_stops
 from mission.plan.progress import NoStagesError
@@ -78,6 +79,7 @@ class Steering:
         index: Which of them was asked for.
         free: Whether another one will do.
         begins: Where the flight begins, and with which motion.
+        kept: What is flown as it was in a plan before.
     """
 
     planner: PathPlanner
@@ -88,6 +90,7 @@ class Steering:
     index: int
     free: bool
     begins: Beginning
+    kept: Kept
 
     def steered(self) -> Steered:
         """A run with its smooth path and its proof, as the mission asks for it.
@@ -133,7 +136,9 @@ class Steering:
 
     def _in_corridor(self, found: BestRuns, index: int) -> Steered:
         of, automaton = self.planner, found.product.automaton
-        planner = CorridorPlanner(of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering)
+        planner = CorridorPlanner(
+            of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering, self.kept
+        )
         run, locator = found.runs[index], self.search.maps.locator
         flown = planner.path(run, self.begins, partial(self._prover.certify, repeats=run.recurrent))
         path, curve, homeward = flown.planned, flown.curve, None

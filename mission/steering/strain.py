@@ -12,6 +12,7 @@ they bound the jerk J. The acceleration within a cell that takes the time d is t
 at the cell's ends plus J d / 2, which keeps what lengthwise and crosswise acceleration have to do with each other.
 """
 
+import math
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -35,6 +36,12 @@ class Strain(NamedTuple):
     speed: FloatArray
     acceleration: FloatArray
     jerk: FloatArray
+
+    @property
+    def excess(self) -> float:
+        """By which factor the law must be slower to keep the limits."""
+        acceleration, jerk = float(self.acceleration.max()), float(self.jerk.max())
+        return max(float(self.speed.max()), math.sqrt(acceleration), float(np.cbrt(jerk)))
 
 
 def strain(law: TimeLaw, grid: Grid, limits: Limits) -> Strain:

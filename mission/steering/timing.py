@@ -15,6 +15,7 @@ field of a hundred lanes, goes without it: the first guess is made again with lo
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Final
@@ -24,6 +25,7 @@ import numpy as np
 from mission.geometry.arrays import FloatArray
 from mission.steering.grid import Grid, Limits, Slow, beside, grid_of
 from mission.steering.joined import Curve, JoinedCurve
+from mission.steering.known_laws import KnownLaw, known_law
 from mission.steering.law import TimeLaw, law_from_growths
 from mission.steering.law_fit import law_through
 from mission.steering.pacing import PacingProblem, fastest_squares, led_inside
@@ -72,6 +74,7 @@ def time_law(
     slow: tuple[Slow, ...] = (),
     ends: tuple[float, float] = (0.0, 0.0),
     growth: float | None = None,
+    known: Sequence[KnownLaw] = (),
 ) -> TimeLaw:
     """The fastest law within the limits, but for the little that the method leaves.
 
@@ -84,6 +87,7 @@ def time_law(
         slow: Where sigma' or the speed are to be less than elsewhere, but positive.
         ends: The rate sigma' with which the curve is begun and ended, where sigma'' = 0; at most the ``even_rate``.
         growth: sigma'' with which it is begun at any rate, in the motion that the vehicle has; None where it has none.
+        known: Laws of pieces that may be in the curve: from rest to rest they are flown by these, within the limits.
 
     Raises:
         ValueError: A limit that is not positive, a hold outside the curve or of negative or infinite length, or a part
@@ -110,10 +114,15 @@ def time_law(
     knots = curve.sampled(max(_FEWEST_SAMPLES, _CELLS_PER_WAVE * curve.frequencies)).knots_s
     laws = []
     for begin, end in pairwise(places):
+        at_ends = ends[0] if begin == 0.0 else 0.0, ends[1] if end == curve.duration_s else 0.0
+        moving = any(at_ends) or (begin == 0.0 and growth is not None)
+        law = None if moving or not known else known_law(curve, (begin, end), known, limits, slow)
+        if law is not None:
+            laws.append(law)
+            continue
         own = np.union1d(knots[(knots > begin) & (knots < end)], np.linspace(begin, end, FEWEST_CELLS + 1))
         apart = np.minimum(np.diff(own[:-1]), end - own[1:-1]) > _SAME_KNOT * (end - begin)
         own = np.concatenate((own[:1], own[1:-1][apart], own[-1:]))
-        at_ends = ends[0] if begin == 0.0 else 0.0, ends[1] if end == curve.duration_s else 0.0
         if begin == 0.0 and growth is not None:
             laws.append(_rolling(curve, own, limits, slow, (*at_ends, growth)))
         else:
@@ -210,7 +219,7 @@ def _between_stops(
             continue
         found = strain(law, grid, limits)
         laws.append(_slowed(law, found, moving=moving))
-        if _excess(found) <= (1.0 if moving else _NEARLY):
+        if found.excess <= (1.0 if moving else _NEARLY):
             break
         ceilings, accelerations, jerks = _lowered((ceilings, accelerations, jerks), found, beyond, sharply)
         inner = start if moving else inner
@@ -294,7 +303,7 @@ def _rolling(
         if law is None:
             break
         found = strain(law, grid, limits)
-        if _excess(found) <= 1.0:
+        if found.excess <= 1.0:
             return law
         lower = _lowered(lower, found, 1.005, 2.0)
     raise ValueError(f"no law begins at the rate {ends[0]:.3g} with a growth of {growth:.3g}")
@@ -309,8 +318,8 @@ def _eased(curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ..
     for _ in range(_EASINGS):
         guess, places = guessed(firm, limits, (0.0, 0.0))
         found = strain(guess, grid_of(curve, span_s, places, limits, slow), limits)
-        laws.append(_at_most(guess, _excess(found)))
-        if _excess(found) <= _NEARLY:
+        laws.append(_at_most(guess, found.excess))
+        if found.excess <= _NEARLY:
             break
         asked = np.append(np.maximum(found.speed, np.maximum(np.sqrt(found.acceleration), np.cbrt(found.jerk))), 0.0)
         # What is asked for within each cell of the coarser grid, and next to it.
@@ -326,7 +335,7 @@ def _eased(curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ..
 
 def _slowed(law: TimeLaw, found: Strain, *, moving: bool) -> TimeLaw | None:
     """The law as slow as the limits want it; one that moves at an end must not change: None where it is too fast."""
-    slower = max(1.0, _excess(found))
+    slower = max(1.0, found.excess)
     if moving:
         return law if slower == 1.0 else None
     return _at_most(law, slower)
@@ -343,12 +352,3 @@ def _near(values: FloatArray) -> FloatArray:
     """Of values on cells (n,), the largest of those that meet at each knot or a neighbour of it, shape (n + 1,)."""
     at = beside(values)
     return np.asarray(np.maximum(at, np.maximum(np.append(at[1:], 0.0), np.append(0.0, at[:-1]))))
-
-
-def _excess(found: Strain) -> float:
-    """By which factor a law must be slower to keep the limits."""
-    return max(
-        float(found.speed.max()),
-        math.sqrt(float(found.acceleration.max())),
-        float(np.cbrt(found.jerk.max())),
-    )

@@ -1,0 +1,64 @@
+"""Laws that are known of pieces of a curve already: what is flown as it was before needs no other."""
+
+from collections.abc import Iterable, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from mission.steering.grid import Limits, Slow, grid_of
+from mission.steering.joined import Curve, JoinedCurve, Piece
+from mission.steering.law import TimeLaw
+from mission.steering.strain import strain
+
+_SAME: Final = 1e-9
+"""Of the curve's parameter: rounding."""
+_NEARLY: Final = 1.001
+"""Of a limit; a law that asks for no more is good."""
+
+
+class KnownLaw(NamedTuple):
+    """A piece of a curve, and the law by which it is flown from rest to rest."""
+
+    piece: Piece
+    law: TimeLaw
+
+
+def laws_of(curve: Curve, law: TimeLaw) -> tuple[KnownLaw, ...]:
+    """The pieces of a curve that are flown from rest to rest by its law, without a rest in between."""
+    pieces, joints = ((curve,), [0.0, curve.duration_s]) if not isinstance(curve, JoinedCurve) else _cut(curve)
+    found = []
+    for piece, begin, end in zip(pieces, joints, joints[1:], strict=False):
+        rounding = _SAME * piece.duration_s
+        first = int(np.searchsorted(law.knots_s, begin + rounding, side="right")) - 1
+        own = slice(first, int(np.searchsorted(law.knots_s, end - rounding)) + 1)
+        rates = law.rates[own]
+        if len(rates) > 2 and not rates[[0, -1]].any() and bool((rates[1:-1] > 0.0).all()):  # noqa: PLR2004 - inner ones
+            times, places = law.knots_t_s[own] - law.knots_t_s[first], law.knots_s[own] - begin
+            places[0], places[-1] = 0.0, piece.duration_s
+            found.append(KnownLaw(piece, TimeLaw(times, places, rates, law.growths[own])))
+    return tuple(found)
+
+
+def known_law(
+    curve: Curve, span_s: tuple[float, float], known: Iterable[KnownLaw], limits: Limits, slow: Sequence[Slow]
+) -> TimeLaw | None:
+    """The law that is known of a part of a curve, if it keeps the limits; None where there is none.
+
+    Args:
+        curve: The curve.
+        span_s: Where the part begins and ends, at rests.
+        known: Laws of pieces.
+        limits: Those of the vehicle.
+        slow: Where it is to be slow.
+    """
+    pieces, joints = ((curve,), [0.0, curve.duration_s]) if not isinstance(curve, JoinedCurve) else _cut(curve)
+    piece = next((piece for piece, *ends in zip(pieces, joints, joints[1:], strict=False) if (*ends,) == span_s), None)
+    law = next((each.law for each in known if each.piece is piece), None)
+    if law is None or strain(law, grid_of(curve, span_s, law.knots_s, limits, slow), limits).excess > _NEARLY:
+        return None
+    return law
+
+
+def _cut(curve: JoinedCurve) -> tuple[tuple[Piece, ...], list[float]]:
+    joints: list[float] = curve.joints_s.tolist()
+    return curve.pieces, joints
