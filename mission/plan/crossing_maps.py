@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -23,6 +24,11 @@ from mission.spec.model import Cost, MissionSpec, Point
 _LARGEST: Final = 0.1  # of the extent: the longest edge of the mesh
 _SPACINGS: Final = ((0.015, 1, 5), (0.02, 1, 3), (0.03, 1, 2), (0.03, 1, 1), (0.03, 0, 1))
 """Distances of crossing points, of the extent, and how many there are on an edge: the finer, the better."""
+_MOST_MESHES: Final = 4
+_OUTLINE_MESHES: Final[WeakKeyDictionary[Partition, dict[tuple[bytes, bytes, float], ClassedMesh]]] = (
+    WeakKeyDictionary()
+)
+"""Of each map the meshes that were made of it last."""
 _MOST_WAYS: Final = 4_000_000
 """Ways times copies of the map that a search may take; the finest spacing that does is used."""
 
@@ -86,11 +92,7 @@ class CrossingMaps:
         if room and clearance_m == 0.0:
             return None
         try:
-            if own:
-                mesh = self._own_mesh(~blocked)
-            else:
-                outlines = Outlines.of(self.locator, self.labelling.letter_of, blocked)
-                mesh = outlines.mesh(clearance_m, largest_share=_LARGEST)
+            mesh = self._own_mesh(~blocked) if own else self._outline_mesh(blocked, clearance_m)
         except GeometryError:
             return None
         touching = Locator(mesh.partition).triangles_touching(self.start_m)
@@ -111,6 +113,18 @@ class CrossingMaps:
     def _spacing(self, mesh: Partition, copies: int) -> Spacing:
         spacings = [Spacing(share * self._partition.extent_m, *counts) for share, *counts in _SPACINGS]
         return next((one for one in spacings if one.ways(mesh) * copies <= _MOST_WAYS), spacings[-1])
+
+    def _outline_mesh(self, blocked: BoolArray, clearance_m: float) -> ClassedMesh:
+        """The mesh of the outlines, which is remembered with the triangles: it does not depend on the start."""
+        made = _OUTLINE_MESHES.setdefault(self._partition, {})
+        letter_of = self.labelling.letter_of
+        key = (letter_of.tobytes(), blocked.tobytes(), clearance_m)
+        if key not in made:
+            mesh = Outlines.of(self.locator, letter_of, blocked).mesh(clearance_m, largest_share=_LARGEST)
+            if len(made) >= _MOST_MESHES:
+                del made[next(iter(made))]
+            made[key] = mesh
+        return made[key]
 
     def _own_mesh(self, kept: BoolArray) -> ClassedMesh:
         mesh = self._partition

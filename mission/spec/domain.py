@@ -1,6 +1,8 @@
 """The domain of a mission: its mesh, its labels, and everything that may be wrong with its geometry."""
 
 from collections.abc import Sequence
+from functools import lru_cache
+from typing import Final
 
 import numpy as np
 
@@ -34,6 +36,9 @@ from mission.spec.scale import pair
 from mission.spec.start_check import NO_TUBE, Tube, reach, start_findings
 
 Domain = NodesDomain | BoundaryDomain
+
+_REMEMBERED: Final = 3
+"""Maps that are remembered: of the mission that is flown, of the one that comes in its place, and of one more."""
 
 
 def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
@@ -71,13 +76,10 @@ def examine_domain(
         start_m: Where the flight begins; None where that is unknown.
         tube: What the proof adds to its path.
     """
-    outlines, findings = sound_outlines(domain, regions)
-    if any(finding.path[0] == "domain" for finding in findings):
+    outlines, found_before, mesh = drawn_map(domain, tuple(regions))
+    findings = list(found_before)
+    if mesh is None:
         return None, None, findings
-    try:
-        mesh = _meshed(domain, outlines)
-    except GeometryError as error:
-        return None, None, [*findings, _no_mesh(domain, error)]
     partition = mesh.partition
     if isinstance(domain, NodesDomain):
         findings.extend(_missing_edges(partition, outlines.rings))
@@ -101,6 +103,21 @@ def examine_domain(
         findings.extend(start_findings(start_m, locator, restricted, outlines, tube))
     findings = list(dict.fromkeys(findings))
     return partition, None if findings else label_triangles(partition.size, members), findings
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def drawn_map(domain: Domain, regions: tuple[Region, ...]) -> tuple[Outlines, tuple[Finding, ...], FacedMesh | None]:
+    """The outlines of a domain with regions, what is wrong with them, and the mesh; None where there is none.
+
+    A mission is checked when it is read, and meshed for that; the same mesh serves for what is planned then.
+    """
+    outlines, findings = sound_outlines(domain, regions)
+    if any(finding.path[0] == "domain" for finding in findings):
+        return outlines, tuple(findings), None
+    try:
+        return outlines, tuple(findings), _meshed(domain, outlines)
+    except GeometryError as error:
+        return outlines, (*findings, _no_mesh(domain, error)), None
 
 
 def joined_m(extent_m: float) -> float:
