@@ -11,6 +11,7 @@ search: Dellin and Srinivasa, "A unifying formalism for shortest path problems w
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from operator import is_
 from typing import Final, TypeAlias
 
 import numpy as np
@@ -233,6 +234,8 @@ class LayeredPaths:
     def _begin(self, layers: Sequence[FloatArray]) -> None:
         """Put other places into the graph."""
         before = self._count
+        same_places = len(layers) == len(self._layers) and all(map(is_, layers, self._layers))
+        seen_before = self._seen_from if same_places else []
         self._keep((self._begins >= before) & (self._ends >= before))
         self._near[:] = True  # but for those that are not free, which are gone
         corners = self._points[before:]
@@ -255,11 +258,12 @@ class LayeredPaths:
             solid = space.solid(layers_here[0][first], layers_here[1][second])
             first, second = np.delete(first, solid), np.delete(second, solid)
             self._join(stage, self._offsets[stage] + first, self._offsets[stage + 1] + second, both=False)
-            if stage > 0 and space is self._spaces[stage - 1]:
-                one = self._seen_from[-1][1]
+            if seen_before:
+                self._seen_from.append(seen_before[stage])
             else:
-                one = space.seen_from_places(layers_here[0])
-            self._seen_from.append((one, space.seen_from_places(layers_here[1])))
+                again = stage > 0 and space is self._spaces[stage - 1]
+                one = self._seen_from[-1][1] if again else space.seen_from_places(layers_here[0])
+                self._seen_from.append((one, space.seen_from_places(layers_here[1])))
             self._join_places(stage, self._node[stage] >= 0)
             self._least[stage] = self._roughly_least(stage)
             self._exact[stage][:] = False
