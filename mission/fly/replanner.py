@@ -1,8 +1,9 @@
 """Who plans in flight, beside the loop: what is asked, what is answered, and a planner for flights in lock-step."""
 
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final, Protocol, TypeVar
 
 from mission.errors import MissionError
 from mission.plan import FlightPlan, plan_to_json
@@ -10,6 +11,8 @@ from mission.plan.rest import Rest, plan_rest, plan_return
 from mission.spec.model import MissionSpec
 
 _TAKES_S: Final = 0.1
+
+_Made = TypeVar("_Made")
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,10 @@ class Replanner(Protocol):
         """The next answer, if one has come."""
         ...
 
+    def beside(self, work: Callable[[], _Made]) -> "Future[_Made]":
+        """Do something that may take a while, beside the loop."""
+        ...
+
 
 class SynchronousReplanner:
     """Plans at once, and answers after a fixed while: in lock-step the same flight comes of the same seed."""
@@ -98,6 +105,15 @@ class SynchronousReplanner:
             return None
         (_, answer), self._answer = self._answer, None
         return answer
+
+    def beside(self, work: Callable[[], _Made]) -> "Future[_Made]":
+        """Do it at once."""
+        done: Future[_Made] = Future()
+        try:
+            done.set_result(work())
+        except Exception as error:  # noqa: BLE001 - whoever asks for the result has it
+            done.set_exception(error)
+        return done
 
 
 def answered(request: PlanRequest) -> PlanAnswer:

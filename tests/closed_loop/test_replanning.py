@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from mission.cli.report import with_later_plans, write_again
-from mission.fly.replanner import PlanRequest
+from mission.fly.replanner import PlanRequest, SynchronousReplanner
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
 from mission.report.figures.paths import flown_path
@@ -98,13 +98,10 @@ def test_a_field_is_covered_by_both_plans_together(flavour: str) -> None:
     assert flown.entered()[-1] == "home"
 
 
-class Gone:
+class Gone(SynchronousReplanner):
     """A planner that has ended."""
 
-    takes_s, trouble = 0.1, "the planner's process has ended"
-
-    def prepare(self, plan: FlightPlan) -> None:
-        """Nobody is there."""
+    trouble = "the planner's process has ended"
 
     def ask(self, request: PlanRequest) -> None:
         """Nobody hears it."""
@@ -115,7 +112,7 @@ class Gone:
 
 def test_without_its_planner_it_flies_the_old_plan_on_while_that_is_safe(small: FlightPlan) -> None:
     gust = "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20"
-    flown = Replanned(small, "ardupilot", gust, replanner=lambda _: Gone())
+    flown = Replanned(small, "ardupilot", gust, replanner=lambda vehicle: Gone(vehicle.now_s))
     assert flown.result.achieved, flown.result.reason
     assert len(flown.result.plans) == 1
     assert flown.events("no plan")[0]["reason"] == Gone.trouble
