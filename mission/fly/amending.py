@@ -2,14 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Final, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
 import numpy as np
 
 from mission.errors import MissionError, SpecError
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
+from mission.fly.prohibitions import Prohibitions
 from mission.fly.replanning import Cause, Replanning
 from mission.fly.watch import FlightWatch
+from mission.geometry.arrays import FloatArray
 from mission.geometry.sweep import SweptSquare
 from mission.link.guidance import Guidance
 from mission.link.session import Session
@@ -17,10 +20,16 @@ from mission.monitor.stage import Stage
 from mission.spec.amendment import amended, asking_for, asks_the_same
 from mission.spec.areas import boundary_ground, region_ground
 from mission.spec.loader import parse_mission
-from mission.spec.model import UNTIL_STOPPED, BoundaryDomain, MissionSpec, RegionKind
+from mission.spec.model import UNTIL_STOPPED, BoundaryDomain, MissionSpec, Point, RegionKind
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 _STEP_S: Final = 0.1
 _LONGEST_S: Final = 3600.0
+_SOON_S: Final = 4.0
+_TRIES: Final = 3
+"""Where the old plan leads in the time of so many plans, and in which the vehicle stops, a new formula must be kept."""
 _MOST_SAID: Final = 200
 
 _BEFORE: Final = frozenset(
@@ -69,6 +78,7 @@ class Amending:
         mission: MissionSpec,
     ) -> None:
         """Take none yet; ``mission`` is what is asked for, whatever of it is done already."""
+        self._reading: tuple[Amendment, Future[_Read]] | None = None
         self._session, self._watch, self._replanning, self._amendments = session, watch, replanning, amendments
         self._mission, self._laps_before = mission, 0
 
@@ -76,9 +86,18 @@ class Amending:
         """Take the next change, once nothing else is planned; those that come before the flight wait for it."""
         if self._replanning.busy or self._session.stage in _BEFORE:
             return
-        change = self._amendments.take()
-        if change is None:
+        if self._reading is None:
+            change = self._amendments.take()
+            if change is None:
+                return
+            self._reading = (
+                change,
+                self._replanning.replanner.beside(partial(_read, change, self._mission, self._watch.place_m)),
+            )
+        change, read = self._reading
+        if not read.done():
             return
+        self._reading = None
         guidance, vehicle_s = self._session.guidance, self._session.contact.arrives_s(now_s)
         if not self._session.redirectable or not isinstance(guidance, Guidance) or vehicle_s is None:
             why = self._session.pilot.words or f"the vehicle is {self._session.stage}"
@@ -89,12 +108,12 @@ class Amending:
             self._replanning.go_on(guidance, vehicle_s)
             self._amendments.answer(change, AmendmentAnswer(accepted=True, words="the plan that was left is flown on"))
         else:
-            self._begin(change, guidance, vehicle_s)
+            self._begin(change, read, guidance, vehicle_s)
 
-    def _begin(self, change: Amendment, guidance: Guidance, vehicle_s: float) -> None:
+    def _begin(self, change: Amendment, read: "Future[_Read]", guidance: Guidance, vehicle_s: float) -> None:
         leg = self._watch.legs.now
         try:
-            mission = self._changed(change)
+            mission, forbids = read.result()
         except MissionError as error:
             if isinstance(error, SpecError) and all(fault.path.startswith("start") for fault in error.faults):
                 self._replanning.hold(guidance, vehicle_s)
@@ -105,6 +124,9 @@ class Amending:
         fresh = not asks_the_same(mission, self._mission)
         wanted = mission if fresh else _left_of(mission, leg.plan.spec, leg.laps_before - self._laps_before)
         threats = [] if not guidance.course.planned else [*_threats(self._watch, guidance, vehicle_s, mission)]
+        within_s = _SOON_S + _TRIES * self._replanning.replanner.takes_s
+        soon = forbids is not None and guidance.course.planned and not threats
+        waits = bool(soon and forbids and forbids.met(*_ahead(self._watch, guidance, vehicle_s, within_s)))
 
         def told(why: str) -> None:
             if not why:
@@ -120,15 +142,26 @@ class Amending:
                 self._refuse(change, f"{why}; the old plan is flown on")
 
         said = f"amended: {' '.join('; '.join(change.lines).split()) or 'another mission file'}"[:_MOST_SAID]
-        self._replanning.begin(Cause(said, holds=bool(threats), amended=wanted, fresh=fresh, told=told))
-
-    def _changed(self, change: Amendment) -> MissionSpec:
-        if change.mission:
-            return parse_mission(change.mission.encode(errors="replace"))
-        return amended(self._mission, change.lines, self._watch.place_m)
+        self._replanning.begin(Cause(said, holds=bool(threats), waits=waits, amended=wanted, fresh=fresh, told=told))
 
     def _refuse(self, change: Amendment, why: str) -> None:
         self._amendments.answer(change, AmendmentAnswer(accepted=False, words=why))
+
+
+_Read: TypeAlias = tuple[MissionSpec, Prohibitions | None]
+
+
+def _read(change: Amendment, mission: MissionSpec, place_m: Point) -> _Read:
+    """The mission as it is from now on, and what it forbids where it asks for something else.
+
+    Raises:
+        MissionError: It has faults.
+    """
+    if change.mission:
+        wanted = parse_mission(change.mission.encode(errors="replace"))
+    else:
+        wanted = amended(mission, change.lines, place_m)
+    return wanted, None if asks_the_same(wanted, mission) else Prohibitions.of(wanted)
 
 
 def _counts(change: Amendment) -> bool:
@@ -145,11 +178,7 @@ def _left_of(mission: MissionSpec, flown: MissionSpec, laps_before: int) -> Miss
 
 def _threats(watch: FlightWatch, guidance: Guidance, vehicle_s: float, mission: MissionSpec) -> Iterator[str]:
     """What the tube of the plan that is flown meets ahead and must no longer, in plain words."""
-    course, (from_s, _) = guidance.course_at(vehicle_s), guidance.pace_at(vehicle_s)
-    plan = watch.plan
-    until_s = min(course.duration_s, from_s + _LONGEST_S)
-    times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _STEP_S))
-    swept = SweptSquare(course.trajectory.state(times)[0], plan.certificate.tube_m)
+    plan, swept = watch.plan, SweptSquare(*_ahead(watch, guidance, vehicle_s, _LONGEST_S))
     for region in mission.regions:
         ground = None
         if region.kind is RegionKind.RESTRICTED and region not in plan.spec.regions:
@@ -161,6 +190,14 @@ def _threats(watch: FlightWatch, guidance: Guidance, vehicle_s: float, mission: 
         return
     if not swept.stays_in(boundary_ground(domain).kept):
         yield "what is beyond the boundary"
+
+
+def _ahead(watch: FlightWatch, guidance: Guidance, vehicle_s: float, within_s: float) -> tuple[FloatArray, float]:
+    """Where the plan that is flown leads within a time, shape (n, 2), and how wide its tube is on each side."""
+    course, (from_s, _) = guidance.course_at(vehicle_s), guidance.pace_at(vehicle_s)
+    until_s = min(course.duration_s, from_s + within_s)
+    times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _STEP_S))
+    return course.trajectory.state(times)[0], watch.plan.certificate.tube_m
 
 
 def _words(error: MissionError) -> str:

@@ -277,7 +277,11 @@ class Flight:
         if self._amendments is None:
             return replanning, in_time, None
         mission = self.watch.plan.spec if self._unfinished is None else self._unfinished.mission
-        return replanning, in_time, Amending(self.session, self.watch, replanning, self._amendments, mission)
+        return (
+            replanning,
+            in_time,
+            Amending(self.session, self.watch, replanning, self._amendments, mission),
+        )
 
     def say(self, text: str) -> None:
         """Tell whoever watches the vehicle, or this flight, what is intended."""

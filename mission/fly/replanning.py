@@ -34,10 +34,10 @@ from mission.spec.model import MissionSpec
 _LEFT_FOR_S: Final = 0.2
 """So long the vehicle has been out of its tube before a plan is asked for."""
 
-_AHEAD_S: Final = 0.05
+_AHEAD_S: Final = 0.03
 """Beyond the time that planning takes: for what is on its way."""
 
-_MORE: Final = 1.25
+_MORE: Final = 1.15
 _SAME: Final = 1e-3
 """m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
 
@@ -66,7 +66,8 @@ class Cause:
 
     Attributes:
         reason: In plain words.
-        holds: Whether the old plan must not be flown on meanwhile.
+        holds: Whether the old plan must not be flown on meanwhile, nor where there is no other.
+        waits: Whether it must not be flown on meanwhile.
         amended: The mission as it is from now on; None where it stays as it is.
         fresh: Whether that asks for something else, so that what was done so far does not count.
         returns: Whether what is left of the mission is given up for a return.
@@ -75,6 +76,7 @@ class Cause:
 
     reason: str
     holds: bool = False
+    waits: bool = False
     amended: MissionSpec | None = None
     fresh: bool = False
     returns: bool = False
@@ -118,6 +120,7 @@ class Replanning:
 
     Attributes:
         plans: How many plans were flown so far.
+        replanner: Who plans.
     """
 
     def __init__(
@@ -140,7 +143,7 @@ class Replanning:
         self.plans = len(watch.legs.legs)
         self._on_plan, self._say = told
         self._piloted = False
-        self._session, self._watch, self._record, self._replanner = session, watch, record, replanner
+        self._session, self._watch, self._record, self.replanner = session, watch, record, replanner
         self._cause: Cause | None = None
         self._asked: _Asked | None = None
         self._numbers = count(1)
@@ -221,9 +224,12 @@ class Replanning:
         coming = guidance.course_at(coming_s)
         waits, outside = coming.waits, watch.tracking.excess_s > 0.0
         holds = not waits and (
-            cause.holds or self._tries >= _MOST_TRIES or (outside and not watch.legs.now.is_clear(watch.place_m))
+            cause.holds
+            or cause.waits
+            or self._tries >= _MOST_TRIES
+            or (outside and not watch.legs.now.is_clear(watch.place_m))
         )
-        takes_s = max(session.vehicle.clock.rate, 1.0) * _MORE * self._replanner.takes_s
+        takes_s = max(session.vehicle.clock.rate, 1.0) * _MORE * self.replanner.takes_s
         ahead_s = _SOONEST_S if holds else max(takes_s, self._late_s) + _AHEAD_S
         if waits:
             approach = standing(coming, coming_s, guidance.pace_at(coming_s)[0])
@@ -246,7 +252,7 @@ class Replanning:
         amended, recurrent = cause.amended, leg.plan.run.recurrent
         if recurrent and amended is None and self._laps is not None:
             amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=self._laps))
-        self._replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, cause.returns))
+        self.replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, cause.returns))
 
     def _state(self, ahead_s: float) -> Reference:
         """Where the vehicle will be so long after what is sent now arrives, by its last report."""
@@ -257,13 +263,13 @@ class Replanning:
 
     def _hear(self, asked: _Asked, guidance: Guidance, vehicle_s: float, now_s: float) -> str:
         """Listen for the answer, and hold where what is flown meanwhile is no longer safe."""
-        answer = self._replanner.answer()
+        answer = self.replanner.answer()
         aside_of = asked.approach.flown_s is None
         if answer is None or answer.number != asked.number:
             if not asked.begun and aside_of and not self._watch.legs.now.is_clear(self._watch.place_m):
                 self._asked, self._tries = None, _MOST_TRIES
             overdue = now_s - asked.asked_s[1] > _LONGEST_S
-            why = f"there was no plan within {_LONGEST_S:.0f} s" if overdue else self._replanner.trouble
+            why = f"there was no plan within {_LONGEST_S:.0f} s" if overdue else self.replanner.trouble
             return self._refused(why, guidance, vehicle_s) if why else ""
         begin = asked.approach.begin
         if any(begin.velocity_m_s) and (answer.plan is None or not _begins_with(answer.plan, begin)):

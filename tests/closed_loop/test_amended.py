@@ -8,6 +8,7 @@ from shapely import LineString, Point, Polygon
 
 from mission.fly import FlightOptions
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
+from mission.fly.replanner import SynchronousReplanner
 from mission.plan import FlightPlan
 from mission.spec.model import MissionSpec
 from tests.support.commands import ran
@@ -140,6 +141,22 @@ def test_another_formula_holds_from_then_on_without_a_jump(small: FlightPlan) ->
             mean = 0.5 * (before["velocity_m_s"][axis] + after["velocity_m_s"][axis])
             assert after["position_m"][axis] - before["position_m"][axis] == pytest.approx(mean * passed_s, abs=5e-3)
             assert abs(after["acceleration_m_s2"][axis] - before["acceleration_m_s2"][axis]) < 0.6
+
+
+def test_what_another_formula_forbids_is_not_entered_while_it_is_planned_for(small: FlightPlan) -> None:
+    """The old plan leads there sooner than there is another one."""
+    said = Said((2.4, "formula F G home & G !goal"))
+    flight = Replanned(
+        small,
+        "px4",
+        at_step=said.look,
+        amendments=said,
+        replanner=lambda vehicle: SynchronousReplanner(vehicle.now_s, 4.0),
+    )
+    [(_, answer)] = said.answers
+    assert answer.accepted, answer.words
+    assert flight.result.achieved, flight.result.reason
+    assert set(flight.entered()) == {"home"}
 
 
 @FLAVOURS
