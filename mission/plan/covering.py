@@ -17,7 +17,7 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.spec.camera import spacing_of, trigger_of
 from mission.spec.finding import listed
-from mission.spec.model import Cover, MissionSpec, Point, Region
+from mission.spec.model import Cost, Cover, MissionSpec, Point, Region
 from mission.steering.path import SteeringPath
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.rounding import rounded_within
@@ -244,7 +244,10 @@ class Covering:
                 exit_m=exit_m,
                 pace=Pace(
                     min(flight.speed_m_s, limits.speed_m_s),
-                    level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
+                    # By length, turns cost nothing: as if they were flown at full speed.
+                    math.inf
+                    if self.spec.search.cost is Cost.DISTANCE
+                    else level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
                 ),
                 heading_deg=region.cover.heading_deg,
             )

@@ -241,9 +241,10 @@ _SEARCH: Final = mapping(
     {
         "cost": {
             "description": "What is counted: the transitions between triangles, the metres of the way, or the seconds "
-            "that it takes with its stops. Metres and seconds do not depend on the mesh.",
+            "that it takes with its stops. Metres and seconds do not depend on the mesh. By metres lanes have the "
+            "heading and the order that are shortest, otherwise those that are fastest. Without it seconds count where "
+            "a region is covered, metres elsewhere.",
             "enum": [cost.value for cost in Cost],
-            "default": Cost.DISTANCE.value,
         },
         "prefix_weight": _weight("prefix, which is flown once,", 1),
         "suffix_weight": _weight("suffix, which is repeated,", SUFFIX_DECIDES),

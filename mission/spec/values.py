@@ -73,7 +73,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
         ),
         smoothing=_smoothing(data),
         search=Search(
-            cost=Cost(_given(data, "search", "cost")),
+            cost=_cost(data),
             prefix_weight=int(_given(data, "search", "prefix_weight")),
             suffix_weight=None if suffix == SUFFIX_DECIDES else int(suffix),
         ),
@@ -159,6 +159,12 @@ def _polygon(data: Data) -> PolygonShape:
 
 def _points(pairs: list[list[float]]) -> tuple[Point, ...]:
     return tuple(point_of(pair) for pair in pairs)
+
+
+def _cost(data: Data) -> Cost:
+    """What runs and lanes have least of; unsaid, it is time where lanes are flown, whose turns take no metres."""
+    covers = any("cover" in region for region in data["regions"].values())
+    return Cost(data.get("search", {}).get("cost", Cost.TIME if covers else Cost.DISTANCE))
 
 
 def _given(data: Data, section: str, key: str) -> Any:  # noqa: ANN401 - any JSON value

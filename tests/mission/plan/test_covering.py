@@ -239,3 +239,24 @@ def test_what_keeps_lanes_out_is_named_where_they_do_not_reach() -> None:
     with pytest.raises(NoPlanError, match="; the lanes keep out of k, as the mission asks then") as refused:
         plan_of(text.replace("FORMULA", "G F field & G F home & F G !k"))
     assert refused.value.regions == ("field",)
+
+
+_LONG_AND_SHORT = """
+domain: {boundary: [[0, 0], [170, 0], [170, 60], [0, 60]]}
+regions:
+  yard: {kind: home, polygon: [[150, 44], [166, 44], [166, 58], [150, 58]]}
+  field: {kind: survey, polygon: [[10, 14], [100, 8], [130, 20], [126, 48], [60, 46], [14, 54]], cover: {spacing_m: 20}}
+mission: {formula: F (field & F yard)}
+start: {position_m: [158, 50]}
+flight: {speed_m_s: 8, disturbance_m_s2: 1.2}
+limits: {speed_m_s: 10}
+"""
+
+
+def test_lanes_are_fastest_or_shortest_as_the_search_says() -> None:
+    unsaid, fastest, shortest = (
+        plan_of(_LONG_AND_SHORT + said) for said in ("", "search: {cost: time}", "search: {cost: distance}")
+    )
+    assert unsaid.spec == fastest.spec
+    assert fastest.trajectory.duration_s < shortest.trajectory.duration_s
+    assert shortest.curve.length_m < fastest.curve.length_m
