@@ -14,6 +14,7 @@ from mission.spec.model import MissionSpec
 from tests.support.commands import ran
 from tests.support.replanned import Replanned
 from tests.support.small_missions import SMALL, plan_of
+from tests.support.usual_cases import ARDUPILOT, PX4
 from vehicle_sim.protocol.plan_store import PlanKind
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
@@ -64,7 +65,7 @@ def line_of(flight: Replanned, from_s: float) -> LineString:
     return LineString([row["position_m"][:2] for row in rows])
 
 
-@FLAVOURS
+@ARDUPILOT
 def test_a_restricted_region_ahead_is_flown_around(
     small: FlightPlan, flavour: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -95,7 +96,7 @@ def test_on_a_late_link_another_plan_begins_where_what_was_sent_before_it_ends(s
     assert flight.result.largest_error_m <= small.certificate.tube_m
 
 
-@FLAVOURS
+@PX4
 def test_one_under_the_vehicle_stops_it_until_it_is_told_to_go_on(small: FlightPlan, flavour: str) -> None:
     under = "restrict under [[6, 5], [12, 5], [12, 11], [6, 11]]"
     flight, said = flown(small, flavour, (0.8, under), (12.0, GO_ON))
@@ -112,7 +113,7 @@ def test_one_under_the_vehicle_stops_it_until_it_is_told_to_go_on(small: FlightP
     assert flight.entered() == ["home", "goal", "home"]
 
 
-@FLAVOURS
+@ARDUPILOT
 def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan, flavour: str) -> None:
     flight, said = flown(
         small, flavour, (1.0, "formula F (goal & F pond)"), (3.0, "fly faster"), (3.5, "drop gaol"), (4.0, "laps 2")

@@ -24,9 +24,9 @@ from mission.report.summary import summary
 from tests.support.faults import schedule_of
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import FLOWN_BRISKLY, ROUNDS, plan_of
+from tests.support.usual_cases import PX4
 from vehicle_sim.autopilot import Mode
 
-FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 PILOTED = {"ardupilot": Mode.POSITION, "px4": Mode.HOLD}
 
 DRAG_PER_S = 0.5
@@ -121,7 +121,7 @@ def round_the_wall() -> FlightPlan:
     return plan_of(ROUND_THE_WALL)
 
 
-@pytest.fixture(scope="module", params=["ardupilot", "px4"])
+@pytest.fixture(scope="module", params=["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 def calm(request: pytest.FixtureRequest, round_the_wall: FlightPlan) -> Flown:
     return Flown(round_the_wall, request.param)
 
@@ -191,7 +191,7 @@ def test_a_pilot_holds_it_for_a_minute_and_hands_it_back(calm: Flown, round_the_
     assert not [row for row in commands if held_s <= (row["t_s"] or 0.0) <= back_s]  # nobody is fought
 
 
-@FLAVOURS
+@PX4
 def test_where_nothing_can_be_completed_it_holds_and_says_so(flavour: str) -> None:
     """Blown into the marsh before it was at the goal: the word is spoiled, though nothing is restricted."""
     plan = plan_of(FIRST_THE_GOAL)
@@ -203,7 +203,7 @@ def test_where_nothing_can_be_completed_it_holds_and_says_so(flavour: str) -> No
     assert spoiled.vehicle.vehicle.autopilot.mode in (Mode.HOLD, Mode.BRAKE)
 
 
-@FLAVOURS
+@PX4
 def test_laps_are_counted_by_what_they_must_meet(flavour: str) -> None:
     plan = plan_of(ROUNDS.replace("flight:\n", "flight:\n  guidance: field\n"))
     flown = Flown(plan, flavour)

@@ -10,6 +10,7 @@ from mission.fly.calibration import calibrate
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
 from tests.support.lockstep import LockstepVehicle, vehicle_of
+from tests.support.usual_cases import ARDUPILOT
 from vehicle_sim.control.controller import PX4_GAINS
 
 FIELD = """\
@@ -27,7 +28,7 @@ def field() -> MissionSpec:
     return parse_mission(FIELD.encode())
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@ARDUPILOT
 def test_a_vehicle_as_it_comes_stays_within_the_default_tube(flavour: str, field: MissionSpec) -> None:
     vehicle = LockstepVehicle(vehicle_of(flavour, seed=2, wind_m_s=4.0, wind_from_deg=250.0))
     found = calibrate(field, vehicle, vehicle, options=LANDS)

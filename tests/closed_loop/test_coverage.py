@@ -15,6 +15,7 @@ from mission.report.record import FlightRecord
 from tests.support.fields import SMALL_FIELD
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import plan_of
+from tests.support.usual_cases import ARDUPILOT
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def flown(plan: FlightPlan, vehicle: LockstepVehicle, stop_at_s: float | None = 
     return result, parse_record(sink.getvalue())
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
+@ARDUPILOT
 def test_a_field_is_covered_in_wind(plan: FlightPlan, flavour: str) -> None:
     result, record = flown(plan, LockstepVehicle(vehicle_of(flavour, 3, wind_m_s=4.0)))
     assert result.achieved, result.reason

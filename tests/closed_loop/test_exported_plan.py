@@ -1,6 +1,7 @@
 """A plan that is exported, uploaded and flown by the autopilot itself, without a planner beside it."""
 
 from collections.abc import Callable
+from itertools import product
 
 import numpy as np
 import pytest
@@ -16,12 +17,12 @@ from mission.monitor.monitor import Monitor
 from tests.support.ground_station_file import upload_plan
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 from tests.support.station import Station
+from tests.support.usual_cases import EACH, sampled
 from vehicle_sim.autopilot import Mode, Progress
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.endpoint import Endpoint
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
-BOTH = pytest.mark.parametrize("flavour", Flavour)
 PLACE = LatLon(-35.3632, 149.1652)
 PHOTOGRAPHED = """
 domain:
@@ -107,7 +108,7 @@ def spelled(monitor: Monitor) -> tuple[frozenset[str], ...]:
     return tuple(letter for i, letter in enumerate(word) if i == 0 or letter != word[i - 1])
 
 
-@BOTH
+@EACH
 def test_the_autopilot_spells_the_word_of_the_plan(flavour: Flavour) -> None:
     placed = exported(SMALL)
     monitor = flown(placed, flavour, within_s=120.0)
@@ -116,8 +117,11 @@ def test_the_autopilot_spells_the_word_of_the_plan(flavour: Flavour) -> None:
     assert outcome.achieved, outcome.reason
 
 
-@BOTH
-@pytest.mark.parametrize("heading", ["{fixed: 200}", "{toward: pond}"])
+@sampled(
+    ("flavour", "heading"),
+    product(Flavour, ("{fixed: 200}", "{toward: pond}")),
+    [(Flavour.ARDUPILOT, "{fixed: 200}"), (Flavour.PX4, "{toward: pond}")],
+)
 def test_the_nose_looks_where_the_mission_says(flavour: Flavour, heading: str) -> None:
     noses: list[tuple[tuple[float, float], float]] = []
     flown(exported(SMALL.replace("flight:", f"flight:\n  heading: {heading}")), flavour, within_s=120.0, noses=noses)
@@ -136,7 +140,7 @@ def test_laps_are_flown_as_often_as_the_plan_says() -> None:
     assert not monitor.violations
 
 
-@BOTH
+@EACH
 def test_images_are_taken_in_the_lanes_of_a_region_that_is_covered(flavour: Flavour) -> None:
     placed = exported(PHOTOGRAPHED)
     (visit,) = placed.plan.covers

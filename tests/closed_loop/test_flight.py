@@ -15,8 +15,8 @@ from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import SMALL, at_a_place, plan_of
+from tests.support.usual_cases import EACH, PX4
 
-FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
@@ -71,7 +71,7 @@ def test_the_same_seed_twice_is_the_same_record_byte_for_byte(plan: FlightPlan, 
     assert usual.data != other
 
 
-@FLAVOURS
+@PX4
 def test_a_mission_with_a_place_is_flown_at_that_place(flavour: str) -> None:
     placed = plan_of(at_a_place(47.397742, 8.545594))
     # The vehicle boots about 12 m east and 14 m north of the domain's origin, which is not the mission's start.
@@ -138,7 +138,7 @@ def test_a_breach_of_the_vehicles_fence_ends_the_flight_and_is_not_fought(
 
 
 @pytest.mark.long
-@FLAVOURS
+@EACH
 def test_the_papers_mission_twice_is_the_same_record(flavour: str) -> None:
     plan = plan_mission(load_mission(MISSIONS / "paper.yaml"))
     first, second = (flown(plan, LockstepVehicle(vehicle_of(flavour)))[1] for _ in range(2))

@@ -16,9 +16,9 @@ from mission.report.record import FlightRecord
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 from tests.support.station import Station
+from tests.support.usual_cases import PX4
 from vehicle_sim.protocol.dialect import Message
 
-BOTH = ("ardupilot", "px4")
 FIGURES = {"ltl_pct", "ltl_left_s", "ltl_state", "ltl_done", "ltl_so_far"}
 
 
@@ -69,7 +69,7 @@ def watched(plan: FlightPlan, flavour: str) -> Seen:
     return Seen(result, ours, vehicle.vehicle.time_s)
 
 
-@pytest.mark.parametrize("flavour", BOTH)
+@PX4
 def test_another_station_sees_progress_state_and_verdict(flavour: str) -> None:
     plan = plan_of(SMALL)
     seen = watched(plan, flavour)

@@ -19,6 +19,7 @@ from tests.support.faults import schedule_of
 from tests.support.fences import stopping_distance_m
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import FLOWN_BRISKLY, SMALL, at_a_place, plan_of
+from tests.support.usual_cases import ARDUPILOT, EACH, PX4
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.autopilot.geofence import Polygon as SimPolygon
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
@@ -26,7 +27,6 @@ from vehicle_sim.protocol.fences import fence_plan
 from vehicle_sim.protocol.plan_store import PlanItem, PlanKind
 from vehicle_sim.signals import Geodetic
 
-BOTH = ("ardupilot", "px4")
 SWITCH = {"ardupilot": "FENCE_ENABLE", "px4": "GF_ACTION"}
 WALL = Polygon([(18, 0), (28, 0), (28, 10), (18, 10)])
 WEST_M = 18.0
@@ -125,7 +125,7 @@ def flown(
     return Flown(result, failure, [json.loads(line) for line in sink.getvalue().splitlines()], warnings)
 
 
-@pytest.mark.parametrize("flavour", BOTH)
+@ARDUPILOT
 def test_a_flight_in_its_tube_is_not_disturbed_and_leaves_no_trace(small: FlightPlan, flavour: str) -> None:
     vehicle = Watched(flavour)
     before = vehicle.has()
@@ -151,7 +151,7 @@ def _errs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(fencing, "anchored_at", wrong)
 
 
-@pytest.mark.parametrize("flavour", BOTH)
+@EACH
 def test_a_planner_that_errs_is_stopped_by_the_autopilot(
     walled: FlightPlan, flavour: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -178,7 +178,7 @@ def test_without_the_fence_the_same_planner_flies_through_the_wall(
     assert vehicle.deepest_m > 9.5
 
 
-@pytest.mark.parametrize("flavour", BOTH)
+@PX4
 def test_an_interrupted_flight_puts_the_owner_s_fence_back(small: FlightPlan, flavour: str) -> None:
     """Also where the flight is ended in the air, and messages are lost."""
     item = PlanItem(mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 1, (20.0, 0, 0, 0), 1, 1, 0.0)
@@ -199,7 +199,7 @@ def test_an_interrupted_flight_puts_the_owner_s_fence_back(small: FlightPlan, fl
     assert flight.warnings == ["the vehicle's own geofence, of 1 items, gives way to that of this mission"]
 
 
-@pytest.mark.parametrize("flavour", BOTH)
+@ARDUPILOT
 def test_what_cannot_be_put_back_is_said(small: FlightPlan, flavour: str) -> None:
     flight = flown(small, Watched(flavour, "link, since: takeoff, at_s: 5, drop: 1"))
     assert flight.error is not None

@@ -3,9 +3,9 @@
 import io
 import math
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
-import pytest
 
 from mission.fly import fly
 from mission.plan import plan_mission
@@ -16,16 +16,23 @@ from mission.spec.heading import Heading, Look
 from mission.spec.loader import parse_mission
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import SMALL
+from tests.support.usual_cases import sampled
+from vehicle_sim.parameters import Flavour
 
 CENTRE_M = np.array([31.0, 8.0])
 """Of the goal."""
+TOWARD, FIXED, AHEAD = (
+    Heading(Look.TOWARD, region="goal"),
+    Heading(Look.FIXED, math.radians(-100.0)),
+    Heading(Look.AHEAD),
+)
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
-@pytest.mark.parametrize(
-    "heading",
-    [Heading(Look.TOWARD, region="goal"), Heading(Look.FIXED, math.radians(-100.0)), Heading(Look.AHEAD)],
-    ids=["toward", "fixed", "ahead"],
+@sampled(
+    ("flavour", "heading"),
+    product(Flavour, (TOWARD, FIXED, AHEAD)),
+    [(Flavour.PX4, TOWARD), (Flavour.ARDUPILOT, FIXED), (Flavour.PX4, AHEAD)],
+    ids=lambda case: f"{case[0]}-{case[1].look}",
 )
 def test_the_nose_is_where_the_mission_says(flavour: str, heading: Heading) -> None:
     spec = parse_mission(SMALL.encode())

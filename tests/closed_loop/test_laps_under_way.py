@@ -1,6 +1,6 @@
 """Flights of laps that are planned anew in the middle of one: what the lap had is not done again, the rest is."""
 
-from itertools import groupby
+from itertools import groupby, product
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ from tests.closed_loop.test_amended import flown
 from tests.support.fault_grid import MISSION
 from tests.support.replanned import Replanned
 from tests.support.small_missions import ROUNDS, plan_of
+from tests.support.usual_cases import sampled
+from vehicle_sim.parameters import Flavour
 
 ELSEWHERE = "restrict elsewhere [[17, 27], [19, 27], [19, 29], [17, 29]]"
 """What is in nobody's way: for its sake another plan is made."""
@@ -45,11 +47,7 @@ def field() -> FlightPlan:
 
 def moments(*usual: tuple[str, float]) -> pytest.MarkDecorator:
     """Flavours and shares of the laps: some are flown always, the others in long campaigns."""
-    every = [(flavour, share) for flavour in ("ardupilot", "px4") for share in (0.05, 0.2, 0.4, 0.6, 0.8)]
-    marks = [() if each in usual else pytest.mark.long for each in every]
-    return pytest.mark.parametrize(
-        ("flavour", "share"), [pytest.param(*each, marks=mark) for each, mark in zip(every, marks, strict=True)]
-    )
+    return sampled(("flavour", "share"), product(Flavour, (0.05, 0.2, 0.4, 0.6, 0.8)), usual)
 
 
 @moments(("ardupilot", 0.2), ("px4", 0.4))

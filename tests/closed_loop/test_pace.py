@@ -13,6 +13,7 @@ from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import SMALL, plan_of
+from tests.support.usual_cases import PX4
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -123,7 +124,7 @@ def test_who_has_time_is_not_behind(plan: FlightPlan, monkeypatch: pytest.Monkey
     assert flight.gaps_s[0] <= 0.1
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@PX4
 def test_setpoints_come_at_50_hz_and_the_record_says_how_regularly(
     plan: FlightPlan, monkeypatch: pytest.MonkeyPatch, flavour: str
 ) -> None:

@@ -20,9 +20,9 @@ from mission.report.record import FlightRecord
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import SMALL, plan_of
 from tests.support.steered_plans import BY_FIELDS
+from tests.support.usual_cases import ARDUPILOT
 from vehicle_sim.autopilot import Mode
 
-FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 EVERY_M = 3.0
 
 
@@ -63,7 +63,7 @@ def still_triggers(vehicle: LockstepVehicle) -> bool:
     return camera.taken > before
 
 
-@FLAVOURS
+@ARDUPILOT
 def test_pictures_are_taken_in_their_stretches_and_nowhere_else(plan: FlightPlan, flavour: str) -> None:
     vehicle = LockstepVehicle(vehicle_of(flavour, 5, wind_m_s=2.0))
     result, record = flown(plan, vehicle)

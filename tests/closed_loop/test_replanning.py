@@ -16,9 +16,8 @@ from mission.verify.flown.judging import judged
 from mission.verify.logs.flight_record import track_of_record
 from tests.support.replanned import Replanned
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
+from tests.support.usual_cases import ARDUPILOT, PX4
 
-FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
-EITHER = pytest.mark.parametrize("flavour", ["ardupilot", pytest.param("px4", marks=pytest.mark.long)])
 REPLANNED = "flight:\n  replan: true\n"
 
 
@@ -36,7 +35,7 @@ def test_a_mission_says_whether_it_is_replanned(small: FlightPlan) -> None:
     assert not parse_mission(SMALL.encode()).flight.replan
 
 
-@FLAVOURS
+@PX4
 def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour: str, tmp_path: Path) -> None:
     flown = Replanned(small, flavour, "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20")
     assert flown.result.achieved, flown.result.reason
@@ -67,7 +66,7 @@ def test_the_same_seed_gives_the_same_flight(small: FlightPlan) -> None:
     assert one.sink.getvalue() == other.sink.getvalue()
 
 
-@EITHER
+@ARDUPILOT
 def test_laps_are_counted_over_all_plans(flavour: str) -> None:
     plan = replanned(ROUNDS)
     flown = Replanned(plan, flavour, "gust, since: takeoff, at_s: 16, for_s: 3, east_m_s: 20")
@@ -80,7 +79,7 @@ def test_laps_are_counted_over_all_plans(flavour: str) -> None:
     assert min(visited.count("east"), visited.count("north")) >= 2
 
 
-@EITHER
+@ARDUPILOT
 def test_a_field_is_covered_by_both_plans_together(flavour: str) -> None:
     plan = replanned(PHOTOGRAPHED)
     flown = Replanned(plan, flavour, "gust, since: takeoff, at_s: 20, for_s: 3, north_m_s: 20")

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import groupby
+from itertools import groupby, product
 
 import numpy as np
 import pytest
@@ -18,11 +18,11 @@ from mission.spec.model import MissionSpec
 from tests.support.fault_grid import KilledError
 from tests.support.resumed import Killed
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
+from tests.support.usual_cases import ARDUPILOT, EACH, PX4, sampled
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.plan_store import PlanItem, PlanKind
 
-FLAVOURS = pytest.mark.parametrize("flavour", list(Flavour))
 ALONE_S = 8.0
 FAR_CIRCLE = PlanItem(
     mavlink.MAV_FRAME_GLOBAL, mavlink.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION, 1, (20.0, 0.0, 0.0, 0.0), 1, 1, 0.0
@@ -87,15 +87,18 @@ def taken_up(killed: Killed) -> None:
     assert not result.violations
 
 
-@FLAVOURS
-@pytest.mark.parametrize("at_s", [16.0, 27.0, 33.5])
+@sampled(
+    ("flavour", "at_s"),
+    product(Flavour, (16.0, 27.0, 33.5)),
+    [(Flavour.ARDUPILOT, 16.0), (Flavour.PX4, 27.0), (Flavour.ARDUPILOT, 33.5)],
+)
 def test_a_flight_goes_on_from_its_record(two_places: FlightPlan, flavour: Flavour, at_s: float) -> None:
     killed = Killed(two_places, flavour, at_s)
     killed.leave(ALONE_S)
     taken_up(killed)
 
 
-@FLAVOURS
+@PX4
 def test_what_moves_still_is_waited_for(two_places: FlightPlan, flavour: Flavour) -> None:
     killed = Killed(two_places, flavour, 24.0)
     north_m_s, east_m_s, _ = killed.bench.vehicle.truth.velocity_ned_m_s
@@ -104,7 +107,7 @@ def test_what_moves_still_is_waited_for(two_places: FlightPlan, flavour: Flavour
 
 
 @pytest.mark.long
-@FLAVOURS
+@EACH
 @pytest.mark.parametrize("at_s", instants(120, seed=11))
 def test_a_flight_goes_on_from_whatever_instant(two_places: FlightPlan, flavour: Flavour, at_s: float) -> None:
     killed = Killed(two_places, flavour, at_s)
@@ -129,7 +132,7 @@ def test_a_flight_goes_on_after_a_second_kill(two_places: FlightPlan) -> None:
     assert len(killed.record.takeovers) == 2
 
 
-@FLAVOURS
+@EACH
 def test_the_largest_error_is_that_of_both_parts(two_places: FlightPlan, flavour: Flavour) -> None:
     killed = Killed(two_places, flavour, 33.5)
     before = tracking_of(killed.record)
@@ -194,7 +197,7 @@ def test_pictures_of_both_parts_are_counted() -> None:
     assert abs(len(result.pictures) - result.planned_pictures) <= 1
 
 
-@FLAVOURS
+@ARDUPILOT
 def test_lanes_that_were_flown_are_not_flown_again(covered: FlightPlan, flavour: Flavour) -> None:
     visit = covered.covers[0]
     times = covered.trajectory.time_at(visit.lanes_s.ravel()).reshape(-1, 2)
@@ -211,7 +214,7 @@ def test_lanes_that_were_flown_are_not_flown_again(covered: FlightPlan, flavour:
     assert what.share >= visit.share
 
 
-@FLAVOURS
+@PX4
 def test_what_makes_it_another_flight_is_refused(two_places: FlightPlan, flavour: Flavour) -> None:
     killed = Killed(two_places, flavour, 26.0)
     killed.leave(ALONE_S)
@@ -253,7 +256,7 @@ def test_a_vehicle_above_what_is_restricted_now_is_refused(two_places: FlightPla
         killed.resume()
 
 
-@FLAVOURS
+@EACH
 @pytest.mark.parametrize("at_s", [12.5, 48.0])
 def test_a_vehicle_on_the_ground_gets_its_own_fence_back(small: FlightPlan, flavour: Flavour, at_s: float) -> None:
     """Also where the flight had not begun, or is over; once, and not where somebody else has set another since."""

@@ -2,6 +2,7 @@
 
 import io
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -11,13 +12,20 @@ from mission.plan import plan_mission
 from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
 from tests.support.lockstep import LockstepVehicle, vehicle_of
+from tests.support.usual_cases import sampled
 from vehicle_sim.dynamics.airframe import Dynamics
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
-@pytest.mark.parametrize("dynamics", list(Dynamics))
-@pytest.mark.parametrize(("flavour", "wind_m_s", "from_deg"), [("ardupilot", 9.4, 330.0), ("px4", 12.0, 90.0)])
+BLOWING = (("ardupilot", 9.4, 330.0), ("px4", 12.0, 90.0))
+
+
+@sampled(
+    ("flavour", "wind_m_s", "from_deg", "dynamics"),
+    [(*wind, dynamics) for wind, dynamics in product(BLOWING, Dynamics)],
+    [(*wind, dynamics) for wind, dynamics in zip(BLOWING, Dynamics, strict=True)],
+)
 def test_a_mission_is_achieved_in_strong_wind(
     flavour: str, wind_m_s: float, from_deg: float, dynamics: Dynamics
 ) -> None:

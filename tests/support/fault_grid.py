@@ -287,10 +287,10 @@ def options_of(setting: Setting) -> FlightOptions:
 
 
 @cache
-def moments(setting: Setting, flavour: Flavour) -> Mapping[Moment, float]:
+def moments(flavour: Flavour, *, wind: bool) -> Mapping[Moment, float]:
     """When each moment comes in a flight without a fault: vehicle time."""
-    bench = Bench(None, math.inf, flavour, NO_FAULTS, wind=setting is Setting.WIND)
-    result = fly(plan(), bench, bench, FlightRecord(bench.sink, mission="grid"), options=options_of(setting))
+    bench = Bench(None, math.inf, flavour, NO_FAULTS, wind=wind)
+    result = fly(plan(), bench, bench, FlightRecord(bench.sink, mission="grid"))
     assert result.achieved, result.reason
     stages = {
         entry.values["stage"]: entry.t_s
@@ -313,10 +313,11 @@ def moments(setting: Setting, flavour: Flavour) -> Mapping[Moment, float]:
 
 def ended(cell: Cell) -> Ended:
     """Fly one cell, and leave the vehicle alone after that."""
-    at_s = moments(cell.setting, cell.flavour)[cell.moment]
+    wind = cell.setting is Setting.WIND
+    at_s = moments(cell.flavour, wind=wind)[cell.moment]
     text = SCHEDULED.get(cell.fault)
     schedule = NO_FAULTS if text is None else schedule_of(f"{text}, since: boot, at_s: {at_s}")
-    bench = Bench(cell.fault, at_s, cell.flavour, schedule, wind=cell.setting is Setting.WIND)
+    bench = Bench(cell.fault, at_s, cell.flavour, schedule, wind=wind)
     achieved, words = False, ""
     try:
         result = fly(plan(), bench, bench, FlightRecord(bench.sink, mission="grid"), options=options_of(cell.setting))

@@ -1,5 +1,7 @@
 """Missions of half a minute, for flights in tests."""
 
+from functools import cache
+
 from mission.plan import FlightPlan, plan_mission
 from mission.spec.loader import parse_mission
 
@@ -93,5 +95,7 @@ def at_a_place(latitude_deg: float, longitude_deg: float) -> str:
     return SMALL + f"origin: {{latitude_deg: {latitude_deg}, longitude_deg: {longitude_deg}}}\n"
 
 
+@cache
 def plan_of(text: str) -> FlightPlan:
+    """The plan of a mission file; the same one for the same text, as a plan never changes."""
     return plan_mission(parse_mission(text.encode(), "small.yaml"))
