@@ -4,16 +4,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.clients.environments import VERSIONS
+from tests.clients.pairs import paired
 from tests.clients.scenarios import HEIGHT_M, LAT_DEG, RATES, REAL, STREAMS, WHOLE
+from vehicle_sim.parameters import Flavour
 
 if TYPE_CHECKING:
     from tests.clients.conftest import Facts, Play
 
-pytestmark = [
-    pytest.mark.timeout(400),  # the first test of a machine installs the clients
-    pytest.mark.parametrize("flavour", ["ardupilot", "px4"]),
-]
+pytestmark = pytest.mark.timeout(400)  # the first test of a machine installs the clients
 
 WELL = {
     "is_gyrometer_calibration_ok",
@@ -30,7 +28,7 @@ def failures(facts: "Facts") -> dict[str, str]:
     return {topic: value for topic, value in facts.items() if topic.endswith(": failed")}
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@paired({3: Flavour.PX4, 4: Flavour.ARDUPILOT})
 def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "look")
     is_px4 = flavour == "px4"
@@ -76,7 +74,7 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert {name for name in px4_only if name in facts} == (px4_only if is_px4 else set())
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@paired({3: Flavour.ARDUPILOT, 4: Flavour.PX4})
 def test_parameters_plans_and_arming(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "configure")
     is_px4 = flavour == "px4"
@@ -118,7 +116,7 @@ def test_parameters_plans_and_arming(play: "Play", version: int, flavour: str) -
     assert facts["arm after termination"] == ("COMMAND_DENIED" if is_px4 else "FAILED")
 
 
-@pytest.mark.parametrize("version", VERSIONS)
+@paired({3: Flavour.PX4, 4: Flavour.ARDUPILOT})
 def test_action_and_offboard(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "fly")
     assert not failures(facts)

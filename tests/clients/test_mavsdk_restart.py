@@ -4,15 +4,15 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from tests.clients.environments import VERSIONS
+from tests.clients.pairs import paired
+from vehicle_sim.parameters import Flavour
 
 if TYPE_CHECKING:
     from tests.clients.conftest import Play
 
 
 @pytest.mark.timeout(400)  # the first test of a machine installs the clients
-@pytest.mark.parametrize("version", VERSIONS)
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@paired({3: Flavour.ARDUPILOT, 4: Flavour.PX4})
 def test_a_restart(play: "Play", version: int, flavour: str) -> None:
     facts = play(version, flavour, "restart")
     assert not {topic: value for topic, value in facts.items() if topic.endswith(": failed")}
