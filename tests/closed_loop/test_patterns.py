@@ -2,8 +2,6 @@
 
 import io
 
-import pytest
-
 from mission.fly import FlightResult, fly
 from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.report.reading import Record, parse_record
@@ -13,6 +11,7 @@ from mission.spec.task import TaskKind, TaskMode
 from mission.spec.tasks import task_formula
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import plan_of
+from tests.support.usual_cases import sampled
 
 MAP = """\
 domain:
@@ -70,7 +69,7 @@ def letters_before(record: Record, t_s: float) -> tuple[Letter, ...]:
     return tuple(visit.labels for visit in record.visits if visit.t_s < t_s)
 
 
-@pytest.mark.parametrize("tasks", TASKS, ids=lambda tasks: tasks[0][2:])
+@sampled("tasks", TASKS, TASKS[::3], ids=lambda tasks: tasks[0][2:])
 def test_a_pattern_is_flown(tasks: tuple[str, ...]) -> None:
     result, record = flown(tasks, ("ardupilot", "px4")[TASKS.index(tasks) % 2])
     plan, trajectory = result.plan, result.plan.trajectory

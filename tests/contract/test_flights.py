@@ -16,11 +16,13 @@ from tests.support.lockstep import LockstepVehicle, vehicle_of
 FLOWN = [file for file in sorted(MISSIONS.glob("*.yaml")) if file.stem != "paper"]
 LONG = {"farm", "orchard", "park", "power_line", "yard"}
 """Some minutes of vehicle time each; a small field is covered in every run of the tests, by the closed-loop ones."""
+ELSEWHERE = {"pairs", "response", "survey"}
+"""The closed-loop tests fly these in every run: with a named automaton, in strong wind, and with drag."""
 
 
 @pytest.mark.parametrize(
     "file",
-    [pytest.param(file, id=file.stem, marks=[pytest.mark.long] * (file.stem in LONG)) for file in FLOWN],
+    [pytest.param(file, id=file.stem, marks=[pytest.mark.long] * (file.stem in LONG | ELSEWHERE)) for file in FLOWN],
 )
 def test_a_mission_is_achieved(file: Path) -> None:
     plan = plan_mission(load_mission(file))

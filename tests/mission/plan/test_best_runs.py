@@ -1,6 +1,7 @@
 """What a mission's ``search`` section asks for, on the paper's domain and on meshes that tell the costs apart."""
 
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import Cost, Search, Semantics
 from mission.spec.specification import Specification
 from mission.steering.polyline import Polyline
+from tests.support.usual_cases import sampled
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -36,6 +38,10 @@ search:
 """
 
 
+COSTED = [("patrol", Cost.TIME), ("paper", Cost.TRANSITIONS), ("response", Cost.DISTANCE)]
+"""Which mission is planned by which cost in each run of the suite."""
+
+
 def fan(search: str) -> FlightPlan:
     return plan_mission(parse_mission((FAN + search).encode(), "fan.yaml"))
 
@@ -53,8 +59,7 @@ def test_each_cost_finds_the_run_that_has_least_of_it() -> None:
     assert len(plans[Cost.TRANSITIONS].run.states) < len(plans[Cost.DISTANCE].run.states)
 
 
-@pytest.mark.parametrize("name", ["patrol", "paper", "response"])
-@pytest.mark.parametrize("cost", list(Cost))
+@sampled(("name", "cost"), product(("patrol", "paper", "response"), Cost), COSTED)
 def test_plans_by_any_cost_are_proved_and_survive_json(name: str, cost: Cost) -> None:
     spec = replace(load_mission(MISSIONS / f"{name}.yaml"), search=Search(cost, 2, 3))
     plan = plan_mission(spec)

@@ -209,12 +209,7 @@ def test_each_reason_is_a_conflict_that_the_task_is_in(weights: list[float], con
         assert any(conflict <= others | {task.number} for conflict in conflicts)
 
 
-@settings(max_examples=5, deadline=None)
-@given(
-    choice=st.lists(st.sampled_from(range(8)), min_size=3, max_size=4, unique=True),
-    weights=st.permutations([1, 2, 4, 8]),
-)
-def test_against_all_subsets_on_a_map(choice: list[int], weights: list[int]) -> None:
+def check_against_all_subsets(choice: list[int], weights: list[int]) -> None:
     tasks = [
         "avoid: {region: west, until: east}",
         "avoid: {region: east, until: west}",
@@ -245,6 +240,24 @@ def test_against_all_subsets_on_a_map(choice: list[int], weights: list[int]) -> 
     )
     assert sum(weights[: len(chosen)]) - sum(task.weight for task in plan.dropped) == best
     assert satisfies(word_of(plan), plan.formula)
+
+
+CHOICES = st.lists(st.sampled_from(range(8)), min_size=3, max_size=4, unique=True)
+WEIGHTS = st.permutations([1, 2, 4, 8])
+
+
+@settings(max_examples=2, deadline=None)
+@given(choice=CHOICES, weights=WEIGHTS)
+def test_against_all_subsets_on_a_map(choice: list[int], weights: list[int]) -> None:
+    check_against_all_subsets(choice, weights)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1800)
+@settings(max_examples=40, deadline=None)
+@given(choice=CHOICES, weights=WEIGHTS)
+def test_against_all_subsets_many_times(choice: list[int], weights: list[int]) -> None:
+    check_against_all_subsets(choice, weights)
 
 
 def test_effective_formulas_are_conjunctions_in_the_order_of_the_file() -> None:
