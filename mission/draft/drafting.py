@@ -17,7 +17,7 @@ from mission.errors import Fault, FormulaSyntaxError, SpecError
 from mission.interchange.features import Drawing, Feature
 from mission.interchange.roles import role_of
 from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import propositions
+from mission.logic.formula.syntax import propositions, written_name
 from mission.printable import printable
 from mission.spec.model import CORRIDOR, Cost
 from mission.spec.schema import default_of
@@ -147,7 +147,8 @@ def _boundary(piece: Piece) -> Iterator[str]:
 
 def _region(piece: Piece, layout: Layout, altitude_m: float | None) -> Iterator[str]:
     yield from _comments(piece, "  ")
-    yield f"  {piece.name}:"
+    plain = piece.name.isascii() and piece.name.isidentifier()
+    yield f"  {piece.name if plain else json.dumps(piece.name, ensure_ascii=False)}:"
     yield f"    kind: {piece.role}"
     for key, value in piece.keys:
         yield from _entry(f"    {key}", value)
@@ -181,13 +182,13 @@ def _mission(layout: Layout, formula: str, laps: str) -> Iterator[str]:
     if formula:
         yield from _comment("As the flight in the file had to satisfy it.")
         yield "mission:"
-        yield from _entry("  formula", json.dumps(formula))
+        yield from _entry("  formula", _quoted(formula))
         if laps:
             yield f"  laps: {laps}"
         return
-    homes = " | ".join(layout.homes)
+    homes = " | ".join(map(written_name, layout.homes))
     end = f"F G ({homes})" if len(layout.homes) > 1 else f"F G {homes}"
-    visits = layout.visited[:_MOST_VISITED]
+    visits = [*map(written_name, layout.visited[:_MOST_VISITED])]
     if not visits:
         yield from _comment("Nothing is there to be surveyed: the vehicle starts and lands. What should it visit?")
         formula = end
@@ -200,7 +201,12 @@ def _mission(layout: Layout, formula: str, laps: str) -> Iterator[str]:
         for visit in reversed(visits):
             formula = f"F ({visit} & {formula})"
     yield "mission:"
-    yield from _entry("  formula", formula)
+    yield from _entry("  formula", _quoted(formula) if '"' in formula else formula)
+
+
+def _quoted(formula: str) -> str:
+    """A formula in YAML's single quotes, in which whatever its names have in them stays as it is."""
+    return "'" + formula.replace("'", "''") + "'"
 
 
 def _flight(altitude: float | None, speed: float | None, layout: Layout) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 import itertools
 import re
-import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,6 +15,7 @@ from mission.draft.mending import mended
 from mission.errors import Fault, SpecError
 from mission.geometry.shapes import disc, grown, shrunk, strip, united
 from mission.interchange.features import Feature, Lanes, Line, Point, Polygon, Role, Shape, Spot
+from mission.printable import shows
 from mission.spec.schema import MOST_REGIONS, OPERATOR_NAMES
 
 WIDTH_M: Final = 10.0
@@ -75,7 +75,7 @@ def pieces_of(features: Iterable[Feature], frame: Frame) -> list[Piece]:
             if len(pieces) == MOST_REGIONS:
                 message = f"more than {MOST_REGIONS} areas are drawn"
                 raise SpecError((Fault(0, 0, "", message, "put those of a kind into one feature of several parts"),))
-            name = unused(_plain(piece.name, piece.role), (each.name for each in pieces))
+            name = unused(_nameable(piece.name, piece.role), (each.name for each in pieces))
             pieces.append(replace(piece, name=name))
     return pieces
 
@@ -161,11 +161,11 @@ def unused(name: str, taken: Iterable[str]) -> str:
     return next(each for each in itertools.chain([name], numbered) if each not in names)
 
 
-def _plain(name: str, role: Role | None) -> str:
-    """A name that a region can have."""
-    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss")).encode("ascii", "ignore").decode()
-    words = re.sub(r"\W+", "_", plain, flags=re.ASCII).strip("_")[:_LONGEST_NAME] or (role or "region")
-    return f"region_{words}" if words[0].isdigit() or re.fullmatch(OPERATOR_NAMES, words) else words
+def _nameable(name: str, role: Role | None) -> str:
+    """The name as it was drawn, so far as a region can have it."""
+    kept = "".join(c if shows(c) and c not in '"\\' else " " for c in name)
+    words = " ".join(kept.split())[:_LONGEST_NAME].rstrip() or (role or "region")
+    return f"region {words}" if re.fullmatch(OPERATOR_NAMES, words) else words
 
 
 def together(pieces: Iterable[Piece]) -> Any:  # noqa: ANN401 - shapely has no types

@@ -62,7 +62,7 @@ def asks_the_same(one: MissionSpec, other: MissionSpec) -> bool:
 
 
 def _restrict(document: _Document, rest: str, line: int) -> None:
-    name, _, drawn = rest.partition(" ")
+    name, drawn = _named(rest)
     if name in document["regions"]:
         raise _fault(line, f"there is a region `{name}` already", "take another name, or drop that first")
     shape = _shape(drawn, line) if drawn.strip() else None
@@ -82,7 +82,16 @@ def _shape(drawn: str, line: int) -> Any:  # noqa: ANN401 - any JSON value
     return json.loads(json.dumps(data, default=refused))
 
 
-def _drop(document: _Document, name: str, line: int) -> None:
+def _named(rest: str) -> tuple[str, str]:
+    """A name, in double quotes where there are spaces in it, and what comes after it."""
+    name, _, after = rest[1:].partition('"') if rest.startswith('"') else rest.partition(" ")
+    return name, after
+
+
+def _drop(document: _Document, rest: str, line: int) -> None:
+    name, after = _named(rest)
+    if after.strip():
+        raise _fault(line, f"after the region there is `{after.strip()}`", "put a name with spaces in double quotes")
     if document["regions"].pop(name, None) is None:
         raise _fault(line, f"there is no region `{name}`", f"there are {', '.join(document['regions'])}")
 

@@ -1,11 +1,12 @@
 """What a mission file means, checked section by section wherever its structure is sound."""
 
 import re
+from collections.abc import Iterable
 from typing import Any
 
 from mission.errors import FormulaSyntaxError
 from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import propositions
+from mission.logic.formula.syntax import propositions, written_name
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, nearest, shortened
 from mission.spec.model import FIELD, TRAJECTORY, Point, Region, RegionKind
@@ -114,6 +115,15 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
     return known
 
 
+def _unquoted(formula: str, names: Iterable[str]) -> str:
+    """What to do about a name of a region that a formula can say in quotes alone, and says without; empty elsewhere."""
+    for name in sorted(names, key=len, reverse=True):
+        quoted = written_name(name)
+        if not (name.isascii() and name.isidentifier()) and name in formula.replace(quoted, ""):
+            return f"put the name in double quotes: {quoted}"
+    return ""
+
+
 def _formula_findings(formula: str, names: frozenset[str] | None) -> list[Finding]:
     """Faults of the formula; ``names`` are the regions, None where they are not known."""
     try:
@@ -123,13 +133,15 @@ def _formula_findings(formula: str, names: frozenset[str] | None) -> list[Findin
     except FormulaSyntaxError as error:
         # The end of the text has no character of its own; the last one stands for it.
         character = max(0, min(error.column, len(formula)) - 1)
-        return [Finding(_FORMULA, f"{error.message} (column {error.column})", error.hint, character=character)]
+        hint = _unquoted(formula, names or ()) or error.hint
+        return [Finding(_FORMULA, f"{error.message} (column {error.column})", hint, character=character)]
     if names is None:
         return []
     findings = []
     for name in sorted(propositions(parsed) - names):
         close = nearest(name, names)
         hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(names))}"
+        hint = _unquoted(formula, names) or hint
         place = re.search(rf"(?<![A-Za-z0-9_.]){re.escape(name)}(?![A-Za-z0-9_.])", formula)
         at = place.start() if place else None
         column = f" (column {at + 1})" if at is not None else ""

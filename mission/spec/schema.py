@@ -39,6 +39,8 @@ from mission.spec.written_automaton import SCHEMA as AUTOMATON
 
 MOST_REGIONS: Final = 1_000
 
+REGION_NAME_PATTERN: Final = r'^[^"\\\s\x00-\x1f\x7f]([^"\\\x00-\x1f\x7f]*[^"\\\s\x00-\x1f\x7f])?$'
+"""Any letters, and spaces inside: what a formula can name, in quotes where it is not made of A to Z, digits and _."""
 OPERATOR_NAMES: Final = "^([FGX]+|U|W|M|V|true|false|xor)$"
 """Names that a region may not have: operators and constants. R is one, too, but the paper's home has that name, and no
 formula can mean both by it, for the operator stands after an operand and the region never does."""
@@ -151,7 +153,7 @@ _REGIONS: Final[Schema] = {
     "minProperties": 1,
     "maxProperties": MOST_REGIONS,
     "propertyNames": {
-        "pattern": "^[A-Za-z_][A-Za-z0-9_]*$",
+        "pattern": REGION_NAME_PATTERN,
         "maxLength": 60,
         "not": {"pattern": OPERATOR_NAMES},
     },

@@ -198,7 +198,9 @@ def _of_its_kind(error: ValidationError, tree: Node) -> Iterable[Finding]:
 
 def _region_name(path: Path, name: str) -> Finding:
     message = f"`{shortened(name)}` cannot name a region"
-    hint = "use letters, digits and _, a letter first, 60 at most; not F, G, X, U, W, M, V, true, false, xor"
+    hint = (
+        "60 characters at most, no quotes, backslashes, spaces at the ends; not F, G, X, U, W, M, V, true, false, xor"
+    )
     return Finding(path, message, hint, at_key=True)
 
 

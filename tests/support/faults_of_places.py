@@ -110,7 +110,7 @@ FAULTS_OF_PLACES = [
         "domain.boundary",
         "the domain reaches 5435 km from the origin; the plane of a mission ends at 50 km",
     ),
-    ("region_name_with_a_dash", 5, 3, "regions.north-field", "`north-field` cannot name a region"),
+    ("region_name_with_quotes", 5, 3, 'regions.the "old" field', '`the "old" field` cannot name a region'),
     ("region_named_as_operator", 5, 3, "regions.G", "`G` cannot name a region"),
     ("region_named_on", 5, 3, "regions.on", "YAML does not read the key `on` as text"),
     ("region_on_an_edge", 5, 29, "regions.Field.at", "the point (10, 7.5) of Field lies on an edge between triangles"),

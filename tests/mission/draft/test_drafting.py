@@ -75,7 +75,7 @@ def test_a_field_is_visited_from_a_home_beside_it() -> None:
 
 def test_what_nothing_tells_of_is_surveyed_where_nothing_else_is_with_a_question() -> None:
     text = drafted(feature("Untitled Polygon", Polygon(points(LOT))), in_degrees=True)
-    assert kinds(text) == {"home": "home", "Untitled_Polygon": "survey"}
+    assert kinds(text) == {"home": "home", "Untitled Polygon": "survey"}
     assert "# nothing in the file tells what it is: is it to be surveyed?" in text
 
 
@@ -146,9 +146,9 @@ def test_lines_and_places_get_a_width_and_a_circle() -> None:
     assert kinds(text) == {
         "home": "home",
         "field": "survey",
-        "power_line": "restricted",
+        "power line": "restricted",
         "canal": "restricted",
-        "Point_1": "area",
+        "Point 1": "area",
     }
 
 
@@ -156,11 +156,12 @@ def test_many_regions_are_visited_in_a_row_and_few_in_any_order() -> None:
     plots = [feature(f"plot {i}", Polygon(square(30 * i, 0, 20)), Role.SURVEY) for i in range(6)]
     home = feature("home", Spot((-10, 10)), Role.HOME)
     assert (
-        yaml.safe_load(drafted(home, *plots[:3]))["mission"]["formula"] == "F plot_0 & F plot_1 & F plot_2 & F G home"
+        yaml.safe_load(drafted(home, *plots[:3]))["mission"]["formula"]
+        == 'F "plot 0" & F "plot 1" & F "plot 2" & F G home'
     )
     plan = planned(drafted(home, *plots))
-    assert plan.spec.formula.startswith("F (plot_0 & F (plot_1 & F (plot_2 & ")
-    assert visited(plan) >= {f"plot_{i}" for i in range(6)}
+    assert plan.spec.formula.startswith('F ("plot 0" & F ("plot 1" & F ("plot 2" & ')
+    assert visited(plan) >= {f"plot {i}" for i in range(6)}
 
 
 def test_a_home_that_cannot_be_used_is_replaced_and_said_so() -> None:
@@ -218,14 +219,14 @@ def test_names_are_those_of_regions_each_once() -> None:
     features = [feature(name, Polygon(square(30 * i, 0, 20)), Role.SURVEY) for i, name in enumerate(names)]
     text = drafted(*features)
     assert list(kinds(text))[1:] == [
-        "Nord_Flache_1",
-        "region_3_Schlag",
-        "region_G",
+        "Nörd-Fläche 1",
+        "3. Schlag",
+        "region G",
         "drawn",
-        "a_kind_home",
-        "a_kind_home_2",
-        "region_2J",
-        "survey",
+        "a kind: home",
+        "a kind: home_2",
+        "[2J",
+        "北",
     ]
     assert "\x1b" not in text
     assert "\u202e" not in text
@@ -277,7 +278,7 @@ def test_files_are_drawn_together_and_their_names_may_tell() -> None:
     plain = Drawing("KML", (feature("1", Polygon(square(7.0, 51.0, 0.001))),))
     other = Drawing("KML", (feature("2", Polygon(square(7.0002, 51.0002, 0.0002))),))
     text = draft_mission([("fields", plain), ("houses", other)], "fields and houses").text
-    assert kinds(text) == {"home": "home", "region_1": "survey", "region_2": "restricted"}
+    assert kinds(text) == {"home": "home", "1": "survey", "2": "restricted"}
     metres = Drawing("GeoJSON", plain.features, in_degrees=False)
     with pytest.raises(SpecError, match="the coordinates of b are metres, those of the other files are degrees"):
         draft_mission([("a", plain), ("b", metres)], "both")
