@@ -121,6 +121,10 @@ class Amending:
             else:
                 self._refuse(change, _words(error))
             return
+        altitude_m = leg.plan.trajectory.altitude_m
+        if mission.flight.altitude_m != altitude_m:
+            self._refuse(change, f"a flight keeps its altitude, {altitude_m:g} m")
+            return
         fresh = not asks_the_same(mission, self._mission)
         wanted = mission if fresh else _left_of(mission, leg.plan.spec, leg.laps_before - self._laps_before)
         threats = [] if not guidance.course.planned else [*_threats(self._watch, guidance, vehicle_s, mission)]
@@ -157,7 +161,7 @@ def _read(change: Amendment, mission: MissionSpec, place_m: Point) -> _Read:
     Raises:
         MissionError: It has faults.
     """
-    if change.mission:
+    if not change.lines:
         wanted = parse_mission(change.mission.encode(errors="replace"))
     else:
         wanted = amended(mission, change.lines, place_m)

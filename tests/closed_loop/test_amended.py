@@ -28,7 +28,7 @@ def small() -> FlightPlan:
 
 
 class Said:
-    """Changes at times after the trajectory began, and what was answered when."""
+    """Changes at times after the trajectory began, lines or whole files, and what was answered when."""
 
     def __init__(self, *changes: tuple[float, str]) -> None:
         self.waiting = [*changes]
@@ -45,7 +45,8 @@ class Said:
             return None
         _, line = self.waiting.pop(0)
         self.taken_s.append(self.flown.vehicle.now_s())
-        return Amendment(f"{len(self.waiting)}", lines=(line,))
+        is_file = not line or "\n" in line
+        return Amendment(f"{len(self.waiting)}", () if is_file else (line,), line if is_file else "")
 
     def answer(self, _amendment: Amendment, answer: AmendmentAnswer) -> None:
         assert self.flown is not None
@@ -127,6 +128,18 @@ def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan
     assert "there is no region `gaol`" in answers[2].words
     assert len(flight.result.plans) == 1
     assert flight.result.achieved, flight.result.reason
+
+
+def test_a_file_is_no_change_of_altitude_and_not_empty(small: FlightPlan) -> None:
+    """At another altitude it would be far from its setpoints at once."""
+    higher = SMALL.replace("altitude_m: 6", "altitude_m: 40")
+    flight, said = flown(small, "ardupilot", (1.0, higher), (2.0, ""))
+    (_, altitude), (_, nothing) = said.answers
+    assert not altitude.accepted
+    assert altitude.words == "a flight keeps its altitude, 6 m"
+    assert not nothing.accepted
+    assert flight.result.achieved, flight.result.reason
+    assert len(flight.result.plans) == 1
 
 
 def test_another_formula_holds_from_then_on_without_a_jump(small: FlightPlan) -> None:
