@@ -6,6 +6,7 @@ Barriers are the rims, moved out of free space by a hair, so that a path may run
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -132,14 +133,18 @@ class FreeSpace:
         index, place = ranges(self._first_seen[corners], self._after_seen[corners])
         return index, self._seen[place]
 
-    def seen_from_places(self, places_m: FloatArray) -> tuple[IntArray, IntArray]:
-        """The same of ways from places, shape (N, 2), to corners: a path need bend at these only."""
+    def seen_from_places(self, layers_m: Sequence[FloatArray]) -> list[tuple[IntArray, IntArray]]:
+        """The same of ways from places, of each layer shape (N, 2), to corners: a path need bend at these only."""
+        places_m = np.concatenate(layers_m)
         part = self.part_of(places_m)
         inside = np.flatnonzero(part >= 0)
         index, seen = self._sights.from_places(places_m[inside])
         index, seen = self._bending(inside[index], self._number[seen], places_m)
         same = part[index] == self.part_of_corner[seen]
-        return index[same], seen[same]
+        index, seen = index[same], seen[same]
+        firsts = np.cumsum([0, *map(len, layers_m)])
+        cuts = np.searchsorted(index, firsts).tolist()
+        return [(index[a:b] - first, seen[a:b]) for (a, b), first in zip(pairwise(cuts), firsts.tolist(), strict=False)]
 
     def _bending(self, index: IntArray, corners: IntArray, points_m: FloatArray) -> tuple[IntArray, IntArray]:
         index, corners = index[corners >= 0], corners[corners >= 0]

@@ -235,7 +235,6 @@ class LayeredPaths:
         """Put other places into the graph."""
         before = self._count
         same_places = len(layers) == len(self._layers) and all(map(is_, layers, self._layers))
-        seen_before = self._seen_from if same_places else []
         self._keep((self._begins >= before) & (self._ends >= before))
         self._near[:] = True  # but for those that are not free, which are gone
         corners = self._points[before:]
@@ -245,7 +244,8 @@ class LayeredPaths:
         self._begins, self._ends = self._begins + shift, self._ends + shift
         self._points = np.concatenate((*layers, corners))
         self._straight = _straight_lengths(self._layers)
-        self._seen_from = []
+        if not same_places:
+            self._seen_from = self._seen_from_layers()
         for stage, space in enumerate(self._spaces):
             layers_here = self._layers[stage], self._layers[stage + 1]
             entry, exit_ = (space.part_of(places) for places in layers_here)
@@ -258,15 +258,21 @@ class LayeredPaths:
             solid = space.solid(layers_here[0][first], layers_here[1][second])
             first, second = np.delete(first, solid), np.delete(second, solid)
             self._join(stage, self._offsets[stage] + first, self._offsets[stage + 1] + second, both=False)
-            if seen_before:
-                self._seen_from.append(seen_before[stage])
-            else:
-                again = stage > 0 and space is self._spaces[stage - 1]
-                one = self._seen_from[-1][1] if again else space.seen_from_places(layers_here[0])
-                self._seen_from.append((one, space.seen_from_places(layers_here[1])))
             self._join_places(stage, self._node[stage] >= 0)
             self._least[stage] = self._roughly_least(stage)
             self._exact[stage][:] = False
+
+    def _seen_from_layers(self) -> list[tuple[tuple[IntArray, IntArray], tuple[IntArray, IntArray]]]:
+        """What is seen in the free space of each stage from the layers of places before and after it."""
+        layers: dict[FreeSpace, dict[int, FloatArray]] = {}
+        for stage, space in enumerate(self._spaces):
+            layers.setdefault(space, {}).update({layer: self._layers[layer] for layer in (stage, stage + 1)})
+        found = {
+            (space, layer): seen
+            for space, here in layers.items()
+            for layer, seen in zip(here, space.seen_from_places(list(here.values())), strict=True)
+        }
+        return [(found[space, stage], found[space, stage + 1]) for stage, space in enumerate(self._spaces)]
 
     def _straight_rounds(self) -> FloatArray:
         """How long rounds from each place of the first layer are at least."""
