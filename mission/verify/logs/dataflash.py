@@ -5,13 +5,14 @@ is as long as a message FMT (type 128) of that type says. A damaged stretch cost
 """
 
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from typing import BinaryIO, Final, NamedTuple
 
 from mission.errors import GeometryError
 from mission.geometry.geodesy import LatLon
+from mission.verify.logs.messages import Messages
 from mission.verify.logs.telemetry import Collector, Log, LogError, Telemetry, began_otherwise
 
 KIND: Final = "DataFlash log of ArduPilot"
@@ -20,7 +21,6 @@ HEAD: Final = b"\xa3\x95"
 _HEADER: Final = 3
 _FORMAT: Final = 128
 _FORMAT_BODY: Final = struct.Struct("<BB4s16s64s")
-_CHUNK: Final = 1 << 20
 _LONGEST: Final = 256
 _US: Final = 1e-6
 _MS: Final = 1e-3
@@ -68,8 +68,9 @@ def read_dataflash(stream: BinaryIO) -> Log:
         LogError: There are no positions in it.
     """
     told = _Told()
-    messages = _Messages(stream)
-    for name, values in messages:
+    layouts = _Layouts()
+    messages = Messages(stream, _LONGEST, _HEADER, size=layouts.size, followed=_can_follow, onward=_next_head)
+    for name, values in filter(None, map(layouts.read, messages)):
         told.take(name, values)
     boots = told.finished()
     if not any(boot.local or boot.world for boot in boots):
@@ -153,46 +154,24 @@ class _Told:
 _WANTED: Final = frozenset(("POS", "XKF1", "XKF4", "NKF1", "NKF4", "ORGN", "EV", "ARM", "GPS", "CAM"))
 
 
-class _Messages:
-    """The messages of a log that are wanted, one at a time.
+class _Layouts:
+    """What the log has said so far of its own messages."""
 
-    Attributes:
-        skipped: Bytes that belong to none.
-    """
-
-    def __init__(self, stream: BinaryIO) -> None:
-        self.skipped = 0
-        self._stream = stream
+    def __init__(self) -> None:
         self._sizes: dict[int, int] = {_FORMAT: _HEADER + _FORMAT_BODY.size}
         self._layouts: dict[int, _Layout] = {}
 
-    def __iter__(self) -> Iterator[tuple[str, dict[str, float]]]:
-        data, at, ended = b"", 0, False
-        while True:
-            if not ended and len(data) - at < 2 * _LONGEST:
-                more = self._stream.read(_CHUNK)
-                ended = not more
-                data, at = data[at:] + more, 0
-                continue
-            if len(data) - at < _HEADER:
-                return
-            number = data[at + 2]
-            size = self._sizes.get(number) if data[at : at + 2] == HEAD else None
-            stop = at + (size or 0)
-            if ended and size is not None and stop > len(data):
-                return  # the last one is cut, as in most logs
-            if size is None or data[stop : stop + 2] not in (HEAD, HEAD[:1], b""):
-                onward = data.find(HEAD, at + 1)
-                onward = onward if onward >= 0 else max(at + 1, len(data) - 1)
-                self.skipped += onward - at
-                at = onward
-                continue
-            if number == _FORMAT:
-                self._learn(data[at + _HEADER : stop])
-            elif number in self._layouts:
-                layout = self._layouts[number]
-                yield layout.name, layout.values(data[at + _HEADER : stop])
-            at = stop
+    def size(self, data: bytes, at: int) -> int | None:
+        """How long the message is that begins there; None where none does."""
+        return self._sizes.get(data[at + 2]) if data[at : at + 2] == HEAD else None
+
+    def read(self, message: bytes) -> tuple[str, dict[str, float]] | None:
+        """The name and the values of a message; None of one that is not wanted."""
+        number, body = message[2], message[_HEADER:]
+        if number == _FORMAT:
+            self._learn(body)
+        layout = self._layouts.get(number)
+        return None if layout is None else (layout.name, layout.values(body))
 
     def _learn(self, body: bytes) -> None:
         number, size, name, letters, columns = _FORMAT_BODY.unpack(body)
@@ -208,6 +187,15 @@ class _Messages:
             places = {column: place for place, column in enumerate(_text(columns).split(",")) if place < len(types)}
             degrees = frozenset(place for place, letter in enumerate(types) if letter == _DEGREES)
             self._layouts[number] = _Layout(text, layout.unpack, places, degrees)
+
+
+def _can_follow(data: bytes, at: int) -> bool:
+    return data[at : at + 2] in (HEAD, HEAD[:1], b"")
+
+
+def _next_head(data: bytes, at: int) -> int:
+    found = data.find(HEAD, at + 1)
+    return found if found >= 0 else max(at + 1, len(data) - 1)
 
 
 def _text(raw: bytes) -> str:

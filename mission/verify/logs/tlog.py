@@ -4,7 +4,6 @@ They hold both directions of a link, and of all vehicles on it. What counts is w
 clock, for frames may come in bunches, late or twice. A damaged stretch costs what is in it and no more.
 """
 
-from collections.abc import Iterator
 from contextlib import suppress
 from typing import BinaryIO, Final
 
@@ -22,6 +21,7 @@ from mission.link.values import (
     LocalPosition,
     Origin,
 )
+from mission.verify.logs.messages import Messages
 from mission.verify.logs.telemetry import Collector, Log, LogError
 
 KIND: Final = "telemetry log"
@@ -48,7 +48,6 @@ _V1_FRAME: Final = 8  # header and checksum
 _V2_FRAME: Final = 12
 _SIGNATURE: Final = 13
 _LONGEST: Final = _STAMP + _V2_FRAME + 255 + _SIGNATURE
-_CHUNK: Final = 1 << 20
 _MS: Final = 1e-3
 _US: Final = 1e-6
 _ACTIVE: Final = 4
@@ -80,10 +79,11 @@ def read_tlog(stream: BinaryIO, system: int | None) -> Log:
         LogError: There is no vehicle in it, or not this one, or several.
     """
     systems: dict[int, _Vehicle] = {}
-    records = _Records(stream)
+    records = Messages(stream, _LONGEST, 1, size=_record_size, followed=_can_follow, onward=lambda _, at: at + 1)
     codec = Codec(0, 0)
-    for stamp_us, record in records:
-        for frame in codec.judged(record) if _number(record) in _TOLD else ():
+    for record in records:
+        stamp_us, data = int.from_bytes(record[:_STAMP], "big"), record[_STAMP:]
+        for frame in codec.judged(data) if _number(data) in _TOLD else ():
             if frame.component_id == AUTOPILOT_COMPONENT:
                 received = codec.read(frame)
                 systems.setdefault(received.system_id, _Vehicle()).take(received.body, stamp_us * _US)
@@ -155,42 +155,9 @@ class _Vehicle:
             self.told.note(lambda now, t_s: now.note_active(t_s, body.system_status == _ACTIVE))
 
 
-class _Records:
-    """The records of a log, one at a time.
-
-    Attributes:
-        skipped: Bytes that belong to none.
-    """
-
-    def __init__(self, stream: BinaryIO) -> None:
-        self.skipped = 0
-        self._stream = stream
-
-    def __iter__(self) -> Iterator[tuple[int, bytes]]:
-        """Each with its count of microseconds, and the bytes of what seems to be its frame."""
-        data, at, ended = b"", 0, False
-        while True:
-            if not ended and len(data) - at < 2 * _LONGEST:
-                more = self._stream.read(_CHUNK)
-                ended = not more
-                data, at = data[at:] + more, 0
-                continue
-            if at >= len(data):
-                return
-            size = _record_size(data, at)
-            stop = at + (size or 0)
-            if ended and size is not None and stop > len(data):
-                return  # the last one is cut, as in most logs
-            # A frame is followed by another record, or by the end.
-            sound = size is not None and stop <= len(data)
-            if sound and stop + _STAMP < len(data):
-                sound = data[stop + _STAMP] in (_V1, _V2)
-            if sound:
-                yield int.from_bytes(data[at : at + _STAMP], "big"), data[at + _STAMP : stop]
-                at = stop
-            else:
-                self.skipped += 1
-                at += 1
+def _can_follow(data: bytes, at: int) -> bool:
+    """Whether a frame may begin after the count of microseconds there, or the log ends."""
+    return at + _STAMP >= len(data) or data[at + _STAMP] in (_V1, _V2)
 
 
 def _record_size(data: bytes, at: int) -> int | None:
