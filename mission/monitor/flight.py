@@ -1,5 +1,6 @@
 """The monitor of a plan's flight, fed stage by stage: in flight by what is told, afterwards by the record of it."""
 
+from mission.monitor.laps import Laps
 from mission.monitor.monitor import Monitor
 from mission.monitor.stage import GUARDED, WATCHED, Stage
 from mission.plan import FlightPlan
@@ -28,11 +29,8 @@ class FlightMonitor:
             refutation=plan.compiled_refutation,
             semantics=plan.spec.semantics,
             restricted=plan.restricted,
-            suffix=plan.run.suffix if plan.run.recurrent else (),
-            laps=plan.trajectory.laps,
-            laps_before=laps_before,
-            begun=begun,
-            any_way=plan.spec.flight.guidance == FIELD,
+            counter=laps_of(plan, laps_before, begun=begun),
+            laps=laps_asked(plan, laps_before),
         )
         self._flying = False
 
@@ -53,3 +51,20 @@ class FlightMonitor:
             "total": progress.total,
             "awaited": progress.awaited,
         }
+
+
+def laps_of(plan: FlightPlan, before: int = 0, *, begun: bool = False) -> Laps:
+    """What counts the laps of a plan's flight, from the ground or from where another plan was flown."""
+    return Laps(
+        plan.deterministic,
+        plan.labelling,
+        suffix=plan.run.suffix if plan.run.recurrent else (),
+        any_way=plan.spec.flight.guidance == FIELD,
+        before=before,
+        begun=begun,
+    )
+
+
+def laps_asked(plan: FlightPlan, before: int = 0) -> int | None:
+    """How many laps are to be flown in all; None where nobody has said."""
+    return None if plan.trajectory.laps is None else before + plan.trajectory.laps

@@ -1,5 +1,6 @@
 """Counts how often the loop of a recurrent run, or any round that an automaton accepts, has been flown."""
 
+from copy import copy
 from itertools import groupby
 
 from mission.geometry.regions import Labelling
@@ -109,6 +110,73 @@ class RoundCounter:
                 self._rounds[pair] += 1
                 due[pair] = inf
         self.due = tuple(due)
+
+
+class Laps:
+    """Counts the laps of a flight by one plan, those before it and one that was under way then included.
+
+    Args:
+        automaton: Deterministic, of what the flight satisfies, over the numbers of the letters.
+        labelling: The labels of the domain.
+        suffix: The triangles of the planned loop; empty where the flight ends in a stay.
+        any_way: Whether any round that the automaton accepts is a lap, and not that of ``suffix`` alone.
+        before: How many laps were flown before, with the one that is under way when this begins.
+        begun: Whether one is: it is completed on the way to the loop, or where there is none, in the end.
+
+    Attributes:
+        rounds: What the automaton has read.
+    """
+
+    def __init__(
+        self,
+        automaton: Rabin,
+        labelling: Labelling,
+        *,
+        suffix: tuple[int, ...] = (),
+        any_way: bool = False,
+        before: int = 0,
+        begun: bool = False,
+    ) -> None:
+        self._labelling, self._any_way, self._before, self._begun = labelling, any_way, before, begun
+        self.rounds = RoundCounter(automaton)
+        self._loop = LapCounter(suffix, labelling, begun=begun) if suffix else None
+
+    def copy(self) -> "Laps":
+        """Another one that has counted the same."""
+        other = copy(self)
+        other.rounds, other._loop = self.rounds.copy(), copy(self._loop)  # noqa: SLF001 - its own
+        return other
+
+    def enter(self, triangle: int, *, spells: bool = True) -> None:
+        """Take note that the vehicle has entered a triangle, and whether its label is read."""
+        if spells:
+            self.rounds.read(int(self._labelling.letter_of[triangle]))
+        if self._loop is not None:
+            self._loop.enter(triangle)
+
+    def over(self, *, satisfied: bool, sure: bool = True) -> int:
+        """How many are over.
+
+        Args:
+            satisfied: Whether the mission is, by which one that was begun is over where there is no loop.
+            sure: Whether all that was entered is known: otherwise those count that led round the loop, for rounds of
+                the automaton may have been broken by what is not known.
+        """
+        if self._loop is None:
+            return self._before - int(self.ends and not satisfied)
+        return self._before + (self.rounds.laps if self._any_way and sure else self._loop.laps)
+
+    @property
+    def ends(self) -> bool:
+        """Whether a lap that was begun before is over once the mission is satisfied."""
+        return self._begun and self._loop is None
+
+    @property
+    def due(self) -> tuple[Letter, ...] | None:
+        """The labels that the lap under way has not met, as ``LapCounter.due``."""
+        if self._loop is None:
+            return () if self._begun else None
+        return None if self._any_way else self._loop.due
 
 
 def laps_text(flown: int, asked: int | None) -> str:

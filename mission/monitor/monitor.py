@@ -7,7 +7,6 @@ standard semantics only; at the end of a flight that stays, the last label repea
 
 import math
 from collections.abc import Callable, Sequence
-from copy import copy
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import pairwise
@@ -20,7 +19,7 @@ from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.word import LassoWord, Letter
-from mission.monitor.laps import LapCounter, RoundCounter, laps_text
+from mission.monitor.laps import Laps, laps_text
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics
 
@@ -117,11 +116,8 @@ class Monitor:
         refutation: Of the words that do not satisfy it, over the same.
         semantics: Whether the label of the first triangle is read.
         restricted: Shape (M,), triangles that must not be entered.
-        suffix: Triangles of the planned loop of a recurrent run; empty where the flight ends in a stay.
-        laps: How often the loop is to be flown; None where nobody has said.
-        laps_before: How often it was before, with the lap that is under way when this begins.
-        begun: Whether one is: it is completed on the way to the loop, or where there is none, in the end.
-        any_way: Whether any round that ``whole`` accepts is a lap, and not that of ``suffix`` alone.
+        counter: What counts laps; by default, of a flight that ends in a stay.
+        laps: How many are to be flown in all; None where nobody has said.
     """
 
     def __init__(
@@ -135,21 +131,14 @@ class Monitor:
         refutation: CompiledAutomaton,
         semantics: Semantics,
         restricted: BoolArray,
-        suffix: tuple[int, ...] = (),
+        counter: Laps | None = None,
         laps: int | None = 0,
-        laps_before: int = 0,
-        begun: bool = False,
-        any_way: bool = False,
     ) -> None:
         self._locator, self._labelling = locator, labelling
         self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
         self._watch = FormulaWatch(automata, whole, refutation, labelling.letters)
-        self._rounds = RoundCounter(whole)
-        self._laps = LapCounter(suffix, labelling, begun=begun) if suffix else None
-        self._any_way = any_way
-        self._laps_before, self._begun = laps_before, begun
-        self._laps_asked = None if laps is None else laps_before + laps
+        self._laps, self._laps_asked = counter or Laps(whole, labelling), laps
         self._last: tuple[float, Point] | None = None
         self._inside = True
         self._visits: list[Visit] = []
@@ -220,46 +209,32 @@ class Monitor:
     @property
     def laps(self) -> int:
         """How often the loop of a recurrent run has been flown."""
-        if self._laps is None and self._begun:
-            return self._laps_before - int(not self.verdict_at_end(stays=True).achieved)
-        return self._counted(self._rounds, self._laps)
-
-    def _counted(self, rounds: RoundCounter, laps: LapCounter | None) -> int:
-        if laps is None:
-            return self._laps_before - int(self._begun)
-        return self._laps_before + (rounds.laps if self._any_way else laps.laps)
-
-    def _lap_due(self, laps: LapCounter | None) -> tuple[Letter, ...] | None:
-        if laps is None:
-            return () if self._begun else None
-        return None if self._any_way else laps.due
+        return self._laps.over(satisfied=self._laps.ends and self.verdict_at_end(stays=True).achieved)
 
     @property
     def whereabouts(self) -> Whereabouts | None:
         """Where the flight is; None before its word begins, and outside the domain."""
         if not self._visits or not self._inside:
             return None
-        return Whereabouts(self._visits[-1].triangle, self._rounds.state, self._rounds.due, self._rounds.laps)
+        rounds = self._laps.rounds
+        return Whereabouts(self._visits[-1].triangle, rounds.state, rounds.due, rounds.laps)
 
     def foreseen(self, places_m: Sequence[Point]) -> "Foreseen":
         """What the word would be, and the automaton's state, if the vehicle flew straight through places in order."""
-        rounds, laps, letters = self._rounds.copy(), copy(self._laps), list(self.word)
+        laps, letters = self._laps.copy(), list(self.word)
         last = self._visits[-1].triangle if self._visits else OUTSIDE
         for start, end in pairwise(places_m):
             for triangle, _ in self._locator.crossed(start, end, likely=last):
                 if triangle not in (last, OUTSIDE):
-                    rounds.read(int(self._labelling.letter_of[triangle]))
                     letters.append(self._labelling.label(triangle))
                     last = triangle
-                    if laps is not None:
-                        laps.enter(triangle)
-        return Foreseen(tuple(letters), rounds.state, rounds.due, self._counted(rounds, laps), self._lap_due(laps))
+                    laps.enter(triangle)
+        return _foreseen(tuple(letters), laps)
 
     @property
     def known(self) -> "Foreseen":
         """The word so far, and the automaton's state."""
-        laps = self._counted(self._rounds, self._laps)
-        return Foreseen(self.word, self._rounds.state, self._rounds.due, laps, self._lap_due(self._laps))
+        return _foreseen(self.word, self._laps)
 
     def verdict_at_end(self, *, stays: bool) -> Outcome:
         """The verdict on the flight as if it ended now.
@@ -300,10 +275,12 @@ class Monitor:
         if self._restricted[triangle]:
             names = tuple(sorted(self._labelling.label(triangle)))
             self._violations.append(Violation(ViolationKind.ENTERED_RESTRICTED, time_s, position_m, names))
-        if self._visits or self._semantics is Semantics.STANDARD:
-            letter = int(self._labelling.letter_of[triangle])
-            self._watch.read(letter)
-            self._rounds.read(letter)
+        spells = bool(self._visits) or self._semantics is Semantics.STANDARD
+        if spells:
+            self._watch.read(int(self._labelling.letter_of[triangle]))
+        self._laps.enter(triangle, spells=spells)
         self._visits.append(Visit(triangle, time_s))
-        if self._laps is not None:
-            self._laps.enter(triangle)
+
+
+def _foreseen(word: tuple[frozenset[str], ...], laps: Laps) -> Foreseen:
+    return Foreseen(word, laps.rounds.state, laps.rounds.due, laps.over(satisfied=False), laps.due)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mission.geometry.location import Locator
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
+from mission.monitor.laps import Laps
 from mission.monitor.monitor import Monitor, ViolationKind
 from mission.monitor.verdict import Verdict
 from mission.spec.model import Semantics
@@ -34,16 +35,17 @@ def monitor(
     laps: int = 0,
 ) -> Monitor:
     labels = paper_labelling()
+    whole = deterministic_of(parse_formula(formula), None, labels.letters).whole
     return Monitor(
         Locator(paper_partition()),
         labels,
         satisfied_by=lambda word: satisfies(word, parse_formula(formula)),
         automata=(compiled(formula, labels.letters),),
-        whole=deterministic_of(parse_formula(formula), None, labels.letters).whole,
+        whole=whole,
         refutation=refuting(formula, labels.letters),
         semantics=semantics,
         restricted=marked(paper_partition(), (6,)),
-        suffix=suffix,
+        counter=Laps(whole, labels, suffix=suffix),
         laps=laps,
     )
 
