@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any, Final
 
 from mission.cli.inputs import bad_file, read_plan
-from mission.cli.report import later_plan_file
+from mission.cli.report import with_later_plans
 from mission.cli.screen import count, out
 from mission.errors import Fault, RecordError, SpecError, reason
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan, plan_mission
-from mission.report.reading import LEG, read_record
+from mission.report.reading import LEG, LaterPlan, read_record
 from mission.report.record import RECORD_FILE
 from mission.spec.areas import clearance_of
 from mission.spec.loader import load_mission
@@ -53,8 +53,11 @@ def run(arguments: Namespace) -> int:
         plan = plan_mission(spec, start_m=anew_m, run=plan.asked_run)
     parts = [_Part(spec, plan, flight)]
     if arguments.mission is None and plan is not None and (file / RECORD_FILE).is_file():
-        parts = _amended(file, parts[0])
-    found = [judged(part.spec, part.flight.track, plan=part.plan, fastest_m_s=arguments.fastest) for part in parts]
+        parts = _amended(file, parts[0], plan)
+    found = [
+        judged(part.spec, part.flight.track, plan=part.plan, legs=part.legs, fastest_m_s=arguments.fastest)
+        for part in parts
+    ]
     if arguments.json:
         values = [_values(part.flight, each) for part, each in zip(parts, found, strict=True)]
         out.out(json.dumps(values[0] if len(values) == 1 else {"parts": values}, indent=2, allow_nan=False))
@@ -74,6 +77,7 @@ class _Part:
     spec: MissionSpec
     plan: FlightPlan | None
     flight: LoggedFlight
+    legs: tuple[LaterPlan, ...] = ()
 
 
 def _exit_code(found: Sequence[Judged]) -> int:
@@ -81,19 +85,18 @@ def _exit_code(found: Sequence[Judged]) -> int:
     return 0 if found[-1].achieved and not any(each.violations for each in found[:-1]) else 1
 
 
-def _amended(file: Path, whole: _Part) -> list[_Part]:
+def _amended(file: Path, whole: _Part, first: FlightPlan) -> list[_Part]:
     """The parts of a flight of which the mission was changed: each is judged by what was asked for then.
 
     A part that another one follows has only to violate nothing.
     """
-    record = read_record(file)
-    changes = [event for event in record.events if event.text == LEG and event.values.get("amended")]
-    parts, track = [], whole.flight.track
-    edges = [-math.inf, *(event.t_s for event in changes), math.inf]
-    plans = [whole.plan, *(read_plan(file / later_plan_file(int(each.values["number"])))[0] for each in changes)]
-    for plan, (from_s, to_s) in zip(plans, pairwise(edges), strict=True):
+    record = with_later_plans(read_record(file), file)
+    changes = [event.t_s for event in record.events if event.text == LEG and event.values.get("amended")]
+    parts, track, legs = [], whole.flight.track, (LaterPlan(-math.inf, first, 0), *record.later)
+    for from_s, to_s in pairwise([-math.inf, *changes, math.inf]):
         flown = (track.t_s >= from_s) & (track.t_s <= to_s)
-        if plan is not None and flown.any():
+        by = tuple(leg for leg in legs if from_s <= leg.from_s < to_s)
+        if flown.any():
             cut = replace(
                 track,
                 t_s=track.t_s[flown],
@@ -102,7 +105,7 @@ def _amended(file: Path, whole: _Part) -> list[_Part]:
                 ends_whole=track.ends_whole or math.isfinite(to_s),
                 pictures=tuple(each for each in track.pictures if from_s <= each[0] <= to_s),
             )
-            parts.append(_Part(plan.spec, plan, replace(whole.flight, track=cut)))
+            parts.append(_Part(by[0].plan.spec, by[0].plan, replace(whole.flight, track=cut), by))
     return parts
 
 

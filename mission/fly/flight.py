@@ -255,7 +255,7 @@ class Flight:
         self._replanning, self._in_time, self._amending = self._replans()
         laps, due = left.laps
         before = laps + int(due is not None), due is not None
-        again = Cause(f"taken up again after {at_s - left.last_s:.0f} s")
+        again = Cause(f"taken up again after {at_s - left.last_s:.0f} s", taken_up=True)
         self._replanning.fly_next(answer.plan, answer.text, at_s, again, before)
         self._replanner.prepare(answer.plan)
         self._guard_again(left)

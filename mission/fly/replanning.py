@@ -71,6 +71,7 @@ class Cause:
         amended: The mission as it is from now on; None where it stays as it is.
         fresh: Whether that asks for something else, so that what was done so far does not count.
         returns: Whether what is left of the mission is given up for a return.
+        taken_up: Whether nobody has led the vehicle since the last report.
         told: Called with why there is no plan, empty once one is taken over; None where the flight ends without one.
     """
 
@@ -80,6 +81,7 @@ class Cause:
     amended: MissionSpec | None = None
     fresh: bool = False
     returns: bool = False
+    taken_up: bool = False
     told: Callable[[str], None] | None = None
 
 
@@ -324,6 +326,7 @@ class Replanning:
             amended=cause.amended is not None,
             returns=cause.returns,
             fresh=cause.fresh,
+            taken_up=cause.taken_up,
             start_m=plan.start_m,
             laps_before=laps_before,
             begun=begun,

@@ -16,9 +16,10 @@ visit                   triangle (-1 outside), labels: a new letter or triangle 
 event                   name, and any values; of a gap (no position was told, or no setpoint sent and the trajectory
                         paused): missing, from_s, for_s; of a leg (another plan is flown from t_s on): number (from 2),
                         reason, amended (whether it is of a changed mission), returns (whether what was left is given up
-                        for a return), fresh (whether other things are asked for), start_m, laps_before, begun (whether
-                        the last of these is only under way), duration_s; the plan is beside the record in
-                        plan-NUMBER.json, and trajectory_s is about it
+                        for a return), fresh (whether other things are asked for), taken_up (whether nobody led the
+                        vehicle from the report before it on), start_m, laps_before, begun (whether the last of these is
+                        only under way), duration_s; the plan is beside the record in plan-NUMBER.json, and trajectory_s
+                        is about it
 image                   of a picture that the vehicle told of: number (as the autopilot counts), utc_us (microseconds
                         since 1970), latitude_deg, longitude_deg, altitude_amsl_m, position_m, attitude_rad,
                         accuracy_m and height_accuracy_m (of the place, as the receiver told it), trajectory_s; what is

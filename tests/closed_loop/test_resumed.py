@@ -13,8 +13,11 @@ from mission.fly import FlightOptions
 from mission.fly.amendments import Amendment, AmendmentAnswer
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
+from mission.report.reading import LaterPlan
 from mission.report.tracking import tracking_of
 from mission.spec.model import MissionSpec
+from mission.verify.flown.judging import Judged, judged
+from mission.verify.logs.flight_record import track_of_record
 from tests.support.fault_grid import KilledError
 from tests.support.resumed import Killed
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
@@ -85,6 +88,16 @@ def taken_up(killed: Killed) -> None:
     goals = [name for name, _ in groupby(name for name in killed.entered() if name != "home")]
     assert goals == ["goal", "pond"], killed.entered()
     assert not result.violations
+    told = told_afterwards(killed)
+    assert told.achieved, (told.reason, told.doubts)
+    assert not told.violations
+
+
+def told_afterwards(killed: Killed) -> Judged:
+    """The verdict on the record, as ``mission verify --flight`` gives it."""
+    record, plan = killed.record, killed.plan
+    legs = (LaterPlan(-math.inf, plan, 0), *record.later)
+    return judged(plan.spec, track_of_record(record), plan=plan, legs=legs)
 
 
 @sampled(
@@ -184,6 +197,7 @@ def test_laps_that_are_left_are_counted_once(rounds: FlightPlan) -> None:
     assert result.achieved, result.reason
     assert [answer.accepted for answer in told.answers] == [True], told.answers
     assert result.laps == 3
+    assert told_afterwards(killed).laps == (3, 3)
     assert killed.entered().count("north") >= 3
 
 

@@ -14,9 +14,12 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD
-from mission.monitor.laps import LapCounter, laps_text
+from mission.logic.formula.word import LassoWord
+from mission.monitor.flight import laps_asked, laps_of
+from mission.monitor.laps import laps_text
 from mission.monitor.monitor import Violation, ViolationKind
 from mission.plan import FlightPlan, plan_mission
+from mission.report.reading import LaterPlan
 from mission.spec.camera import spacing_of
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Semantics
@@ -33,6 +36,8 @@ ALL: Final = "all"
 """In the place of a region: all pictures, wherever they were taken."""
 
 _PATH_STEP_M: Final = 0.1
+_NOTICED_S: Final = 1.0
+"""So late an autopilot that is led no longer brakes; where it flew on for longer, that is where it is found."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +97,12 @@ class Judged:
 
 
 def judged(
-    spec: MissionSpec, track: Track, *, plan: FlightPlan | None = None, fastest_m_s: float = FASTEST_M_S
+    spec: MissionSpec,
+    track: Track,
+    *,
+    plan: FlightPlan | None = None,
+    legs: Sequence[LaterPlan] = (),
+    fastest_m_s: float = FASTEST_M_S,
 ) -> Judged:
     """Judge a flight.
 
@@ -101,6 +111,8 @@ def judged(
         track: Where the vehicle was.
         plan: A plan of the mission, for the distance from its path. A mission that recurs is planned where there is
             none, for what a lap is.
+        legs: The plans that were flown, where they are known: laps are counted by each while it was flown, as in
+            flight. By default, all was flown by the plan.
         fastest_m_s: No vehicle was faster: what bounds where it may have been in gaps.
 
     Raises:
@@ -108,23 +120,32 @@ def judged(
         AutomatonSizeError: The mission asks for an automaton that is too large.
         NoPlanError: The mission recurs and has no plan.
     """
-    return _Judge(spec, track, plan, fastest_m_s).judged()
+    return _Judge(spec, track, plan, legs, fastest_m_s).judged()
 
 
 class _Judge:
-    def __init__(self, spec: MissionSpec, track: Track, plan: FlightPlan | None, fastest_m_s: float) -> None:
+    def __init__(
+        self,
+        spec: MissionSpec,
+        track: Track,
+        plan: FlightPlan | None,
+        legs: Sequence[LaterPlan],
+        fastest_m_s: float,
+    ) -> None:
         self._spec, self._track, self._compared = spec, track, plan
         self._partition, self._labelling = _domain(spec, plan)
         self._restricted = restricted_triangles(spec, self._labelling)
         self._locator = Locator(self._partition)
-        self._reaches = Reaches(track.t_s, track.position_m, fastest_m_s)
+        self._reaches = _reaches(spec, track, fastest_m_s)
         self._whole = track.begins_whole and track.ends_whole
         soft = [number for number, task in enumerate(spec.tasks) if task.weight is not None]
         self._required = of_mission(spec, self._labelling.letters, soft) if plan is None else plan.required
         self._automaton = self._automaton_of(self._required)
         # What stays for ever where it is satisfies no mission that recurs.
         recurs = bool(self._automaton.size) and not self._automaton.repeated.any()
-        self._recurrent = (plan or plan_mission(spec)) if recurs else None
+        self._legs: Sequence[LaterPlan] = ()
+        if recurs:
+            self._legs = legs or (LaterPlan(-math.inf, plan or plan_mission(spec), 0),)
 
     def judged(self) -> Judged:
         found = self._followed(self._automaton, self._restricted)
@@ -217,14 +238,28 @@ class _Judge:
         return True, f"{counted}, nothing was violated so far"
 
     def _laps(self, found: Following) -> tuple[int, int | None] | None:
-        if self._recurrent is None:
+        if not self._legs:
             return None
-        counter = LapCounter(self._recurrent.run.suffix, self._labelling)
-        for entered in found.entered:
-            if entered.triangle is not None:
-                counter.enter(entered.triangle)
-        asked = self._spec.flight.laps
-        return counter.laps, asked if isinstance(asked, int) else None
+        flown, here = 0, None
+        for leg, to_s in zip(self._legs, [*(leg.from_s for leg in self._legs[1:]), math.inf], strict=True):
+            told = [each.triangle for each in found.entered if leg.from_s <= each.t_s < to_s]
+            triangles = [each for each in (here, *told) if each is not None]
+            if triangles:
+                here = triangles[-1]
+                flown = max(flown, self._laps_by(leg, triangles, sure=None not in told))
+        return flown, laps_asked(self._legs[-1].plan, self._legs[-1].laps_before)
+
+    def _laps_by(self, leg: LaterPlan, triangles: Sequence[int], *, sure: bool) -> int:
+        """How many laps were over for certain when a plan had been flown, from the triangle on in which that begins."""
+        counter, standard = (
+            laps_of(leg.plan, leg.laps_before, begun=leg.begun),
+            self._spec.semantics is Semantics.STANDARD,
+        )
+        for number, triangle in enumerate(triangles):
+            counter.enter(triangle, spells=number > 0 or standard)
+        word = tuple(self._labelling.label(triangle) for triangle in triangles[not standard :])
+        stays = LassoWord(word, (self._labelling.label(triangles[-1]),))
+        return counter.over(satisfied=sure and counter.ends and leg.plan.required.satisfied_by(stays), sure=sure)
 
     def _word(self, entered: Sequence[Entered]) -> tuple[Letter, ...]:
         skipped = 0 if self._spec.semantics is Semantics.STANDARD else 1
@@ -288,6 +323,17 @@ class _Judge:
         curve = self._compared.trajectory.curve
         points = 2 + int(curve.length_m / _PATH_STEP_M)
         return deviation_of(self._reaches, curve.position(np.linspace(0.0, curve.duration_s, points)))
+
+
+def _reaches(spec: MissionSpec, track: Track, fastest_m_s: float) -> Reaches:
+    """The reports; where nobody led the vehicle, it stopped by the mission's limits, and held like one that is led."""
+    ahead = {}
+    for t_s, (east, north) in track.left:
+        lasts_s = _NOTICED_S + math.hypot(east, north) / (2.0 * spec.limits.acceleration_m_s2)
+        ahead[int(np.searchsorted(track.t_s, t_s))] = (east * lasts_s, north * lasts_s)
+    ahead = {index: way for index, way in ahead.items() if index < len(track.t_s) - 1}
+    aside_m = math.sqrt(2.0) * spec.flight.tube_m
+    return Reaches(track.t_s, track.position_m, fastest_m_s, ahead_m=ahead, aside_m=aside_m)
 
 
 def _domain(spec: MissionSpec, plan: FlightPlan | None) -> tuple[Partition, Labelling]:

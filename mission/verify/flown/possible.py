@@ -211,7 +211,7 @@ class _Follower:
         begin, end = self._at[index : index + 2].tolist()
         before = len({state for _, state in self._found.pairs})
         violations = len(self._found.violations)
-        gap = bool(self._reaches.is_gap[index])
+        gap = bool(self._reaches.is_open[index])
         walk = [] if gap else self._walk(index)
         line = [triangle for triangle, _ in walk]
         within = self._ground.locator.meeting(self._reaches.area(index))

@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from mission.monitor.stage import GUARDED, WATCHED, Stage
-from mission.report.reading import Record, read_record
+from mission.report.reading import LEG, Record, read_record
 from mission.verify.logs.telemetry import Clock, LogError
 from mission.verify.logs.track import Track
 
@@ -42,6 +42,9 @@ def track_of_record(record: Record) -> Track:
     begun = [t_s for t_s, stage in zip(track.t_s.tolist(), track.stages, strict=True) if stage is Stage.FLY]
     starts = [event.values["start_m"] for event in record.events if event.text == "planned"]
     stages = [event.values.get("stage") for event in record.events if event.text == "stage"]
+    taken_up_s = [event.t_s for event in record.events if event.text == LEG and event.values.get("taken_up") is True]
+    velocity, left = np.nan_to_num(track.velocity_m_s[known][first]), np.searchsorted(times, taken_up_s) - 1
+    left = left[left >= 0]
     return Track(
         t_s=times,
         position_m=track.position_m[known, :2][first],
@@ -51,5 +54,6 @@ def track_of_record(record: Record) -> Track:
         pictures=tuple((each.t_s, each.number) for each in record.pictures),
         clock=Clock.of(()),
         frame="positions in the mission's domain, as they were recorded",
+        left=tuple((float(times[k]), (float(velocity[k, 0]), float(velocity[k, 1]))) for k in left.tolist()),
         planned_from_m=(float(starts[-1][0]), float(starts[-1][1])) if starts else None,
     )

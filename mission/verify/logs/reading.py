@@ -68,10 +68,20 @@ def read_flight(
             raise LogError("what was packed by gzip is damaged; unpack what can be saved, and name that") from error
     if log is None:
         track = flight_record.recorded_track(file)
-        return LoggedFlight(flight_record.KIND, chosen_only(number), 1, track, ())
+        return LoggedFlight(flight_record.KIND, chosen_only(number), 1, track, _left(track))
     flights = flights_of(log)
     number, flight = chosen_flight(flights, number)
     return LoggedFlight(log.kind, number, len(flights), track_of(flight, origin, start_m), log.notes)
+
+
+def _left(track: Track) -> tuple[str, ...]:
+    """When nobody led the vehicle, and what is believed of it then."""
+    times = [(t_s, float(track.t_s[track.t_s > t_s][0])) for t_s, _ in track.left]
+    return tuple(
+        f"nobody led the vehicle from {track.clock.text(from_s)} to {track.clock.text(to_s)}: by its limits it "
+        "stopped, and it held until it was taken up again"
+        for from_s, to_s in times
+    )
 
 
 def chosen_only(number: int | None) -> int:

@@ -36,6 +36,8 @@ class Track:
         clock: The time of the day.
         frame: What the positions are, and how they were brought into the domain, in words.
         planned_from_m: Where the vehicle stood when its plan was made anew; None where nothing is known of that.
+        left: Times of reports after which nobody led the vehicle until the next one, and its velocity then, east and
+            north: its autopilot brought it to rest, and held it.
     """
 
     t_s: FloatArray
@@ -47,6 +49,7 @@ class Track:
     clock: Clock
     frame: str
     planned_from_m: Point | None = None
+    left: tuple[tuple[float, Point], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t_s", frozen_floats(self.t_s))

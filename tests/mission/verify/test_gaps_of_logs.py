@@ -218,3 +218,16 @@ def test_a_jump_of_the_position_is_no_flight() -> None:
     assert len(found.jumps) == 2
     assert found.achieved is None or found.achieved
     assert found.nearness[0].surely_m < found.nearness[0].least_m
+
+
+@pytest.mark.parametrize(("velocity", "verdict"), [((0.0, 0.0), "True"), ((0.0, 3.0), "None")])
+def test_a_vehicle_that_nobody_led_stayed_where_its_limits_let_it(velocity: Point, verdict: str) -> None:
+    """Beside the barn, for a minute: one that hovered did not go there, of one that flew at it nobody knows."""
+    whole = flown([(9.0, 8.0), (27.0, 8.0), (48.0, 12.0)])
+    here = int(np.argmin(np.abs(whole.position_m[:, 0] - 27.0)))
+    told = replace(whole, t_s=whole.t_s + np.where(np.arange(len(whole.t_s)) > here, 60.0, 0.0))
+    spec = mission("F field & G !barn")
+    assert judged(spec, told).achieved is None
+    found = judged(spec, replace(told, left=((float(told.t_s[here]), velocity),)))
+    assert str(found.achieved) == verdict
+    assert any(doubt.violates for doubt in found.doubts) is (verdict == "None")
