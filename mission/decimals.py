@@ -18,3 +18,8 @@ def decimal(value: float) -> str:
 def measure(value: float) -> str:
     """A length to be understood, not copied: three significant digits, no exponent."""
     return decimal(float(f"{value:.3g}"))
+
+
+def count(number: int, noun: str) -> str:
+    """``3 runs``, ``1 run``."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from mission.cli.inputs import bad_file, write_named
-from mission.cli.screen import count, out
+from mission.cli.screen import out
+from mission.decimals import count
 from mission.errors import AutomatonSizeError, Fault, SpecError, reason
 from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
 from mission.logic.automata.conversion import with_accepting_states

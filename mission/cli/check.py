@@ -7,10 +7,10 @@ from contextlib import ExitStack
 from mission.cli.extent import extent
 from mission.cli.findings import print_table
 from mission.cli.inputs import planned
-from mission.cli.screen import count, err, out, print_error, print_warnings, tube_text
+from mission.cli.screen import err, out, print_error, print_warnings, tube_text
 from mission.cli.vehicle_link import UNHEARD, link_options, open_link
 from mission.clock import WallClock
-from mission.decimals import decimal
+from mission.decimals import count, decimal
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly.preflight import NoGoError, inspect
 from mission.link.address import parse_address

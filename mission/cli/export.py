@@ -4,8 +4,8 @@ from argparse import Namespace
 from pathlib import Path
 
 from mission.cli.inputs import bad_file, is_plan, planned, read_plan, write_named
-from mission.cli.screen import count, out, print_warnings
-from mission.decimals import decimal, measure
+from mission.cli.screen import out, print_warnings
+from mission.decimals import count, decimal, measure
 from mission.errors import Fault, SpecError
 from mission.export.files import FENCED, UPLOADED, WRITERS
 from mission.export.placed_plan import PlacedPlan, placed_plan

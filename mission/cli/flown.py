@@ -11,7 +11,8 @@ from typing import Any, Final
 
 from mission.cli.inputs import bad_file, read_plan
 from mission.cli.report import with_later_plans
-from mission.cli.screen import count, out
+from mission.cli.screen import out
+from mission.decimals import count
 from mission.errors import Fault, RecordError, SpecError, reason
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan, plan_mission

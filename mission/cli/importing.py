@@ -5,7 +5,8 @@ from pathlib import Path
 
 from mission.cli.extent import extent
 from mission.cli.inputs import bad_file, write_named
-from mission.cli.screen import count, out, print_error, print_warnings
+from mission.cli.screen import out, print_error, print_warnings
+from mission.decimals import count
 from mission.draft.trials import draft_that_plans
 from mission.errors import Fault, SpecError, reason
 from mission.interchange.features import Drawing

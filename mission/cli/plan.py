@@ -13,8 +13,8 @@ import numpy as np
 from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.inputs import planned, unwritable, write_named
-from mission.cli.screen import count, out, print_warnings, reach, tube_costs
-from mission.decimals import decimal, measure
+from mission.cli.screen import out, print_warnings, reach, tube_costs
+from mission.decimals import count, decimal, measure
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
 from mission.plan.costs import MEASURED, UNIT

@@ -9,7 +9,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 
-from mission.decimals import decimal, measure
+from mission.decimals import count, decimal, measure
 from mission.errors import Fault, FormulaSyntaxError, MissionError, SpecError
 from mission.printable import printable, shows
 from mission.spec.model import Flight
@@ -61,11 +61,6 @@ def tube_costs(flight: Flight) -> tuple[str, ...]:
     return tuple(
         f"{decimal(share_m)} m for {cause}, up to {measure(room_m)} m of clearance" for cause, share_m, room_m in room
     )
-
-
-def count(number: int, noun: str) -> str:
-    """``3 runs``, ``1 run``."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def print_error(error: MissionError, source: str = "") -> None:
