@@ -63,6 +63,7 @@ _VERIFY = """\
 Judge each claim of a written plan:
 
   mission verify plan.json
+  mission verify plan.json --mission survey.yaml    (that it is a plan of this mission, too)
 
 or judge a flight by its log, whoever flew it and with what:
 
@@ -244,7 +245,11 @@ def _add_verify(verify: argparse.ArgumentParser) -> None:
     verify.add_argument("plan", nargs="?", metavar="PLAN.json", help="a plan that 'mission plan --out' wrote")
     flight = verify.add_argument_group("a flight")
     flight.add_argument("--flight", metavar="LOG", help="the log; of a flight of this program, its folder serves too")
-    flight.add_argument("--mission", metavar="FILE", help="what it is judged by (default: the mission of the plan)")
+    flight.add_argument(
+        "--mission",
+        metavar="FILE",
+        help="what it is judged by, or what PLAN.json must be of (default: what the plan says itself)",
+    )
     flight.add_argument(
         "--plan",
         dest="compared",

@@ -11,6 +11,8 @@ from mission.cli.screen import out
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.plan import FlightPlan, difference, plan_mission, plan_to_json
 from mission.printable import printable
+from mission.spec.document import document_of
+from mission.spec.loader import load_mission
 from mission.spec.model import FIELD
 from mission.verify.plans import JUDGED, Claim, claims
 
@@ -25,7 +27,8 @@ def run(arguments: Namespace) -> int:
         raise SpecError((Fault(0, 0, "", "there is nothing to verify", "name a plan, or a log with --flight"),))
     plan, text = read_plan(Path(arguments.plan))
     try:
-        judged = (*claims(text, arguments.plan), _choices(plan, json.loads(text)))
+        asked = () if arguments.mission is None else (_asked(plan, arguments.mission),)
+        judged = (*asked, *claims(text, arguments.plan), _choices(plan, json.loads(text)))
     except SpecError as error:
         raise SpecError(error.faults, error.source or arguments.plan) from error
     fault = next((claim for claim in judged if claim.fault), None)
@@ -53,6 +56,12 @@ def run(arguments: Namespace) -> int:
         said = f"wrong: {claim.fault}" if claim.fault else f"ok     {claim.figure}"
         out.print(f"  {claim.name:<12}  {said.rstrip()}", markup=False)
     return int(fault is not None)
+
+
+def _asked(plan: FlightPlan, file: str) -> Claim:
+    """Whether the mission in the plan is that of a file: a plan tells its own, and proves no other."""
+    fault = difference(document_of(plan.spec), document_of(load_mission(file)), "mission")
+    return Claim("asked", fault and f"the plan is not of {printable(file)}: {fault}", f"the mission is that of {file}")
 
 
 def _choices(plan: FlightPlan, written: dict[str, Any]) -> Claim:

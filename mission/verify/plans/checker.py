@@ -8,6 +8,7 @@ from typing import Any, Final, NamedTuple, NoReturn, TypeVar
 import numpy as np
 import shapely
 
+from mission.decimals import count
 from mission.errors import Fault, MissionError, SpecError
 from mission.logic.formula.word import LassoWord
 from mission.spec.loader import parse_mission
@@ -111,7 +112,10 @@ def _domain(plan: Written) -> Verdict:
         "labels": {"letters": [sorted(each) for each in labels.letters], "letter_of": labels.letter_of.tolist()},
     }
     fault = _difference(plan.data, due, _SAME * of.extent_m)
-    return fault and f"{fault}, as its mission makes it", f"{of.size} triangles, {len(labels.letters)} letters"
+    return (
+        fault and f"{fault}, as its mission makes it",
+        f"{count(of.size, 'triangle')}, {count(len(labels.letters), 'letter')}",
+    )
 
 
 def _orders(plan: Written) -> Verdict:
@@ -142,7 +146,8 @@ def _orders(plan: Written) -> Verdict:
         "dropped": [{"task": task_text(task), "weight": task.weight or "a task that must be met"} for task in own],
     }
     fault = _difference({**plan.data, "dropped": dropped}, due, 0.0)
-    return fault, f"{flight.altitude_m:g} m high, {laps or 'any number of'} laps, tube of {flight.tube_m:g} m"
+    flown = "any number of laps" if laps is None else count(laps, "lap")
+    return fault, f"{flight.altitude_m:g} m high, {flown}, tube of {flight.tube_m:g} m"
 
 
 def _run(plan: Written) -> Verdict:
@@ -169,7 +174,7 @@ def _run(plan: Written) -> Verdict:
         before = before[1:] if before else loop[1:]
     word = LassoWord(tuple(before), tuple(loop))
     fault = "`run` spells a word that violates the mission" if plan.specification.refutation.accepts(word) else None
-    return fault, f"{len(states)} triangles, {len(states)} transitions"
+    return fault, f"{count(len(states), 'triangle')}, and as many transitions"
 
 
 def _passed(plan: Written) -> list[tuple[Sets, tuple[int, int] | None]]:
@@ -204,7 +209,7 @@ def _path(plan: Written) -> Verdict:
     if begins != plan.lap or (lap is None) != (plan.lap is None) or (lap and lap[0] >= lap[1]):
         return "the lap of `path` is not that of the trajectory", ""
     if plan.steered:
-        return steering_fault(plan), f"{len(path['segments'])} fields"
+        return steering_fault(plan), count(len(path["segments"]), "field")
     points = np.array(path["points_m"], dtype=np.float64)
     if np.abs(points[0] - plan.data["start_m"]).max() > _SAME * plan.partition.extent_m:
         return "`path` does not begin where the flight does", ""
@@ -212,7 +217,7 @@ def _path(plan: Written) -> Verdict:
         return "the lap of `path` does not close", ""
     if len(points) > 1 and shapely.intersects(plan.ground.closed, shapely.linestrings(points)):
         return "`path` meets what must not be entered", ""
-    return None, f"{len(points)} corners"
+    return None, count(len(points), "corner")
 
 
 def _curve(plan: Written) -> Verdict:
@@ -225,7 +230,7 @@ def _curve(plan: Written) -> Verdict:
     if not plan.steered and np.abs(control[0][0, 0] - plan.data["start_m"]).max() > _SAME * plan.partition.extent_m:
         return "the curve does not begin where the flight does", ""
     fault = curve_fault(plan) if plan.steered else None
-    return fault, f"{len(control)} legs, {plan.curve.ends_s[-1]:.1f} s of steering"
+    return fault, f"{count(len(control), 'leg')}, {plan.curve.ends_s[-1]:.1f} s of steering"
 
 
 _ROWS: Final[Mapping[str, Callable[[Written], Verdict]]] = {

@@ -10,6 +10,7 @@ from itertools import groupby, pairwise
 from typing import Any, Final
 
 import numpy as np
+from scipy.linalg import expm
 
 from mission.geometry.arrays import FloatArray
 from mission.verify.plans.patches import pieces_of
@@ -68,21 +69,8 @@ def _flows(F: FloatArray, g: FloatArray, entry_m: FloatArray, lasts_s: FloatArra
     block = np.zeros((len(F), 5, 5))
     block[:, :2, :2], block[:, :2, 2], block[:, 3:, :2] = F, g, np.eye(2)
     state = np.concatenate((entry_m, np.ones((len(F), 1)), np.zeros((len(F), 2))), axis=1)
-    after = (_exponential(block * lasts_s[:, None, None]) @ state[..., None])[..., 0]
+    after = (expm(block * lasts_s[:, None, None]) @ state[..., None])[..., 0]
     return after[:, :2], after[:, 3:]
-
-
-def _exponential(matrices: FloatArray) -> FloatArray:
-    """The exponentials of matrices (n, k, k): Taylor's series of a part that is small, squared again and again."""
-    halvings = max(0, int(np.ceil(np.log2(max(1.0, float(np.abs(matrices).sum(axis=2).max()))))) + 1)
-    small = matrices / 2.0**halvings
-    term = total = np.broadcast_to(np.eye(matrices.shape[1]), matrices.shape)
-    for order in range(1, 16):
-        term = term @ small / order
-        total = total + term
-    for _ in range(halvings):
-        total = total @ total
-    return np.asarray(total)
 
 
 def curve_fault(plan: Written) -> str | None:

@@ -1,12 +1,12 @@
 """How the curve is flown: within the limits, with the stops that the mission asks for, and where the nose looks."""
 
-from collections.abc import Iterator
-from itertools import groupby, pairwise
+from itertools import pairwise
 from math import isclose, pi, tan
 from typing import Final
 
 import numpy as np
 
+from mission.decimals import count
 from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.bernstein import raised, times, undecided
 from mission.geometry.regions import union_of
@@ -54,7 +54,8 @@ def limits_kept(plan: Written) -> Verdict:
         if fault:
             return f"the law of leg {number}: {fault}", ""
     most = "{:g} m/s, {:.3g} m/s^2 and {:g} m/s^3".format(*limits)
-    return _jump_between_legs(plan), f"{sum(law.duration_s for law in plan.laws):.1f} s, at most {most}"
+    begins = "" if plan.data.get("onward") is None else ", begun in flight"
+    return _jump_between_legs(plan), f"{sum(law.duration_s for law in plan.laws):.1f} s, at most {most}{begins}"
 
 
 def _jump_between_legs(plan: Written) -> str | None:
@@ -94,7 +95,7 @@ def stops_made(plan: Written) -> Verdict:
         rest = {loitering[name] for name in inside & loitering.keys() & begun} if number == 0 else set()
         if outside[0] or not (seconds in whole or any(seconds < each for each in rest)):
             return f"`stops.{number}` is not in a region in which to loiter for {seconds:g} s, with all of the tube", ""
-    for name, begin, end in _visits(plan, frozenset(loitering)):
+    for name, begin, end in plan.visits(loitering):
         if not any(begin - SAME_S <= s <= end + SAME_S and seconds >= loitering[name] for s, seconds in stops):
             return f"there is no stop in {name}, which is visited from {begin:.3f} s to {end:.3f} s on the curve", ""
     legs = zip(plan.laws, plan.starts_s.tolist(), strict=False)
@@ -110,21 +111,7 @@ def stops_made(plan: Written) -> Verdict:
     unasked = [s for s, lasts in sorted(held) if lasts > turning_s]
     others = [s for s in unasked if not any(isclose(s, place, abs_tol=SAME_S) for place in places)]
     fault = f"the trajectory stands still at {others[0]:.3f} s on its curve, for no stop" if others else None
-    return fault, f"{len(stops)} stops, {sum(seconds for _, seconds in stops):g} s"
-
-
-def _visits(plan: Written, names: frozenset[str]) -> Iterator[tuple[str, float, float]]:
-    """When the tube comes into a region and leaves it, by the pieces of the proof; all of it is inside in between.
-
-    To begin inside is no visit.
-    """
-    knots, sets = plan.knots_s, plan.sets
-    for name in sorted(names):
-        own = plan.own(name)
-        for inside, group in groupby(range(len(sets)), key=lambda k: bool(own[sets[k]].any())):
-            first, *others = group
-            if inside and first > 0 and any(own[sets[k]].all() for k in (first, *others)):
-                yield name, knots[first], knots[[first, *others][-1] + 1]
+    return fault, f"{count(len(stops), 'stop')}, {sum(seconds for _, seconds in stops):g} s"
 
 
 def heading_kept(plan: Written) -> Verdict:

@@ -7,6 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import shapely
 
+from mission.decimals import count
 from mission.geometry.regions import union_of
 from mission.spec.camera import spacing_of, trigger_of
 from mission.verify.plans.patches import patches_of, pieces_of
@@ -31,7 +32,13 @@ def lanes_cover(plan: Written) -> Verdict:
         fault = _visit_fault(plan, visit, flown)
         if fault:
             return f"{visit['region']} {fault}", ""
-    return None, f"{sum(len(visit['lanes_m']) for visit in visits)} lanes in {len(visits)} visits"
+    covered = {visit["region"] for visit in visits}
+    for name, begin, end in plan.visits(region.name for region in plan.spec.regions if region.cover is not None):
+        if name not in covered:
+            return f"{name} is visited from {begin:.3f} s to {end:.3f} s on the curve, and there are no lanes in it", ""
+    lanes = count(sum(len(visit["lanes_m"]) for visit in visits), "lane")
+    before = ", beside what an earlier plan covered" if any(visit.get("before") for visit in visits) else ""
+    return None, f"{lanes} in {count(len(visits), 'visit')}{before}"
 
 
 def _visit_fault(plan: Written, visit: dict[str, Any], flown: list[float]) -> str | None:
@@ -102,7 +109,7 @@ def pictures_taken(plan: Written) -> Verdict:
         if turn > _STRAIGHT_RAD and begin - since < turn / plan.spec.limits.yaw_rate_rad_s + _SETTLE_S - _SAME_S:
             return f"before `photographs.{number}` there is too little time to turn by {turn:.2f} rad", ""
         begun = leg, end, heading
-    return None, f"{len(stretches)} stretches"
+    return None, f"along {count(len(stretches), 'lane')}"
 
 
 def _place(plan: Written, t_s: float) -> float:

@@ -21,6 +21,7 @@ ROUNDING: Final = 1e-11
 """Of the size of what is computed: what floating point may have lost."""
 
 _TAYLOR: Final = 1e-12  # of the size of a series: largest remainder of a position
+_STEP: Final = 1e-9  # of the size: what is no way
 _MOST_CELLS: Final = 1 << 17
 _CHUNK: Final = 1 << 21
 
@@ -102,12 +103,12 @@ def in_a_row(parts: list[Patches]) -> Patches:
 
 
 def _fourier(curve: Mapping[str, Any]) -> Patches:
+    """A wave a sin(w t + p) is the imaginary part of a exp(i (w t + p)), whose k-th derivative is (i w)^k times it."""
     amplitudes = np.array(curve["coefficients_m"], dtype=np.float64).reshape(-1, 2)
     duration, base, slope = float(curve["duration_s"]), np.array(curve["base_m"]), np.array(curve["slope_m_s"])
-    rates = np.arange(1, len(amplitudes) + 1) * (np.pi / duration)
+    rates, order = np.arange(1, len(amplitudes) + 1) * (np.pi / duration), DEGREE + 1
     norms = np.hypot(*amplitudes.T)
     size = float(np.abs(base).max() + np.abs(slope).max() * duration + norms.sum()) + 1e-3
-    order = DEGREE + 1
     # Half a cell so wide that the remainder of the position is as small as asked, and no wave turns by more than 1 rad.
     steepest = float((norms * rates**order).sum())
     half = min((_TAYLOR * size * factorial(order) / max(steepest, 1e-300)) ** (1.0 / order), 1.0 / rates[-1])
@@ -115,16 +116,13 @@ def _fourier(curve: Mapping[str, Any]) -> Patches:
     if not 0 < cells <= _MOST_CELLS:
         raise ValueError("the waves of a curve are too fast")
     edges, half = np.linspace(0.0, duration, cells + 1), duration / (2.0 * cells)
-    phase = {"even": 0.5 * np.pi, "odd": 0.0}[curve["extension"]]
-    jets = np.empty((cells, order, 2))
-    for first in range(0, cells, rows := max(1, _CHUNK // len(rates))):
-        here = slice(first, first + rows)
-        turns = np.multiply.outer(edges[:-1][here] + half, rates) + phase
-        waves = np.sin(turns), np.cos(turns)
-        for k in range(order):
-            weights = amplitudes * ((-1.0) ** (k // 2) * (rates * half) ** k / factorial(k))[:, None]
-            jets[here, k] = waves[k % 2] @ weights
-    jets[:, 0] += base + np.multiply.outer(edges[:-1] + half, slope)
+    middles, phase = edges[:-1] + half, {"even": 0.5 * np.pi, "odd": 0.0}[curve["extension"]]
+    terms = np.stack([(1j * rates * half) ** k / factorial(k) for k in range(order)], axis=1)[..., None]
+    terms = (terms * amplitudes[:, None]).reshape(len(rates), 2 * order)
+    rows = np.array_split(middles, -(-cells * len(rates) // _CHUNK))
+    waves = [(np.exp(1j * (np.multiply.outer(some, rates) + phase)) @ terms).imag for some in rows]
+    jets = np.concatenate(waves).reshape(cells, order, 2)
+    jets[:, 0] += base + np.multiply.outer(middles, slope)
     jets[:, 1] += slope * half
     # t = 2 u - 1 on each cell; comb is 0 where i > k.
     turned = [[comb(k, i) * 2.0**i * (-1.0) ** (k - i) for k in range(order)] for i in range(order)]
@@ -163,11 +161,13 @@ def _bezier(curve: Mapping[str, Any]) -> Patches:
 
 
 def _exact(knots_s: FloatArray, control: FloatArray) -> Patches:
-    """Patches without a remainder; those that last no time, but for rounding, are left out."""
+    """Patches without a remainder; those that last no time, but for rounding, are points, and are left out."""
     if len(knots_s) != len(control) + 1 or not np.isfinite(control).all() or (np.diff(knots_s) < 0.0).any():
         raise ValueError("the knots of a curve ascend, and its points are finite")
-    kept = np.flatnonzero(np.diff(knots_s) > ROUNDING * knots_s[-1])
-    size = float(np.abs(control).max(initial=1.0))
+    lasts, size = np.diff(knots_s) > ROUNDING * knots_s[-1], float(np.abs(control).max(initial=1.0))
+    if knots_s[0] != 0.0 or np.ptp(control[~lasts], axis=1).max(initial=0.0) > _STEP * size:
+        raise ValueError("a curve begins at 0, and goes nowhere in no time")
+    kept = np.flatnonzero(lasts)
     off = np.stack([ROUNDING * size / np.diff(knots_s)[kept] ** order for order in range(4)], axis=1)
     return Patches(knots_s[kept], knots_s[kept + 1], control[kept], np.minimum(off, 1e-6 * size))
 

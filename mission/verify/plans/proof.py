@@ -5,6 +5,7 @@ from itertools import groupby
 
 import numpy as np
 
+from mission.decimals import count
 from mission.geometry.arrays import BoolArray, IntArray
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
@@ -34,7 +35,7 @@ def tube_holds(plan: Written) -> Verdict:
         _, there, outside = _landing(plan, proof)
         if outside.any() or plan.restricted[there].any():
             return f"a landing that drifts by {drift_m:g} m may leave the domain, or meet what must not be entered", ""
-    return None, f"{len(plan.sets)} pieces, {plan.spec.flight.tube_m:g} m on each side"
+    return None, f"{count(len(plan.sets), 'piece')}, {plan.spec.flight.tube_m:g} m on each side"
 
 
 def words_satisfy(plan: Written) -> Verdict:
@@ -52,7 +53,7 @@ def words_satisfy(plan: Written) -> Verdict:
         onward = [*layers_of(plan, proof, alone=True)[0], sorted(_landing(plan, proof)[1].tolist())]
         if spells(Layers([*sets, *onward], lap), *arguments, bad, reads_first=first):
             return "the way back may violate the mission", ""
-    return None, f"{len(sets)} layers, {compiled.states} states of the automaton of what is forbidden"
+    return None, f"{count(len(sets), 'layer')}, {count(compiled.states, 'state')} of the automaton of what is forbidden"
 
 
 def far_from_restricted(plan: Written) -> Verdict:

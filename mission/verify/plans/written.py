@@ -1,6 +1,7 @@
 """A plan file as the checker reads it: the mission in it with all that follows, its curves, laws and proofs."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -68,11 +69,18 @@ class Written:
         self.curve = in_a_row(self.legs)
         self.starts_s: FloatArray = np.cumsum([0.0, *(leg.ends_s[-1] for leg in self.legs)])
         self.lap: int | None = trajectory["lap"]
+        if self.lap is not None and not 0 <= self.lap < len(self.legs):
+            raise ValueError("`trajectory.lap` is the number of no leg")
         cut, back = len(self.legs) if self.lap is None else self.lap + 1, data["homeward"]
         if (back is not None) != (cut < len(self.legs)):
             raise ValueError("`homeward` and the legs after the laps belong together")
         parts = ((data, self.legs[:cut]), (back, self.legs[cut:]))
         self.proofs = [_proof(of["certificate"], in_a_row(legs)) for of, legs in parts if legs]
+        runs = [each["run"][part] for each in (data, back) if each for part in ("prefix", "suffix")]
+        steered = [[segment["triangle"] for segment in data["path"].get("segments", ())]]
+        named = {t for proof in self.proofs for each in proof.sets for t in each}.union(*runs, *steered)
+        if not all(isinstance(t, int) and 0 <= t < self.partition.size for t in named):
+            raise ValueError(f"a triangle has a number from 0 to {self.partition.size - 1}")
         starts = np.cumsum([0.0, *(proof.knots_s[-1] for proof in self.proofs)])
         knots = [start + proof.knots_s[1:] for start, proof in zip(starts, self.proofs, strict=False)]
         self.knots_s: FloatArray = np.concatenate(([0.0], *knots))
@@ -81,6 +89,18 @@ class Written:
     def own(self, region: str) -> BoolArray:
         """Shape (M,), the triangles of a region."""
         return np.isin(np.arange(self.partition.size), self.labelling.triangles_of(region))
+
+    def visits(self, regions: Iterable[str]) -> Iterator[tuple[str, float, float]]:
+        """When the tube comes into a region and leaves it, by the pieces of the proofs; all of it is inside in between.
+
+        To begin inside is no visit.
+        """
+        for name in sorted(regions):
+            own = self.own(name)
+            for inside, group in groupby(range(len(self.sets)), key=lambda k: bool(own[self.sets[k]].any())):
+                first, *others = group
+                if inside and first > 0 and any(own[self.sets[k]].all() for k in (first, *others)):
+                    yield name, float(self.knots_s[first]), float(self.knots_s[[first, *others][-1] + 1])
 
 
 def _proof(data: Mapping[str, Any], curve: Patches) -> Proof:
