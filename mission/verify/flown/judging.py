@@ -112,7 +112,7 @@ def judged(
         plan: A plan of the mission, for the distance from its path. A mission that recurs is planned where there is
             none, for what a lap is.
         legs: The plans that were flown, where they are known: laps are counted by each while it was flown, as in
-            flight. By default, all was flown by the plan.
+            flight; all in the domain of the mission. By default, all was flown by the plan.
         fastest_m_s: No vehicle was faster: what bounds where it may have been in gaps.
 
     Raises:
