@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from importlib import import_module
 from typing import NoReturn
 
+from mission.cli.changes import add_changes
 from mission.cli.flight_options import add_check, add_flights, add_run
 from mission.cli.option_values import offset, place, positive, positive_whole, system_id
 from mission.printable import printable
@@ -156,6 +157,7 @@ def build_parser() -> argparse.ArgumentParser:
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")
     add_run(plan)
+    add_changes(plan, speed=True)
     plan.add_argument("--runs", type=positive_whole, metavar="N", help="list the first N of the shortest runs")
     plan.add_argument(
         "--transitions",
@@ -213,10 +215,10 @@ def build_parser() -> argparse.ArgumentParser:
 
 
 def with_negative_pairs(arguments: Sequence[str]) -> list[str]:
-    """Join ``--wind``, ``--at`` or ``--off`` and a value like ``-3,1``: argparse takes that for an option otherwise."""
+    """Join ``--wind``, ``--at`` and their like with a value such as ``-3,1``, which argparse takes for an option."""
     joined: list[str] = []
     for argument in arguments:
-        if joined and joined[-1] in {"--wind", "--at", "--off"} and re.match(r"-[\d.]", argument):
+        if joined and joined[-1] in {"--wind", "--at", "--off", "--start"} and re.match(r"-[\d.]", argument):
             joined[-1] += f"={argument}"
         else:
             joined.append(argument)
@@ -226,6 +228,7 @@ def with_negative_pairs(arguments: Sequence[str]) -> list[str]:
 def _add_simulate(simulate: argparse.ArgumentParser) -> None:
     simulate.add_argument("file", metavar="FILE", help="mission file (YAML)")
     add_run(simulate)
+    add_changes(simulate, speed=True)
     simulate.add_argument(
         "--off",
         type=offset,

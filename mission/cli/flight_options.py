@@ -3,7 +3,8 @@
 import argparse
 from collections.abc import Callable
 
-from mission.cli.option_values import laps, positive, seed, system_id, whole, wind
+from mission.cli.changes import add_changes
+from mission.cli.option_values import positive, seed, system_id, whole, wind
 
 _CHECK = """\
 Report every fault of mission files, and whether each has a plan. With --connect also whether the vehicle there may fly
@@ -78,9 +79,6 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
         help="go on with the flight that left this folder, with its vehicle that hovers where it was left",
     )
     fly.add_argument(
-        "--laps", type=laps, metavar="N", help="fly so many laps, or until-stopped (default: as in the file)"
-    )
-    fly.add_argument(
         "--resume-when-handed-back",
         action="store_true",
         help="where a pilot takes the vehicle over, wait for GUIDED or OFFBOARD to be set again, and go on from there",
@@ -101,6 +99,7 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
         help="let the vehicle's own geofence guard the flight, set before arming (default: it does)",
     )
     fly.add_argument("--keep-fence", action="store_true", help="leave it there; else what was there before is put back")
+    add_changes(fly, speed=False)
     _add_vehicle(fly)
 
 

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
+from mission.cli.changes import Given, changes_of, text_with
 from mission.cli.extent import extent, without
 from mission.cli.findings import print_departure
 from mission.cli.inputs import planned, unwritable
@@ -30,7 +31,6 @@ from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
 from mission.report.reading import read_record
 from mission.report.record import FlightRecord
-from mission.spec.amended import with_laps
 from mission.spec.drawn_files import drawn_files
 from mission.spec.model import FIELD
 from mission.spec.structure import plain_data
@@ -46,7 +46,8 @@ def run(arguments: Namespace) -> int:
     check_forced(arguments.force)
     link = link_options(arguments)
     left = left_in(arguments)
-    plan = planned(arguments.file, arguments.run, arguments.laps) if left is None else left.legs.legs[0].plan
+    given = changes_of(arguments)
+    plan = planned(arguments.file, arguments.run, given) if left is None else left.legs.legs[0].plan
     with suppress(OSError):
         if left is not None:
             out.print(f"taken up again from {arguments.resume}", markup=False)
@@ -93,7 +94,7 @@ def _flown(
     with ExitStack() as stack:
         vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
         if left is None:
-            folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), arguments.laps)
+            folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), changes_of(arguments))
         else:
             folder, record = Path(arguments.resume), reopened(Path(arguments.resume), left.record.mission)
         stack.enter_context(record)
@@ -155,13 +156,11 @@ def _replanner(clock: Clock, stack: ExitStack, *, bundled: bool) -> Replanner:
     return process
 
 
-def _begin_record(root: Path, plan: FlightPlan, file: Path, laps: int | str | None = None) -> tuple[Path, FlightRecord]:
-    """Begin the flight's folder: the record, the mission with other laps where they were given, and the plan."""
+def _begin_record(root: Path, plan: FlightPlan, file: Path, given: Given | None = None) -> tuple[Path, FlightRecord]:
+    """Begin the flight's folder: the record, the mission with what was given in its place, and the plan."""
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     try:
-        mission_text = file.read_bytes()
-        if laps is not None:
-            mission_text = with_laps(mission_text.decode("utf-8-sig"), laps).encode()
+        mission_text = text_with(plan.spec, file, given).encode() if given else file.read_bytes()
         record = FlightRecord.in_folder(root, file.stem, stamp)
         folder = record.folder or root
         write_whole(folder / MISSION_FILE, mission_text)

@@ -3,27 +3,24 @@
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
+from mission.cli.changes import LAPS, Given, mission_of
 from mission.errors import Fault, SpecError, reason
 from mission.plan import FlightPlan, plan_from_json, plan_mission
-from mission.spec.loader import load_mission
 from mission.whole_file import write_whole
 
 _MOST_OF_A_PLAN = 1 << 28
 _BEGINS_PLAN = re.compile(rb'\s*\{\s*"format"\s*:\s*"ltl-mission plan')
 
 
-def planned(file: str, run: int | None = None, laps: int | Literal["until_stopped"] | None = None) -> FlightPlan:
-    """Read a mission file and plan it, with another run or number of laps than the file's where they are given.
+def planned(file: str, run: int | None = None, given: Given | None = None) -> FlightPlan:
+    """Read a mission file and plan it, with another run and other values than the file's where they are given.
 
     Raises:
         SpecError: The file has faults, or there is no run of that number, or no lap; its source is the file.
         NoPlanError: There is no plan.
     """
-    spec = load_mission(file)
-    if laps is not None:
-        spec = replace(spec, flight=replace(spec.flight, laps=laps))
+    spec = mission_of(file, given or {})
     try:
         plan = plan_mission(spec, run=run)
     except SpecError as error:
@@ -33,7 +30,7 @@ def planned(file: str, run: int | None = None, laps: int | Literal["until_stoppe
                 replace(fault, path="--run" if fault.path == "mission.run" else fault.path) for fault in faults
             )
         raise SpecError(faults, file) from error
-    if laps is not None and not plan.run.recurrent:
+    if given and LAPS in given and not plan.run.recurrent:
         hint = "leave `--laps` out, or ask for what recurs, such as G F (a & F b)"
         raise SpecError((Fault(0, 0, "--laps", "this mission has no laps: it ends once it is done", hint),), file)
     return plan

@@ -43,6 +43,11 @@ def laps(text: str) -> int | str:
     return count
 
 
+def whole_or_auto(text: str) -> int | str:
+    """A whole number from 1, or auto."""
+    return text if text == "auto" else positive_whole(text)
+
+
 def seed(text: str) -> int:
     """A seed, 32 bits without sign."""
     if whole(text) >= 2**32:

@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.cli.changes import changes_of
 from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.inputs import planned, unwritable, write_named
@@ -31,7 +32,7 @@ from mission.steering.polyline import Polyline
 
 def run(arguments: Namespace) -> int:
     """Plan and show; what is to be written is written first, whoever reads the rest."""
-    plan = planned(arguments.file, arguments.run)
+    plan = planned(arguments.file, arguments.run, changes_of(arguments))
     if arguments.out is not None:
         write_named("--out", Path(arguments.out), plan_to_json(plan))
     if arguments.pictures is not None:

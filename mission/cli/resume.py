@@ -3,6 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
+from mission.cli.changes import changes_of
 from mission.cli.inputs import bad_file, unwritable
 from mission.cli.report import flight_in
 from mission.errors import Fault, RecordError, SpecError
@@ -12,8 +13,6 @@ from mission.report.reading import LEG, Record
 from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec
-
-_NO_CHOICE = (("run", "--run"), ("laps", "--laps"))
 
 
 def left_in(arguments: Namespace) -> Unfinished | None:
@@ -30,8 +29,7 @@ def left_in(arguments: Namespace) -> Unfinished | None:
         return None
     faults = [
         Fault(0, 0, option, "a flight that is taken up again keeps what it had", "leave it out")
-        for name, option in _NO_CHOICE
-        if getattr(arguments, name) is not None
+        for option in (*(["--run"] * (arguments.run is not None)), *changes_of(arguments))
     ]
     if arguments.file is not None:
         faults.append(Fault(0, 0, "FILE", "the mission is the one in the folder of the flight", "leave it out"))

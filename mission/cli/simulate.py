@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.cli.changes import changes_of
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import out, print_warnings
 from mission.monitor.monitor import Outcome
@@ -23,7 +24,7 @@ _COLUMNS: Final = "t_s,x_m,y_m,vx_m_s,vy_m_s,rx_m,ry_m,rvx_m_s,rvy_m_s,rax_m_s2,
 
 def run(arguments: Namespace) -> int:
     """Plan, simulate, write what is asked for, and show; 0 where what was flown satisfies the mission."""
-    plan = planned(arguments.file, arguments.run)
+    plan = planned(arguments.file, arguments.run, changes_of(arguments))
     simulation = simulate_plan(plan, off_m=arguments.off)
     monitor = judged(plan, simulation)
     outcome = monitor.verdict_at_end(stays=not plan.run.recurrent)

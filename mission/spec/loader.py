@@ -42,7 +42,12 @@ def load_mission(path: str | Path) -> MissionSpec:
         content = _content(Path(path))
     except UnreadableError as error:
         raise SpecError((Fault(0, 0, "", error.message, error.hint),), source) from None
-    return parse_mission(content, source, lambda name: _content(Path(path).parent / name))
+    return parse_mission(content, source, beside(Path(path)))
+
+
+def beside(path: Path) -> Reader:
+    """Reads the files that a mission file names, relative to it."""
+    return lambda name: _content(path.parent / name)
 
 
 def parse_mission(content: bytes, source: str = "", read: Reader = nothing_beside) -> MissionSpec:

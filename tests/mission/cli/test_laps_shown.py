@@ -11,6 +11,7 @@ from rich.console import Console
 
 from mission.cli import fly, live
 from mission.cli.arguments import build_parser
+from mission.cli.changes import changes_of
 from mission.cli.extent import extent
 from mission.cli.inputs import planned
 from mission.cli.live import Display
@@ -42,7 +43,7 @@ def file(tmp_path: Path) -> Path:
 )
 def test_a_number_of_laps_overrides_that_of_the_file(file: Path, text: str, laps: int | str) -> None:
     arguments = build_parser().parse_args(["fly", str(file), "--laps", text])
-    plan = planned(arguments.file, arguments.run, arguments.laps)
+    plan = planned(arguments.file, arguments.run, changes_of(arguments))
     assert plan.spec.flight.laps == laps
     assert plan.trajectory.laps == (laps if isinstance(laps, int) else None)
 
@@ -58,8 +59,9 @@ def test_laps_of_a_mission_without_any_are_refused(tmp_path: Path, capsys: pytes
 
 def test_the_folder_of_a_flight_has_the_laps_that_were_asked_for(file: Path) -> None:
     arguments = build_parser().parse_args(["fly", str(file), "--laps", "3", "--out", str(file.parent / "flights")])
-    plan = planned(arguments.file, arguments.run, arguments.laps)
-    folder, record = fly._begin_record(Path(arguments.out), plan, file, arguments.laps)
+    given = changes_of(arguments)
+    plan = planned(arguments.file, arguments.run, given)
+    folder, record = fly._begin_record(Path(arguments.out), plan, file, given)
     with record:
         assert load_mission(folder / "mission.yaml") == plan.spec
 
