@@ -5,9 +5,9 @@ import re
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
-from importlib import import_module
 from typing import NoReturn
 
+from mission import __version__
 from mission.cli.changes import add_changes
 from mission.cli.flight_options import add_check, add_flights, add_run
 from mission.cli.option_values import offset, place, positive, positive_whole, system_id
@@ -91,11 +91,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 class _Version(argparse.Action):
-    """Looks the version up when it is asked for: reading the metadata of packages is slow."""
-
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
-        version = import_module("importlib.metadata").version("ltl-mission")
-        sys.stdout.write(f"{PROGRAM} {version}\n")
+        sys.stdout.write(f"{PROGRAM} {__version__}\n")
         parser.exit()
 
 

@@ -8,10 +8,11 @@ from mission.cli.extent import extent
 from mission.cli.findings import print_table
 from mission.cli.inputs import planned
 from mission.cli.screen import err, out, print_error, print_warnings, tube_text
-from mission.cli.vehicle_link import UNHEARD, link_options, open_link
+from mission.cli.vehicle_link import UNHEARD, link_options
 from mission.clock import WallClock
 from mission.decimals import count, decimal
 from mission.errors import Fault, LinkError, MissionError, SpecError
+from mission.fly.linking import open_link
 from mission.fly.preflight import NoGoError, inspect
 from mission.link.address import parse_address
 from mission.plan import FlightPlan
