@@ -246,7 +246,8 @@ class Replanning:
         leg, foreseen = watch.legs.now, watch.monitor.foreseen((watch.place_m, *approach.through_m))
         flown_s = leg.in_tube_until_s if leg.has_left_tube or approach.flown_s is None else approach.flown_s
         laps, due = leg.laps_at(foreseen, flown_s)
-        under_way = due is not None and not cause.fresh
+        # A return completes no lap.
+        under_way = due is not None and not (cause.fresh or cause.returns)
         before = laps + int(under_way), under_way
         self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), before, begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin

@@ -1,6 +1,7 @@
 """A battery that does not hold the plan: the vehicle comes home on its own with what is to stay in it."""
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
@@ -8,11 +9,14 @@ from mission.fly import FlightOptions
 from mission.fly.preflight import Checks
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
-from mission.report.reading import LaterPlan
+from mission.report.reading import LEG, LaterPlan
 from mission.report.replay import judged_again
 from mission.spec.battery import Battery
 from tests.support.replanned import Replanned
+from tests.support.resumed import Killed
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
+from tests.support.usual_cases import sampled
+from vehicle_sim.parameters import Flavour
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 CAPACITY = {"ardupilot": "BATT_CAPACITY", "px4": "BAT1_CAPACITY"}
@@ -100,7 +104,8 @@ def test_wind_that_is_against_the_way_home_or_with_it_is_reckoned_with(
     assert ("on the way home against the wind" in flight.events("leg")[0]["reason"]) is against
 
 
-def test_what_suffices_for_no_way_home_ends_the_flight_where_it_is(far: FlightPlan) -> None:
+@FLAVOURS
+def test_what_suffices_for_no_way_home_ends_the_flight_where_it_is(far: FlightPlan, flavour: str) -> None:
     """The charge falls at once to less than the straight way takes."""
     usable_mah = 0.9 * WHOLE_MAH
 
@@ -110,9 +115,9 @@ def test_what_suffices_for_no_way_home_ends_the_flight_where_it_is(far: FlightPl
 
     flight = Replanned(
         carrying(far, usable_mah, DRAWN_A),
-        "ardupilot",
+        flavour,
         options=ANYWAY,
-        parameters={CAPACITY["ardupilot"]: CAPACITY_MAH},
+        parameters={CAPACITY[flavour]: CAPACITY_MAH},
         at_step=drained,
     )
     assert flight.result.ending is Ending.STOPPED
@@ -139,6 +144,42 @@ def test_from_amid_a_field_it_returns_with_what_was_covered() -> None:
     assert 0.1 < covered.share < covered.asked
     assert "field covered to" in result.reason
     assert abs(over_mah(flight, 200.0)) <= NEAR_SHARE * CAPACITY_MAH
+
+
+@sampled(
+    ("flavour", "at_s"),
+    product(Flavour, (30.0, 36.0, 44.0, 51.0)),
+    [(Flavour.ARDUPILOT, 44.0), (Flavour.PX4, 36.0)],
+)
+def test_a_return_goes_on_from_its_record(far: FlightPlan, flavour: Flavour, at_s: float) -> None:
+    """Killed on the way home, or just before that is begun: home it goes, and to nothing that was given up."""
+    plan = carrying(far, 0.6 * WHOLE_MAH, DRAWN_A)
+    killed = Killed(plan, flavour, at_s, ANYWAY, {CAPACITY[flavour]: CAPACITY_MAH})
+    returns = [event.values["returns"] for event in killed.record.events if event.text == LEG]
+    assert returns == [True] * (at_s > 30.0)
+    alone_s = 8.0
+    killed.leave(alone_s)
+    result = killed.resume()
+    assert result.ending is Ending.LANDED
+    assert not result.achieved
+    assert not result.violations
+    assert killed.entered() == ["home", "home"]
+    assert "the mission was given up for a return" in result.reason
+    assert "left undone: goal" in result.reason
+    # A return that was begun is late by as long as nobody led it, and by how long it takes to be found again.
+    late_mah = Battery(DRAWN_A).charge_mah(alone_s + 4.0) if returns else 0.0
+    over = 0.6 * WHOLE_MAH - killed.bench.vehicle.battery.consumed_mah
+    assert abs(over + 0.5 * late_mah) <= 0.5 * late_mah + NEAR_SHARE * CAPACITY_MAH
+    assert judged_again(plan, killed.record).outcome().reason in result.reason
+
+
+def test_a_lap_that_is_given_up_for_a_return_is_none() -> None:
+    capacity_mah, usable_mah = 1000.0, 130.0
+    plan = carrying(plan_of(ROUNDS), usable_mah, DRAWN_A, capacity_mah)
+    flight = Replanned(plan, "ardupilot", options=ANYWAY, parameters={CAPACITY["ardupilot"]: capacity_mah})
+    assert "0 of 2 laps were flown" in flight.result.reason
+    assert "returned before all was done" in flight.result.reason
+    assert flight.result.laps == 0
 
 
 @pytest.mark.parametrize(("asked", "achieved"), [("9", False), ("until_stopped", True)])

@@ -1,6 +1,7 @@
 """Flights in lock-step whose program is killed at a moment, and that are taken up again from what was written."""
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from itertools import groupby
@@ -9,7 +10,8 @@ from shapely import Point
 
 from mission.fly import FlightOptions, FlightResult, fly
 from mission.fly.amending import Amendments
-from mission.fly.resuming import unfinished
+from mission.fly.replanner import SynchronousReplanner
+from mission.fly.resuming import Unfinished, unfinished
 from mission.plan import FlightPlan, plan_from_json
 from mission.report.reading import LaterPlan, Record, parse_record
 from mission.report.record import FlightRecord
@@ -22,13 +24,23 @@ from vehicle_sim.parameters import Flavour
 class Killed:
     """A flight whose program is killed (as by kill -9) at a time of the vehicle's clock."""
 
-    def __init__(self, plan: FlightPlan, flavour: Flavour, at_s: float, options: FlightOptions | None = None) -> None:
+    def __init__(
+        self,
+        plan: FlightPlan,
+        flavour: Flavour,
+        at_s: float,
+        options: FlightOptions | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> None:
         self.plan = plan
         self.bench = Bench(Fault.KILLED, at_s, flavour, NO_FAULTS, wind=False)
+        for name, value in (parameters or {}).items():
+            self.bench.vehicle.parameters.set(name, value)
         self.plans: dict[int, FlightPlan] = {}
         self.options = options
+        self.result: FlightResult | None = None
         with suppress(KilledError):
-            fly(plan, self.bench, self.bench, FlightRecord(self.bench.sink, mission="killed"), options=options)
+            self.result = self._fly(FlightRecord(self.bench.sink, mission="killed"))
 
     def leave(self, for_s: float) -> None:
         """Let time pass without anybody."""
@@ -59,15 +71,21 @@ class Killed:
         bench.sink, bench.dead, bench.happened, bench.at_s = FullDisk(), False, False, killed_at_s
         bench.sink.write(written)
         record = FlightRecord(bench.sink, mission="killed", begins=False)
+        return self._fly(record, left, amendments)
+
+    def _fly(
+        self, record: FlightRecord, left: Unfinished | None = None, amendments: Amendments | None = None
+    ) -> FlightResult:
         return fly(
             self.plan,
-            bench,
-            bench,
+            self.bench,
+            self.bench,
             record,
             options=self.options,
             unfinished=left,
             on_plan=self._keep,
             amendments=amendments,
+            replanner=SynchronousReplanner(self.bench.now_s),
         )
 
     def _keep(self, number: int, text: str) -> None:
