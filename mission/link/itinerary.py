@@ -1,5 +1,7 @@
 """The steps of a whole flight, and of what is left of it once it goes over to another course."""
 
+from dataclasses import replace
+
 from mission.link.autopilot import Autopilot
 from mission.link.course import Course
 from mission.link.fence_guard import FenceGuard
@@ -32,11 +34,16 @@ def onward(kind: Autopilot, course: Course) -> tuple[Step, ...]:
     return (*_settled(kind, course)[1:], *_landed(kind, course))
 
 
-def way_out(kind: Autopilot, scene: Scene, *, lands: bool) -> tuple[Step, ...]:
-    """Out of a flight that is given up: hold in the air, and land there if wanted; on the ground, disarm."""
+def way_out(kind: Autopilot, scene: Scene, left: Step | None, *, lands: bool) -> tuple[Step, ...]:
+    """Out of a flight that is given up: hold in the air, and land there if wanted; on the ground, disarm.
+
+    Over another mode than those of the step that is ``left`` nothing is commanded: then somebody else flies.
+    """
     if not scene.airborne:
         return (disarm_step(None) if scene.vehicle.armed else unarm_step(),)
-    hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), None)
+    modes = None if left is None or left.modes is None else left.modes | {kind.hold_mode}
+    hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), modes)
+    hold = replace(hold, at_once=True)
     landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), scene.height_m)
     return (hold, *(landing if lands else ()))
 

@@ -8,6 +8,7 @@ from mission.link.events import WentOn
 from mission.link.requests import Answer, RequestChannel
 from mission.link.steps import Scene, Step
 from mission.link.values import Command, Result
+from mission.link.vehicle_state import VehicleState
 
 _WORDS_WITHIN_S: Final = 0.5
 """How long an explanation may follow a refusal, on the clock here, or come before the step, by the vehicle's."""
@@ -40,6 +41,7 @@ class Procedure:
         self._asked: Command | None = None
         self._refused: tuple[Answer, float] | None = None
         self._unanswered = False
+        self._beats: int | None = None
         self.entered = 0
 
     def replace(self, steps: tuple[Step, ...], vehicle_s: float) -> None:
@@ -58,6 +60,23 @@ class Procedure:
     def started_s(self) -> float | None:
         """When the present step began, vehicle time; None before it did."""
         return self._started_s
+
+    def allows(self, mode: int) -> bool:
+        """Whether the vehicle may be told something in this mode: over no other than was asked for."""
+        return self.step is None or self.step.modes is None or mode in self.step.modes
+
+    def weigh(self, vehicle: VehicleState, local_s: float) -> None:
+        """Hold the command back unless a heartbeat that has just come shows that nobody else flies.
+
+        Between two heartbeats somebody may have taken the vehicle: so what is not pressing waits for the next one, as
+        does each repetition, but where none comes.
+        """
+        step, fresh = self.step, self._beats is not None and vehicle.beats != self._beats
+        self._beats = vehicle.beats
+        watched = step is not None and step.modes is not None and self._channel.carries(self._asked)
+        presses = step is not None and step.at_once and not self._channel.is_sent
+        told = fresh or presses or vehicle.is_silent(local_s)
+        self._channel.held = watched and not (told and self.allows(vehicle.mode))
 
     def take(self, answer: Answer, vehicle_s: float, local_s: float) -> None:
         """Take the answer to the present step's command."""

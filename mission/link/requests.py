@@ -29,6 +29,7 @@ class RequestChannel:
     """Keeps at most one command under way; times are of the clock here.
 
     Attributes:
+        held: Whether the command under way must not be sent now.
         speed: Vehicle seconds in each second here, where that is more than one: a command is repeated as often as the
             vehicle's failsafes, which go by its time, ask for, and is given up by the time here.
     """
@@ -37,6 +38,7 @@ class RequestChannel:
         """Take answers that are addressed to these ids, or to nobody in particular."""
         self._own = (system_id, component_id)
         self.speed = 1.0
+        self.held = False
         self._command: Command | None = None
         self._asked_s = 0.0
         self._sent_s = 0.0
@@ -47,6 +49,15 @@ class RequestChannel:
     def busy(self) -> bool:
         """Whether a command waits for its answer."""
         return self._command is not None
+
+    @property
+    def is_sent(self) -> bool:
+        """Whether the command under way was sent."""
+        return self._attempt > 0
+
+    def carries(self, command: Command | None) -> bool:
+        """Whether this is the command under way."""
+        return command is not None and self._command is command
 
     def ask(self, command: Command, now_s: float) -> None:
         """Begin with a command; one that is under way is forgotten."""
@@ -62,7 +73,7 @@ class RequestChannel:
 
     def due(self, now_s: float) -> tuple[Command, int] | None:
         """The command to send now, with the number of the attempt; None where there is nothing to send."""
-        if self._command is None or self._attempt >= self._attempts or now_s < self._next_s:
+        if self.held or self._command is None or self._attempt >= self._attempts or now_s < self._next_s:
             return None
         attempt, self._attempt = self._attempt, self._attempt + 1
         self._sent_s = now_s
@@ -89,8 +100,8 @@ class RequestChannel:
         return self._ended(acknowledgement.result)
 
     def wait_s(self, now_s: float) -> float:
-        """How long until there is something to do; infinite where nothing is under way."""
-        return float("inf") if self._command is None else max(self._next_s - now_s, 0.0)
+        """How long until there is something to do; infinite where nothing is under way, or it is held."""
+        return float("inf") if self._command is None or self.held else max(self._next_s - now_s, 0.0)
 
     @property
     def _next_s(self) -> float:

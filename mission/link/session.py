@@ -5,7 +5,7 @@ SETTLE, FLY, ARRIVE, LAND, TOUCH_DOWN, DISARM -> DONE. Two clocks run: the one h
 vehicle's own (``vehicle_clock``) paces everything that the vehicle does, the trajectory above all.
 
 Someone who flies the vehicle otherwise, a pilot or a failsafe, is never fought: two heartbeats in another mode end
-the session's part at once.
+the session's part at once, and over one alone nothing is commanded.
 """
 
 import math
@@ -124,6 +124,8 @@ class Session:
         A vehicle in the air is told to hold, or to land, before anything is raised.
         """
         self.tend(now_s)
+        if self.stage is Stage.DONE and self._failure is not None:
+            raise self._failure
         if self.stage is Stage.DONE:
             return
         vehicle_s = self.vehicle.clock.now_s(now_s)
@@ -140,6 +142,7 @@ class Session:
             self._prepare(vehicle_s, now_s)
         elif self.stage is not Stage.STANDBY and vehicle_s is not None:
             self._proceed(vehicle_s, now_s)
+        self._procedure.weigh(self.vehicle, now_s)
         self.contact.send_command(now_s)
 
     def tend(self, now_s: float, *, over: bool = False) -> None:
@@ -231,7 +234,8 @@ class Session:
 
     def last_words(self) -> list[bytes]:
         """The command to hold as a frame for a vehicle that flies, where nothing else works any more."""
-        return self.contact.hold_frames() if self.departed and self.vehicle.armed else []
+        flies = self.departed and self.vehicle.armed
+        return self.contact.hold_frames() if flies and self._procedure.allows(self.vehicle.mode) else []
 
     @property
     def departed(self) -> bool:
@@ -242,6 +246,8 @@ class Session:
     def left(self) -> str:
         """How a vehicle with running motors is left, in plain words; empty where it is none, or somebody else's."""
         kind = self.contact.autopilot
+        if self.ending is not None and self._failure is not None:
+            return self.ending_reason
         if kind is None or not self.departed or not self.vehicle.armed or self.stage is Stage.DONE:
             return ""
         return how_left(kind, self.vehicle)
@@ -294,17 +300,12 @@ class Session:
             self._disarmed_from_s = math.inf
         elif vehicle_s is not None:
             self._disarmed_from_s = min(self._disarmed_from_s, vehicle_s)
-        since_s = self._lately_s(now_s)
-        step, kind = self._procedure.step, self.contact.autopilot
+        step, kind, since_s = self._procedure.step, self.contact.autopilot, self.vehicle.clock.ago_s(now_s, _WORDS_S)
         end = self.pilot.look(heartbeat, step, kind, self.vehicle, since_s, self.lead.by_field or self._waits_for_pilot)
         if self.pilot.changed and end is None:
             self._note(Held(vehicle_s, self.pilot.words))
         if end is not None:
             self._end(end[0], self.contact.explained(end[1], since_s))
-
-    def _lately_s(self, now_s: float) -> float:
-        """Vehicle time since when what the vehicle has said is part of the reason."""
-        return (self.vehicle.clock.now_s(now_s) or -math.inf) - _WORDS_S
 
     def _check_origin(self, origin: Origin, now_s: float) -> None:
         if self.lead.ground_down_m is None or self.stage in _LANDING or self._failure is not None:
@@ -315,8 +316,7 @@ class Session:
     # The way.
 
     def _prepare(self, vehicle_s: float | None, now_s: float) -> None:
-        asked = self.contact.ask_for_streams(now_s)
-        if asked and self.stage is Stage.STREAMS:
+        if self.contact.ask_for_streams(now_s) and self.stage is Stage.STREAMS:
             self._enter(Stage.READY, vehicle_s)
         if self.stage is Stage.READY and self.contact.ready(now_s):
             self.contact.channel.forget()
@@ -330,7 +330,7 @@ class Session:
         step = self._procedure.step
         if step is not None and step.armed and not self.vehicle.armed:
             what = f"the vehicle disarmed itself while {step.stage}"
-            self.give_up(VehicleError(self.contact.explained(what, self._lately_s(now_s))), now_s)
+            self.give_up(VehicleError(self.contact.explained(what, self.vehicle.clock.ago_s(now_s, _WORDS_S))), now_s)
         if step is None:
             if self._failure is not None:
                 raise self._failure
@@ -379,7 +379,7 @@ class Session:
         if self.guidance is not None:
             self.guidance.end(vehicle_s)
         scene = self._scene(vehicle_s, 0.0)
-        self._procedure = self._procedure_of(*way_out(kind, scene, lands=self._land_when_stopped))
+        self._procedure = self._procedure_of(*way_out(kind, scene, self._procedure.step, lands=self._land_when_stopped))
         return True
 
     def _stands_still(self, now_s: float) -> bool:

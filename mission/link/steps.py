@@ -84,6 +84,7 @@ class Step:
         modes: Modes that the vehicle may be in meanwhile; any other, once armed, means that someone else flies.
         armed: Whether the motors must be armed all the while.
         streaming: Whether setpoints are streamed.
+        at_once: Whether the command is given before the next heartbeat tells who flies.
     """
 
     stage: Stage
@@ -98,6 +99,7 @@ class Step:
     modes: frozenset[int] | None = None
     armed: bool = False
     streaming: bool = False
+    at_once: bool = False
 
 
 def change_mode_step(stage: Stage, command: Command, mode: int, name: str, modes: frozenset[int] | None) -> Step:

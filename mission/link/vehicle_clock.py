@@ -154,6 +154,10 @@ class VehicleClock:
         self._shown_s = max(self._shown_s, told_s + ahead)
         return self._shown_s
 
+    def ago_s(self, local_s: float, for_s: float) -> float:
+        """Vehicle time so long before ``local_s``; minus infinity before the vehicle has told any."""
+        return (self.now_s(local_s) or -math.inf) - for_s
+
     def local_until(self, vehicle_s: float, local_s: float) -> float:
         """How long from ``local_s`` until this vehicle time is shown; infinite where only telemetry can bring it."""
         now = self.now_s(local_s)

@@ -32,6 +32,10 @@ _FRESH_S: Final = 2.0
 HEARTBEATS: Final = 2
 """How many in a row are believed: one alone may have been late on its way."""
 
+_BEATLESS_S: Final = 2.5
+_SILENT_S: Final = 1.0
+"""Vehicle time without a heartbeat, or time here without a word, after which the next is not waited for."""
+
 _DOUBLED_S: Final = 0.3
 """The same heartbeat within this time is one that came twice; vehicles beat once a second."""
 
@@ -56,6 +60,7 @@ class VehicleState:
 
     Attributes:
         clock: The vehicle's own time.
+        beats: How many heartbeats were heard.
         heartbeats_in_mode: How many heartbeats in a row have shown the present mode.
         heartbeats_armed: How many in a row have shown armed motors.
         heartbeats_disarmed: Likewise disarmed ones.
@@ -70,7 +75,7 @@ class VehicleState:
         """Start knowing nothing."""
         self.clock = VehicleClock()
         self.heartbeat: Heartbeat | None = None
-        self.heartbeats_in_mode = self.heartbeats_armed = self.heartbeats_disarmed = 0
+        self.beats = self.heartbeats_in_mode = self.heartbeats_armed = self.heartbeats_disarmed = 0
         self.armed = False
         self._beat_at_s = -math.inf
         self.position: LocalPosition | None = None
@@ -96,6 +101,11 @@ class VehicleState:
     def mode(self) -> int:
         """The autopilot's own number of the present mode; -1 before the first heartbeat."""
         return -1 if self.heartbeat is None else self.heartbeat.custom_mode
+
+    def is_silent(self, local_s: float) -> bool:
+        """Whether heartbeats, or all that it says, fail to come."""
+        at_s = self.clock.now_s(local_s)
+        return at_s is None or at_s - self._beat_at_s > _BEATLESS_S or local_s - self.clock.heard_s > _SILENT_S
 
     @property
     def battery_critical(self) -> bool:
@@ -199,6 +209,7 @@ class VehicleState:
             if body == self.heartbeat and at_s - self._beat_at_s < _DOUBLED_S:
                 return
             self._beat_at_s = at_s
+        self.beats += 1
         same = self.heartbeat is not None and self.heartbeat.custom_mode == body.custom_mode
         self.heartbeats_in_mode = self.heartbeats_in_mode + 1 if same else 1
         self.heartbeats_armed = self.heartbeats_armed + 1 if body.armed else 0
