@@ -79,7 +79,7 @@ class Charge:
         Args:
             at_s: When.
             consumed_mah: What was drawn so far; None where it is not told.
-            percent: What is left, rounded down; None where it is not told, and then nothing is known.
+            percent: What is left, rounded to a whole number; None where it is not told, and then nothing is known.
             pace: Rate at which the trajectory is flown now.
             moments: Since the last report.
         """
@@ -87,10 +87,13 @@ class Charge:
             return
         left_mah = percent / 100.0 * self.capacity_mah
         if consumed_mah is not None:
-            # A per cent is much: what was drawn since the first report tells more, unless the vehicle knows of less.
+            # A per cent is much: what was drawn tells more, unless the vehicle knows of less. Where both agree to a per
+            # cent, which autopilots round down or up, the battery was full before.
+            one_mah = self.capacity_mah / 100.0
             if self._full_mah is None:
-                self._full_mah = left_mah + consumed_mah
-            left_mah = min(self._full_mah - consumed_mah, left_mah + self.capacity_mah / 100.0)
+                full_mah = left_mah + consumed_mah
+                self._full_mah = self.capacity_mah if abs(full_mah - self.capacity_mah) <= one_mah else full_mah
+            left_mah = min(self._full_mah - consumed_mah, left_mah + one_mah)
         if self._told is not None:
             before_s, _, before_mah = self._told
             for_s = at_s - before_s

@@ -1,6 +1,7 @@
 """The charge in flight: what reports tell of it, and the table of what follows."""
 
 import math
+from collections.abc import Callable
 from itertools import product
 
 import pytest
@@ -47,6 +48,22 @@ def test_between_reports_the_charge_goes_on_falling(drawn_a: float) -> None:
     assert charge.left_mah(at_s + 36.0) == pytest.approx(charge.left_mah(at_s) - 10.0 * charge.current_a)
     spare_s = charge.spare_s(at_s, 100.0)
     assert charge.left_mah(at_s + 100.0 + spare_s) == pytest.approx(charge.reserve_mah)
+
+
+@given(st.floats(0.0, 4900.0), st.sampled_from([math.floor, math.ceil, round]))
+def test_of_a_battery_that_was_full_nothing_is_lost_by_rounding(
+    drawn_mah: float, rounded: Callable[[float], int]
+) -> None:
+    charge = Charge(Battery(10.0), 5000.0)
+    charge.tell(0.0, round(drawn_mah), rounded(100.0 - drawn_mah / 50.0))
+    assert charge.left_mah(0.0) == pytest.approx(5000.0 - drawn_mah, abs=0.51)
+
+
+@given(st.integers(1, 98))
+def test_a_battery_that_was_not_full_is_not_taken_for_one(percent: int) -> None:
+    charge = Charge(Battery(10.0), 5000.0)
+    charge.tell(0.0, 0.0, float(percent))
+    assert charge.left_mah(0.0) == pytest.approx(50.0 * percent)
 
 
 def test_a_vehicle_that_knows_of_less_is_believed() -> None:
