@@ -13,6 +13,7 @@ from mission.plan.flight_plan import FlightPlan
 from mission.steering.rounded import RoundedPolyline
 
 _SAME_S: Final = 1e-6
+_STEP_S: Final = 0.1
 _SIMPLER: Final = 2e-4  # of the spacing: by how much what was covered may be less than it was
 
 
@@ -35,7 +36,13 @@ class LanesLeft:
 
     def at(self, start_s: float) -> CoveredVisit:
         """The visit, if the curve is flown from a steering time on."""
-        return replace(self.visit, start_s=start_s, lanes_s=start_s + self.visit.lanes_s)
+        first_s = self.visit.first_s
+        return replace(
+            self.visit,
+            start_s=start_s,
+            lanes_s=start_s + self.visit.lanes_s,
+            first_s=None if first_s is None else start_s + first_s,
+        )
 
 
 @dataclass(frozen=True)
@@ -107,5 +114,22 @@ def _left(plan: FlightPlan, visit: CoveredVisit, curve: RoundedPolyline, place_s
             ways_m=max(0.0, float(ways_m)),
             planned_share=share,
             before=covered,
+            first_s=_next_image_s(visit, curve, int(np.argmax(left)), place_s),
         ),
     )
+
+
+def _next_image_s(visit: CoveredVisit, curve: RoundedPolyline, number: int, place_s: float) -> float | None:
+    """How long after a place on the curve, in a lane or before it, its next image is due; None where none are taken."""
+    if visit.trigger_m is None:
+        return None
+    begin_s, end_s = (visit.lanes_s[number] - visit.start_s).tolist()
+    if number == 0 and visit.first_s is not None:
+        begin_s = visit.first_s - visit.start_s
+    if place_s <= begin_s:
+        return float(begin_s) - place_s
+    s = np.linspace(begin_s, end_s, 2 + int((end_s - begin_s) / _STEP_S))
+    steps = np.diff(curve.position(s), axis=0)
+    flown_m = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+    taken = int(np.interp(place_s, s, flown_m) / visit.trigger_m)
+    return float(np.interp((taken + 1) * visit.trigger_m, flown_m, s)) - place_s

@@ -52,6 +52,8 @@ class CoveredVisit:
         share: How much of the region must really be covered.
         planned_share: How much of it a flight covers that keeps to the path.
         before: What of it was covered by an earlier plan of the same visit; None where nothing was.
+        first_s: Steering time of the first image, where these lanes are the rest of a visit, and the first one may be
+            of a lane: its end where none is taken in it. None where that is at its begin.
     """
 
     region: str
@@ -66,10 +68,17 @@ class CoveredVisit:
     share: float
     planned_share: float
     before: shapely.Geometry | None = None
+    first_s: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lanes_m", frozen_floats(self.lanes_m))
         object.__setattr__(self, "lanes_s", frozen_floats(self.lanes_s))
+
+    @property
+    def imaged_s(self) -> FloatArray:
+        """Shape (n, 2): steering time of the first image of each lane that is taken, and of the lane's end."""
+        begins, ends = self.lanes_s.T
+        return np.stack((np.append(begins[:1] if self.first_s is None else self.first_s, begins[1:]), ends), axis=1)
 
     @property
     def lanes_length_m(self) -> float:
@@ -105,12 +114,13 @@ class CoveredVisit:
             "share": self.share,
             "planned_share": self.planned_share,
             "before": None if self.before is None else _rings_of(self.before),
+            "first_s": self.first_s,
         }
 
     @staticmethod
     def from_json(data: Mapping[str, Any]) -> "CoveredVisit":
         """The visit that ``to_json`` wrote; raises KeyError, TypeError or ValueError where it is none."""
-        trigger = data["trigger_m"]
+        trigger, first = data["trigger_m"], data.get("first_s")
         return CoveredVisit(
             region=str(data["region"]),
             start_s=float(data["start_s"]),
@@ -124,6 +134,7 @@ class CoveredVisit:
             share=float(data["share"]),
             planned_share=float(data["planned_share"]),
             before=None if data.get("before") is None else _of_rings(data["before"]),
+            first_s=None if first is None else float(first),
         )
 
 

@@ -124,8 +124,8 @@ def nose_of(plan: FlightPlan) -> Nose:
 
 
 def _lanes(trajectory: Trajectory, visit: CoveredVisit) -> Iterator[Stretch]:
-    begins = trajectory.time_at(visit.lanes_s[:, 0], leaving=True).tolist()
-    ends = trajectory.time_at(visit.lanes_s[:, 1]).tolist()
+    begins = trajectory.time_at(visit.imaged_s[:, 0], leaving=True).tolist()
+    ends = trajectory.time_at(visit.imaged_s[:, 1]).tolist()
     for begin, end, heading in zip(begins, ends, headings_of(visit.lanes_m).tolist(), strict=True):
         if begin < end:
             yield Stretch(begin, end, heading)

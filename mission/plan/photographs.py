@@ -45,20 +45,20 @@ class Photographs:
 
 
 def along_lanes(trajectory: Trajectory, visits: Iterable[CoveredVisit]) -> tuple[Photographs, ...]:
-    """A stretch for each lane of the regions of which images are taken."""
+    """A stretch for each lane of the regions of which images are taken, but for a rest of one that has none."""
     found: list[Photographs] = []
     for visit in visits:
         if visit.trigger_m is not None:
             # Where the vehicle waits for its turn to be over before a lane, the lane begins after that.
-            begins = trajectory.time_at(visit.lanes_s[:, 0], leaving=True)
-            times = np.stack((begins, trajectory.time_at(visit.lanes_s[:, 1])), axis=1).tolist()
+            begins = trajectory.time_at(visit.imaged_s[:, 0], leaving=True)
+            times = np.stack((begins, trajectory.time_at(visit.imaged_s[:, 1])), axis=1).tolist()
             headings = headings_of(visit.lanes_m).tolist()
             for (begin, end), heading in zip(times, headings, strict=True):
                 # One lane may end where the next begins, but for what a search for times leaves.
                 ended = found[-1].end_s if found else 0.0
-                begins_s = ended if 0.0 < ended - begin < _SAME_S else begin
-                if begins_s < end:
-                    found.append(Photographs(begins_s, end, visit.trigger_m, heading))
+                from_s = ended if 0.0 < ended - begin < _SAME_S else begin
+                if from_s < end:
+                    found.append(Photographs(from_s, end, visit.trigger_m, heading))
     return in_order(found)
 
 

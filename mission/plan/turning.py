@@ -112,7 +112,7 @@ def run_ins(
     starts, found = trajectory.curve.starts_s, []
     leg, end, heading = -1, 0.0, 0.0
     for visit in visits:
-        for (begin_s, end_s), after in zip(visit.lanes_s.tolist(), headings_of(visit.lanes_m).tolist(), strict=True):
+        for (begin_s, end_s), after in zip(visit.imaged_s.tolist(), headings_of(visit.lanes_m).tolist(), strict=True):
             here = int(np.searchsorted(starts[1:-1], begin_s, side="right"))
             # Whatever the heading is at the begin of a leg, turning right round is the most.
             from_s, lasts_s = float(starts[here]), lead_s(rate_rad_s)

@@ -17,6 +17,7 @@ _SHARE: Final = 2e-3
 _BESIDE: Final = 3.0 / 16.0 + 1.0 / 30.0  # of a spacing: rounded ends are cut off, small steps aside left out
 _SAME: Final = 1e-9
 _SAME_S: Final = 1e-6
+_SAME_M: Final = 1e-6
 _SETTLE_S: Final = 0.5  # after a turn
 _STRAIGHT_RAD: Final = 0.01
 _SAMPLES: Final = np.linspace(0.0, 1.0, 65)  # of a lane, which is straight but for its ends
@@ -29,7 +30,7 @@ def lanes_cover(plan: Written) -> Verdict:
     begins = accumulate((float(patches_of(piece).ends_s[-1]) for piece in pieces), initial=0.0)
     flown = [s for s, piece in zip(begins, pieces, strict=False) if piece["kind"] == "rounded polyline"]
     for visit in visits:
-        fault = _visit_fault(plan, visit, flown)
+        fault = _visit_fault(plan, visit, flown) or _first_fault(plan, visit)
         if fault:
             return f"{visit['region']} {fault}", ""
     covered = {visit["region"] for visit in visits}
@@ -73,6 +74,18 @@ def _visit_fault(plan: Written, visit: dict[str, Any], flown: list[float]) -> st
     return f"is covered to {share:.2%}, and not to {visit['planned_share']:.2%}" if off else None
 
 
+def _first_fault(plan: Written, visit: dict[str, Any]) -> str | None:
+    """What is wrong with where the first picture is taken of a lane that is the rest of one."""
+    first_s, begin_s, trigger_m = visit.get("first_s"), float(visit["lanes_s"][0][0]), visit["trigger_m"]
+    if first_s is None:
+        return None
+    if trigger_m is None or first_s < begin_s:
+        return "takes a first picture where none is due"
+    way_m = np.linalg.norm(np.diff(plan.curve.at(begin_s + (first_s - begin_s) * _SAMPLES), axis=0), axis=1).sum()
+    late = way_m > trigger_m + _SAME_M
+    return f"takes its first picture after {way_m:.3f} m of a lane, and is to every {trigger_m:.3f} m" if late else None
+
+
 class _Lane(NamedTuple):
     """A lane that is photographed: where on the curve, the distance of pictures, and the heading from north."""
 
@@ -87,7 +100,10 @@ def photographed(plan: Written) -> list[_Lane]:
     found = []
     for visit in plan.data["covers"]:
         if visit["trigger_m"] is not None:
-            for (begin, end), ((x, y), (u, v)) in zip(visit["lanes_s"], visit["lanes_m"], strict=True):
+            lanes_s = [[begin, end] for begin, end in visit["lanes_s"]]
+            if visit.get("first_s") is not None:
+                lanes_s[0][0] = visit["first_s"]
+            for (begin, end), ((x, y), (u, v)) in zip(lanes_s, visit["lanes_m"], strict=True):
                 found.append(_Lane(begin, end, visit["trigger_m"], atan2(u - x, v - y)))
     return [lane for lane in found if lane.begin_s < lane.end_s]
 

@@ -47,6 +47,8 @@ def planned(formula: str) -> FlightPlan:
 
 
 ONCE = "F (field & F home)"
+STEP_S = 0.01
+NEAR_M = 0.2
 
 
 @pytest.mark.parametrize("share", [0.1, 0.3, 0.42, 0.55, 0.75])
@@ -60,7 +62,7 @@ def test_the_rest_of_the_lanes_is_flown_and_no_lane_twice(share: float) -> None:
     (was,), (now,) = plan.covers, left.covers
     place_s = float(plan.trajectory.parameter([at_s])[0])
     ahead = was.lanes_s[:, 1] > place_s
-    assert len(now.lanes_m) == ahead.sum() == len(left.photographs)
+    assert len(now.lanes_m) == ahead.sum()
     assert np.array_equal(now.lanes_m[1:], was.lanes_m[ahead][1:])
     # The first one goes on where it was left.
     assert np.allclose(now.lanes_m[0, 1], was.lanes_m[ahead][0, 1])
@@ -76,6 +78,37 @@ def test_the_rest_of_the_lanes_is_flown_and_no_lane_twice(share: float) -> None:
     assert covered_share(area, covered) >= was.planned_share - 0.01
     onward = spelled(left)
     assert plan.required.satisfied_by(LassoWord(rest.word + onward, onward[-1:]))
+
+
+def pictures(plan: FlightPlan, until_s: float = np.inf) -> list[tuple[float, float]]:
+    """Where a camera releases that counts the distance itself, in steps of the trajectory."""
+    found, time_s = [], 0.0
+    for stretch in plan.photographs:
+        times = np.append(np.arange(stretch.begin_s, stretch.end_s, STEP_S), stretch.end_s)
+        gone_m = np.inf
+        for time_s, before, place in zip(
+            times, plan.trajectory.position(times - STEP_S), plan.trajectory.position(times), strict=True
+        ):
+            gone_m += np.hypot(*(place - before))
+            if gone_m >= (stretch.distance_m or np.inf) and time_s <= until_s:
+                found.append((float(place[0]), float(place[1])))
+                gone_m = 0.0 if np.isinf(gone_m) else gone_m - (stretch.distance_m or 0.0)
+    return found
+
+
+@pytest.mark.parametrize("share", [0.3, 0.36, 0.42, 0.55])
+def test_pictures_of_a_lane_go_on_in_their_distance(share: float) -> None:
+    """Those that are taken before and after are those of the whole plan, also where a rest is left once more."""
+    plan = planned(ONCE)
+    at_s = share * plan.trajectory.duration_s
+    left = plan_rest(plan, flown(plan, at_s))
+    again_s = 0.5
+    again = plan_rest(left, flown(left, again_s))
+    assert faults(left) == faults(again) == []
+    whole = np.array(pictures(plan))
+    parts = np.array([*pictures(plan, at_s), *pictures(left, again_s), *pictures(again)])
+    assert len(parts) == pytest.approx(len(whole), abs=1)  # one may be due just where the plan is left
+    assert shapely.hausdorff_distance(*map(shapely.multipoints, (whole, parts))) <= NEAR_M
 
 
 def test_a_flight_that_goes_on_is_judged_by_what_was_covered_before_as_well() -> None:

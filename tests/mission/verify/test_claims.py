@@ -60,6 +60,12 @@ def limit(**values: float) -> Change:
         (ROUNDS, region("east", speed_m_s=1.0), "time law", "in east, there may be"),
         (ROUNDS, limit(acceleration_m_s2=0.5), "time law", "m/s^2 at"),
         (PHOTOGRAPHED, lambda plan: plan["covers"][0].update(planned_share=1.0), "lanes", "is covered to"),
+        (
+            PHOTOGRAPHED,
+            lambda plan: plan["covers"][0].update(first_s=plan["covers"][0]["lanes_s"][0][0] + 2.0),
+            "lanes",
+            "takes its first picture after",
+        ),
         (PHOTOGRAPHED, lambda plan: plan["covers"].clear(), "photographs", "there are 0 lanes"),
         (SMALL, lambda plan: plan["trajectory"]["legs"][0]["curve"]["base_m"].reverse(), "curve", "off the series"),
         (SMALL, lambda plan: plan["path"]["segments"][2]["g"].reverse(), "path", "`path.segments."),

@@ -23,6 +23,7 @@ LEFT_AS_IT_IS: Final = {
     ".certificate.knots_s.#: a little": "pieces with the same triangles may meet anywhere where the tube is in both",
     ".certificate.possible.#: order": "a set has no order",
     ".covers.#.before: gone": "without it nothing of the region was covered before, which is so",
+    ".covers.#.first_s: gone": "without it the first image is at the begin of the first lane, which is so",
     ".homeward.certificate.clearance_m: a little": "as of the laps",
     ".homeward.certificate.knots_s.#: a little": "as of the laps",
     ".homeward.certificate.possible.#: order": "as of the laps",
