@@ -11,11 +11,33 @@ from collections.abc import Generator
 import pytest
 from hypothesis import settings
 
-settings.register_profile("repeatable", derandomize=True, deadline=None)
-settings.load_profile("repeatable")
+from tests.support.drawn_cases import EVERY, USUAL
+
+settings.register_profile("usual", derandomize=True, deadline=None, max_examples=USUAL)
+settings.register_profile("campaign", settings.get_profile("usual"), max_examples=EVERY)
+settings.load_profile("usual")
 
 for _library in ("OPENBLAS", "OMP", "MKL"):  # read when numpy is imported; by the processes that tests start, too
     os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Read before the tests are, which ask for their share of the examples then."""
+    if _is_campaign(config):
+        settings.load_profile("campaign")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Tests with drawn examples try a share of them in each run of the suite, and all in long campaigns."""
+    if _is_campaign(config):
+        for item in items:
+            if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+                item.add_marker("long")
+
+
+def _is_campaign(config: pytest.Config) -> bool:
+    return bool(config.getoption("markexpr") == "long")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -5,9 +5,10 @@ from math import radians
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.drawn_cases import tried
 from vehicle_sim.camera import Camera, camera_of
 from vehicle_sim.parameters import Flavour, ParameterStore, default_parameters
 from vehicle_sim.signals import CameraOrder, Estimate, EstimatorFlag, Geodetic
@@ -210,7 +211,7 @@ ORDERS = st.builds(
 )
 
 
-@settings(max_examples=20)
+@tried(20)
 @given(flavour=st.sampled_from(Flavour), orders=st.lists(st.tuples(ORDERS, st.floats(0.0, 4.0)), max_size=5))
 def test_whatever_it_is_told_pictures_are_numbered_in_order_and_later_than_the_last(
     flavour: Flavour, orders: list[tuple[CameraOrder, float]]

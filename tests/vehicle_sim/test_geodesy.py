@@ -1,8 +1,9 @@
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from tests.support.drawn_cases import tried
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
 from vehicle_sim.signals import Geodetic, Vector
 
@@ -24,7 +25,7 @@ def earth_centred(place: Geodetic, altitude_m: float) -> NDArray[np.float64]:
     )
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(origin=PLACES, offset=OFFSETS)
 def test_there_and_back(origin: Geodetic, offset: Vector) -> None:
     there = geodetic_at(origin, offset)
@@ -32,7 +33,7 @@ def test_there_and_back(origin: Geodetic, offset: Vector) -> None:
     assert -180.0 <= there.lon_deg < 180.0
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(origin=PLACES, offset=OFFSETS)
 def test_offsets_are_the_chord_on_the_tangent_plane(origin: Geodetic, offset: Vector) -> None:
     point = geodetic_at(origin, offset)

@@ -2,12 +2,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from tests.support.drawn_cases import tried
 from vehicle_sim.dynamics.hover import (
     DRAG_PER_S,
     ROTOR_TIME_S,
@@ -68,7 +69,7 @@ def test_discretisation_agrees_with_the_integral_of_the_matrix_exponential(model
     assert np.allclose(gamma, integral, atol=1e-13)
 
 
-@settings(max_examples=10, deadline=None)
+@tried(10)
 @given(
     up=st.tuples(*[st.floats(-0.3, 0.3)] * 2),
     thrust=st.floats(9.0, 11.0),
@@ -141,7 +142,7 @@ def test_a_fall_ends_on_the_ground_at_rest_and_level() -> None:
     assert (motion.roll_rad, motion.pitch_rad) == (0.0, 0.0)
 
 
-@settings(max_examples=50, deadline=None)
+@tried(50)
 @given(angles=st.tuples(*[st.floats(-0.8, 0.8)] * 3), vector=st.tuples(*[st.floats(-20.0, 20.0)] * 3))
 def test_body_axes_agree_with_the_product_of_three_rotations(angles: Vector, vector: Vector) -> None:
     def turn(axis: int, angle: float) -> NDArray[np.float64]:
@@ -160,7 +161,7 @@ def test_body_axes_agree_with_the_product_of_three_rotations(angles: Vector, vec
     )
 
 
-@settings(max_examples=50, deadline=None)
+@tried(50)
 @given(angles=st.tuples(*[st.floats(-0.8, 0.8)] * 3), rates=st.tuples(*[st.floats(-2.0, 2.0)] * 3))
 def test_body_rates_are_the_rotation_between_two_near_attitudes(angles: Vector, rates: Vector) -> None:
     h = 1e-6

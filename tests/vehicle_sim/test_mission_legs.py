@@ -3,10 +3,11 @@
 from math import dist, hypot, inf, pi, sqrt
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.bare_vehicle import booted
+from tests.support.drawn_cases import tried
 from vehicle_sim.autopilot import SpeedAxis
 from vehicle_sim.autopilot.legs import CircleTask, CruiseTask, Reference, arrival_speed, corner_speed
 from vehicle_sim.parameters import Flavour, default_parameters, flight_settings
@@ -43,7 +44,7 @@ PLACE = st.tuples(st.floats(-60.0, 60.0), st.floats(-60.0, 60.0), st.floats(-40.
 VELOCITY = st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-1.0, 1.0))
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(end=PLACE, moving=VELOCITY, flavour=st.sampled_from(Flavour), speed=st.none() | st.floats(1.0, 9.0))
 def test_a_leg_is_flown_within_the_limits_and_ends(
     end: Vector, moving: Vector, flavour: Flavour, speed: float | None

@@ -4,12 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from tests.support.airframes import PerfectFlight
+from tests.support.drawn_cases import tried
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.dynamics.hover import DRAG_PER_S, VERTICAL_DRAG_PER_S
 from vehicle_sim.dynamics.quadrotor import Quadrotor, angles_of, quaternion_of
@@ -230,7 +231,7 @@ def test_a_free_fall_is_damped_by_drag_alone() -> None:
     assert quadrotor.motion.velocity_ned_m_s[2] == pytest.approx(GRAVITY_M_S2 / k * (1.0 - np.exp(-3.0 * k)), rel=1e-5)
 
 
-@settings(max_examples=50)
+@tried(50)
 @given(angles=st.tuples(st.floats(-3.1, 3.1), st.floats(-1.5, 1.5), st.floats(-3.1, 3.1)))
 def test_angles_and_quaternions_are_inverse(angles: Vector) -> None:
     quaternion = quaternion_of(*angles)

@@ -5,7 +5,7 @@ from itertools import pairwise, permutations, product
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
 
@@ -14,6 +14,7 @@ from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.covering import SPARED, TOLERANCE, cover
 from mission.coverage.sequence import MOST_ALONE
 from mission.errors import GeometryError
+from tests.support.drawn_cases import tried
 
 PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
 AWAY = np.array([-60.0, -60.0])
@@ -103,7 +104,7 @@ def drawn(seed: int) -> shapely.Geometry:
     )
 
 
-@settings(max_examples=12)
+@tried(12)
 @given(st.integers(0, 10**6), st.floats(4.0, 15.0), st.floats(0.2, 2.0), st.none() | st.floats(0.0, 360.0))
 def test_whatever_the_region_is_it_is_covered(
     seed: int, spacing_m: float, aside_m: float, heading_deg: float | None

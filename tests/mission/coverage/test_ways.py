@@ -5,10 +5,11 @@ import heapq
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.coverage.ways import Network
+from tests.support.drawn_cases import tried
 
 SLACK_M = 1e-6
 
@@ -31,7 +32,7 @@ def lengths_by_hand(area: shapely.Geometry, points: np.ndarray) -> np.ndarray:
     return found[: len(points)]
 
 
-@settings(max_examples=12)
+@tried(12)
 @given(st.integers(0, 10**6))
 def test_ways_are_the_shortest(seed: int) -> None:
     chance = np.random.default_rng(seed)

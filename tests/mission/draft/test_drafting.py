@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import shapely
 import yaml
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.draft.drafting import draft_mission
@@ -15,6 +15,7 @@ from mission.interchange.features import Drawing, Feature, Lanes, Line, Point, P
 from mission.plan import FlightPlan, plan_mission
 from mission.spec.loader import parse_mission
 from mission.spec.model import BoundaryDomain, CircleShape, MissionSpec, PolygonShape, RegionKind
+from tests.support.drawn_cases import tried
 
 FIELD = (
     "6.541425 51.896772 6.54118 51.896812 6.540614 51.897072 6.54053 51.897233 6.540431 51.89746 6.540385 51.897588 "
@@ -331,7 +332,7 @@ shapes = st.one_of(
 )
 
 
-@settings(max_examples=10, deadline=None)
+@tried(10)
 @given(st.lists(st.builds(feature, st.just("x"), shapes, roles), min_size=1, max_size=6))
 def test_whatever_is_drawn_the_draft_is_sound(features: Sequence[Feature]) -> None:
     spec = mission(drafted(*features))

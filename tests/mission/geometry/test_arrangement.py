@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from mission.geometry.arrangement import Arrangement, arranged
 from mission.geometry.rings import edge_crossings, ring_edges
+from tests.support.drawn_cases import tried
 
 TOLERANCE_M = 0.01
 SQUARE = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
@@ -45,7 +46,7 @@ def test_a_corner_beside_an_edge_is_on_it() -> None:
     assert [(9.997, 7.0), (10.004, 3.0)] in lines(found)
 
 
-@settings(max_examples=60)
+@tried(60)
 @given(st.integers(0, 10**6), st.integers(2, 8), st.sampled_from([1.0, 0.05]))
 def test_whatever_is_drawn_segments_meet_at_vertices_only_and_stay_where_they_were(
     seed: int, count: int, grid_m: float

@@ -1,11 +1,12 @@
 """Polynomials by control points against numpy's, at many places."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.bernstein import composed, derivative, halved, of_powers, part, raised, times
+from tests.support.drawn_cases import tried
 
 U = np.linspace(0.0, 1.0, 9)
 
@@ -32,7 +33,7 @@ def by_powers(powers: FloatArray, u: FloatArray = U) -> FloatArray:
 
 
 @given(st.integers(0, 10_000), st.integers(1, 7), st.integers(1, 4))
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_sums_products_and_compositions_are_those_of_the_values(seed: int, degree: int, other: int) -> None:
     powers, control = drawn(seed, degree)
     np.testing.assert_allclose(at(control), by_powers(powers), atol=1e-9)
@@ -45,7 +46,7 @@ def test_sums_products_and_compositions_are_those_of_the_values(seed: int, degre
 
 
 @given(st.integers(0, 10_000), st.integers(2, 7), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_parts_and_derivatives_are_those_of_the_whole(seed: int, degree: int, one: float, other: float) -> None:
     powers, control = drawn(seed, degree)
     low, high = min(one, other), max(one, other)

@@ -3,11 +3,12 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import GeometryError
 from mission.geometry.geodesy import LatLon, enu_offset_m, place_at_offset
+from tests.support.drawn_cases import tried
 
 A, F = 6_378_137.0, 1.0 / 298.257223563
 B = A * (1.0 - F)
@@ -44,7 +45,7 @@ def vincenty(p: LatLon, q: LatLon) -> tuple[float, float]:
 
 
 @given(latitudes, longitudes, steps, steps)
-@settings(max_examples=200, deadline=None)
+@tried(200)
 def test_offset_and_place_invert_each_other(latitude: float, longitude: float, east: float, north: float) -> None:
     start = LatLon(latitude, longitude)
     found = enu_offset_m(start, place_at_offset(start, east, north))
@@ -52,7 +53,7 @@ def test_offset_and_place_invert_each_other(latitude: float, longitude: float, e
 
 
 @given(latitudes, longitudes, st.floats(10.0, 60_000.0), st.floats(-math.pi, math.pi))
-@settings(max_examples=200, deadline=None)
+@tried(200)
 def test_offset_agrees_with_the_geodesic(latitude: float, longitude: float, length: float, bearing: float) -> None:
     start = LatLon(latitude, longitude)
     end = place_at_offset(start, length * math.sin(bearing), length * math.cos(bearing))

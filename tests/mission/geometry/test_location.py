@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrangement import arranged
@@ -16,6 +16,7 @@ from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
 from tests.support.domains import PAPER_NODES, random_nodes
+from tests.support.drawn_cases import tried
 
 seeds = st.integers(0, 10_000)
 PAPER = Locator(triangulate_nodes(PAPER_NODES))
@@ -32,7 +33,7 @@ def shares(partition: Partition, point: tuple[float, float]) -> FloatArray:
 
 
 @given(seeds, st.integers(4, 60))
-@settings(max_examples=40, deadline=None)
+@tried(40)
 def test_location_agrees_with_brute_force(seed: int, count: int) -> None:
     partition = triangulate_nodes(random_nodes(seed, count))
     points = np.random.default_rng(seed + 1).uniform((-20.0, -20.0), (170.0, 120.0), (50, 2))
@@ -43,7 +44,7 @@ def test_location_agrees_with_brute_force(seed: int, count: int) -> None:
 
 
 @given(seeds, st.integers(4, 40))
-@settings(max_examples=40, deadline=None)
+@tried(40)
 def test_vertices_and_points_on_edges_belong_to_the_lowest_index(seed: int, count: int) -> None:
     partition = triangulate_nodes(random_nodes(seed, count))
     locator = Locator(partition)
@@ -55,7 +56,7 @@ def test_vertices_and_points_on_edges_belong_to_the_lowest_index(seed: int, coun
 
 
 @given(lattice)
-@settings(max_examples=100, deadline=None)
+@tried(100)
 def test_points_of_a_lattice_belong_to_the_lowest_index(point: tuple[float, float]) -> None:
     inside = np.flatnonzero(shares(GRID.partition, point) >= 0)
     assert GRID.triangle_at(np.array([point]))[0] == (inside[0] if len(inside) else -1)
@@ -105,7 +106,7 @@ def test_walks_along_edges_take_the_lower_index() -> None:
 
 
 @given(lattice, lattice, st.integers(-1, GRID.partition.size - 1))
-@settings(max_examples=150, deadline=None)
+@tried(150)
 def test_a_walk_does_not_depend_on_the_triangle_that_is_looked_into_first(
     p: tuple[float, float], q: tuple[float, float], likely: int
 ) -> None:
@@ -117,7 +118,7 @@ def test_a_walk_does_not_depend_on_the_triangle_that_is_looked_into_first(
 
 
 @given(lattice, lattice)
-@settings(max_examples=150, deadline=None)
+@tried(150)
 def test_each_part_of_a_walk_lies_where_it_says(p: tuple[float, float], q: tuple[float, float]) -> None:
     walk = GRID.crossed(p, q)
     entries = [fraction for _, fraction in walk]
@@ -131,7 +132,7 @@ def test_each_part_of_a_walk_lies_where_it_says(p: tuple[float, float], q: tuple
 
 
 @given(seeds)
-@settings(max_examples=40, deadline=None)
+@tried(40)
 def test_walks_there_and_back_are_mirrored(seed: int) -> None:
     locator = Locator(triangulate_nodes(random_nodes(seed, 30)))
     p, q = (tuple(float(x) for x in row) for row in random_nodes(seed + 7, 2))
@@ -141,7 +142,7 @@ def test_walks_there_and_back_are_mirrored(seed: int) -> None:
 
 
 @given(seeds)
-@settings(max_examples=10, deadline=None)
+@tried(10)
 def test_segments_straight_over_a_facet_meet_these_two_triangles_alone(seed: int) -> None:
     locator, rng = Locator(triangulate_nodes(random_nodes(seed, 30))), np.random.default_rng(seed)
     p = rng.uniform((-5.0, -5.0), (155.0, 105.0), (60, 2))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import GeometryError
@@ -14,6 +14,7 @@ from mission.geometry.faces import FacedMesh
 from mission.geometry.refinement import refined
 from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import Partition
+from tests.support.drawn_cases import tried
 
 TOLERANCE_M = 0.01
 SQUARE = np.array([[0.0, 0.0], [100.0, 0.0], [100.0, 100.0], [0.0, 100.0]])
@@ -138,7 +139,7 @@ def test_the_same_outlines_give_the_same_mesh() -> None:
     assert first.triangles.tobytes() == second.triangles.tobytes()
 
 
-@settings(max_examples=40)
+@tried(40)
 @given(st.integers(0, 10**6), st.integers(1, 12))
 def test_whatever_is_drawn_is_meshed(seed: int, count: int) -> None:
     """Overlapping triangles at random, far from the origin, cut off at the rim."""

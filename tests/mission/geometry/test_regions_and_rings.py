@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.regions import label_triangles
 from mission.geometry.rings import edge_crossings, ring_area_m2, ring_edges, ring_fault, ring_faults
+from tests.support.drawn_cases import tried
 
 
 def test_letters_are_the_observations_that_occur() -> None:
@@ -46,7 +47,7 @@ def test_many_rings_are_judged_one_by_one() -> None:
 
 
 @given(st.integers(0, 10_000), st.integers(3, 9))
-@settings(max_examples=100, deadline=None)
+@tried(100)
 def test_random_rings_are_judged_as_by_shapely(seed: int, corners: int) -> None:
     ring = np.random.default_rng(seed).uniform(0.0, 10.0, (corners, 2))
     assert (ring_fault(ring, 1e-9) == "") == shapely.is_valid(shapely.Polygon(ring))

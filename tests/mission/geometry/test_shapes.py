@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.shapes import (
@@ -20,6 +20,7 @@ from mission.geometry.shapes import (
     widened,
     without_straight_corners,
 )
+from tests.support.drawn_cases import tried
 
 SQUARE = np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]])
 FAR_M = np.array([432_100.25, 5_678_900.5])
@@ -40,7 +41,7 @@ def stars(draw: st.DrawFn) -> shapely.Polygon:
     return united([(ring[::-1] if turned else ring, [hole])])
 
 
-@settings(max_examples=40)
+@tried(40)
 @given(stars(), lengths)
 def test_a_grown_area_contains_what_is_within_the_distance_and_little_more(area: shapely.Polygon, by_m: float) -> None:
     out = grown(area, by_m)
@@ -50,7 +51,7 @@ def test_a_grown_area_contains_what_is_within_the_distance_and_little_more(area:
     assert shapely.difference(out, shapely.buffer(most, 1e-3 * by_m)).area < 1e-6
 
 
-@settings(max_examples=40)
+@tried(40)
 @given(stars(), lengths)
 def test_a_shrunk_area_is_the_distance_inside_and_loses_little_more(area: shapely.Polygon, by_m: float) -> None:
     within = shrunk(area, by_m)
@@ -139,7 +140,7 @@ def test_nothing_is_lost_far_from_the_origin() -> None:
         assert shapely.hausdorff_distance(near, back) < 1e-8
 
 
-@settings(max_examples=40)
+@tried(40)
 @given(stars(), lengths, st.integers(0, 2**32))
 def test_a_square_meets_or_lies_in_an_area_as_its_middle_lies_in_the_sums(
     area: shapely.Polygon, by_m: float, seed: int

@@ -2,17 +2,18 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import GeometryError
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import triangulate_nodes
 from tests.support.domains import PAPER_NODES, random_nodes
+from tests.support.drawn_cases import tried
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=30, deadline=None)
+@tried(30)
 def test_centres_and_radii_have_their_distances(seed: int) -> None:
     partition = triangulate_nodes(random_nodes(seed, 12))
     to_facets = ((np.roll(partition.corners_m, -1, axis=1) - partition.incentres_m[:, None]) * partition.normals).sum(
@@ -29,7 +30,7 @@ def test_centres_and_radii_have_their_distances(seed: int) -> None:
 
 
 @given(st.integers(0, 10_000))
-@settings(max_examples=30, deadline=None)
+@tried(30)
 def test_barycentric_coordinates_rebuild_their_points(seed: int) -> None:
     partition = triangulate_nodes(random_nodes(seed, 12))
     triangles = np.arange(partition.size)

@@ -4,11 +4,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.straightening import straightened
+from tests.support.drawn_cases import tried
 
 STEP_M = 0.1
 COORDINATES = st.integers(-60, 60).map(lambda tenths: tenths / 10.0)
@@ -37,7 +38,7 @@ def may_travel_within(p: FloatArray, q: FloatArray, apart_m: float) -> bool:
     return bool(reached[-1])
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(st.lists(st.tuples(COORDINATES, COORDINATES), min_size=2, max_size=8), st.sampled_from([0.0, 0.3, 1.0, 4.0]))
 def test_both_stay_within_the_bound_that_is_told(corners: list[tuple[float, float]], tolerance_m: float) -> None:
     points = np.array(corners)

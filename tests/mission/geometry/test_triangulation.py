@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
@@ -15,6 +15,7 @@ from mission.geometry.rings import ring_edges
 from mission.geometry.simplices import Partition
 from mission.geometry.triangulation import EdgesInMesh, slivers, triangulate_nodes
 from tests.support.domains import PAPER_NODES, PAPER_TRIANGLES, random_nodes
+from tests.support.drawn_cases import tried
 
 seeds = st.integers(0, 10_000)
 
@@ -45,7 +46,7 @@ def test_paper_domain_has_the_papers_numbering() -> None:
 
 
 @given(seeds, st.integers(4, 40))
-@settings(max_examples=60, deadline=None)
+@tried(60)
 def test_euler_neighbours_and_areas_of_random_nodes(seed: int, count: int) -> None:
     nodes = random_nodes(seed, count)
     partition = triangulate_nodes(nodes)
@@ -58,7 +59,7 @@ def test_euler_neighbours_and_areas_of_random_nodes(seed: int, count: int) -> No
 
 
 @given(st.integers(2, 8), st.floats(0.0, 3.2), st.floats(-1000.0, 1000.0))
-@settings(max_examples=60, deadline=None)
+@tried(60)
 def test_turned_grids_have_no_triangles_of_rounding_height(count: int, angle: float, shift: float) -> None:
     nodes = square_grid(count, angle, shift)
     partition = triangulate_nodes(nodes)

@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.link.arrival import ASK_S, Arrival
@@ -13,6 +13,7 @@ from mission.link.messages import Codec
 from mission.link.values import TimeAnswer
 from mission.link.vehicle_clock import VehicleClock
 from mission.monitor.gaps import GAP_S
+from tests.support.drawn_cases import tried
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 
 TICK_S = 0.02
@@ -62,7 +63,7 @@ class Line:
                 self._up.append((self._due_s(self.up_s), stamp))
 
 
-@settings(max_examples=25, deadline=None)
+@tried(25)
 @given(
     down_s=st.floats(0.0, 0.6),
     up_s=st.floats(0.0, 0.6),

@@ -1,13 +1,14 @@
 """The camera's trigger as the trajectory asks for it: refusals, silence, and the end of it."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.link.photography import Photography
 from mission.link.requests import ATTEMPTS, RequestChannel
 from mission.link.values import Acknowledgement, Result
 from mission.plan.photographs import Photographs
+from tests.support.drawn_cases import tried
 
 SELF = (255, 191)
 DISTANCE, DIGICAM, RATE = 206, 203, 511
@@ -135,7 +136,7 @@ def test_a_flight_that_ends_while_a_stretch_is_being_switched_on_switches_it_off
 ANSWERS = st.sampled_from([Result.ACCEPTED, Result.ACCEPTED, Result.TEMPORARILY_REJECTED, Result.DENIED, None])
 
 
-@settings(max_examples=60)
+@tried(60)
 @given(
     answers=st.lists(ANSWERS, max_size=12),
     way=st.lists(st.tuples(st.none() | st.floats(0.0, 45.0), st.floats(0.0, 4.0)), max_size=8),

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.location import Locator
@@ -26,6 +26,7 @@ from tests.support.curves import (
     paper_path,
     refuting,
 )
+from tests.support.drawn_cases import tried
 
 
 def monitor(
@@ -137,7 +138,7 @@ def test_a_flight_that_was_not_seen_has_achieved_nothing() -> None:
 @given(
     st.lists(st.tuples(st.floats(0.1, 14.9), st.floats(0.1, 9.9)), min_size=1, max_size=12), st.sampled_from(Semantics)
 )
-@settings(deadline=None, max_examples=80)
+@tried(80)
 def test_the_final_verdict_is_that_of_the_word_closed_by_staying(
     places: list[tuple[float, float]], semantics: Semantics
 ) -> None:

@@ -3,7 +3,7 @@
 from itertools import product
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.automata.automaton import compile_to_alphabet
@@ -15,6 +15,7 @@ from mission.logic.formula.word import LassoWord, satisfies
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.specification import deterministic_of
 from tests.support.curves import compiled
+from tests.support.drawn_cases import tried
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
 FORMULAS = (
@@ -45,7 +46,7 @@ def watching(text: str) -> FormulaWatch:
 
 
 @given(st.sampled_from(FORMULAS), st.lists(st.integers(0, 2), max_size=6))
-@settings(deadline=None, max_examples=160)
+@tried(160)
 def test_the_verdict_is_that_of_all_continuations(text: str, word: list[int]) -> None:
     watch, formula = watching(text), parse_formula(text)
     for letter in word:

@@ -3,12 +3,13 @@
 from itertools import combinations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import AutomatonSizeError
 from mission.plan import core as core_module
 from mission.plan.core import Core, smallest_core
+from tests.support.drawn_cases import tried
 
 Family = list[frozenset[int]]
 CONFLICTS = st.lists(st.frozensets(st.integers(0, 6), min_size=1), max_size=5)
@@ -51,7 +52,7 @@ def test_no_set_is_tried_that_a_known_solution_meets(conflicts: Family) -> None:
         known.extend([] if met is None else [met])
 
 
-@settings(max_examples=50)
+@tried(50)
 @given(CONFLICTS)
 def test_beyond_the_bound_a_core_still_needs_all_its_members(conflicts: Family) -> None:
     with pytest.MonkeyPatch.context() as patch:

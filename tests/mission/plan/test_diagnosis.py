@@ -5,7 +5,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError
@@ -19,6 +19,7 @@ from mission.planning.product import Product
 from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
+from tests.support.drawn_cases import tried
 from tests.support.formulas import random_formula
 from tests.support.products import random_system
 from tests.support.required import required
@@ -59,7 +60,7 @@ def random_conjunction(seed: int) -> Formula:
     return conjunction(*drawn, *random.sample(plain, random.randint(0, 3)))
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(SEEDS, SEEDS, st.sampled_from(Semantics))
 def test_a_core_has_no_run_each_smaller_set_has_one_and_nothing_is_said_of_what_has_a_plan(
     domain: int, draw: int, semantics: Semantics
@@ -78,7 +79,7 @@ def test_a_core_has_no_run_each_smaller_set_has_one_and_nothing_is_said_of_what_
     assert all(has_a_run(system, rest, semantics) for rest in combinations(parts, len(core) - 1))
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(SEEDS, SEEDS, st.sampled_from(Semantics), st.booleans())
 def test_a_word_of_the_coarse_map_satisfies_its_formula(
     domain: int,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError
@@ -15,6 +15,7 @@ from mission.plan import FlightPlan
 from mission.plan.figure_of_eight import figure_of_eight
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
+from tests.support.drawn_cases import tried
 
 FIELD = """\
 domain: {boundary: [[0, 0], [%g, 0], [%g, %g], [0, %g]]}
@@ -42,7 +43,7 @@ def test_it_reaches_the_speed_within_the_limits_and_comes_back() -> None:
     assert np.count_nonzero(np.diff(away.astype(int)) == 1) == 6
 
 
-@settings(max_examples=12, deadline=None)
+@tried(12)
 @given(st.floats(20.0, 60.0), st.floats(20.0, 60.0), st.floats(0.1, 0.9), st.floats(0.1, 0.9))
 def test_it_keeps_out_of_everything_or_is_refused(east_m: float, north_m: float, x: float, y: float) -> None:
     spec = field(east_m, north_m, (6.0 + x * (east_m - 7.0), 6.0 + y * (north_m - 7.0)))

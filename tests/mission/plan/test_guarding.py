@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.geodesy import LatLon, curvature_radii_m, enu_offset_m
 from mission.plan.fence import Circle, Fence, Rim, corners_of, fence_of
 from mission.plan.guarding import Room, frame_share, opened, reach_m, thinned
+from tests.support.drawn_cases import tried
 from tests.support.small_missions import SMALL, plan_of
 
 FIELD = corners_of(shapely.box(0.0, 0.0, 100.0, 60.0))
@@ -48,7 +49,7 @@ fences = st.builds(
 
 
 @given(fences, st.floats(0.0, 3.0))
-@settings(max_examples=40, deadline=None)
+@tried(40)
 def test_an_opened_fence_is_so_much_farther_from_wherever_one_may_be(fence: Fence, by_m: float) -> None:
     far = opened(fence, by_m)
     assert shape(far.inclusion).contains(shape(fence.inclusion).buffer(by_m))
@@ -70,7 +71,7 @@ def test_an_area_too_thin_to_give_way_stays() -> None:
 
 
 @given(fences, st.integers(12, 120))
-@settings(max_examples=40, deadline=None)
+@tried(40)
 def test_a_thinned_fence_lets_one_be_wherever_the_whole_one_does(fence: Fence, most: int) -> None:
     room = Room(most, 0, 1, 1)
     thin = thinned(fence, room)

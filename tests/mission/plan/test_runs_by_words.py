@@ -7,7 +7,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, given
 from hypothesis import strategies as st
 
 from mission.errors import AutomatonSizeError, NoPlanError
@@ -18,13 +18,14 @@ from mission.planning.objective import Objective
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 from mission.spec.specification import Specification
+from tests.support.drawn_cases import tried
 from tests.support.lassos import lasso_of, lassos, random_map, random_mission, rank_of, word_of
 
 MOST = 5
 OBJECTIVES = [Objective(), Objective(1, 1), Objective(1, 3)]
 
 
-@settings(max_examples=60, deadline=None, phases=[Phase.generate])
+@tried(60, phases=[Phase.generate])
 @given(
     seed=st.integers(0, 2**32 - 1),
     triangles=st.integers(2, 5),

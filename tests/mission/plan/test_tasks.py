@@ -19,6 +19,7 @@ from mission.plan.tasks import dropped_tasks
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import MissionSpec
 from mission.spec.task import Task, TaskKind
+from tests.support.drawn_cases import tried
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 
@@ -187,7 +188,7 @@ def lost_numbers(weights: list[float], conflicts: list[frozenset[int]]) -> list[
     return [task.number for task in dropped_tasks(soft_spec(weights), refusing(conflicts))]
 
 
-@settings(max_examples=80, deadline=None)
+@tried(80)
 @given(weights=st.lists(st.sampled_from([0.1, 0.2, 0.3, 1.0, 2.5]), min_size=6, max_size=6), conflicts=CONFLICTS)
 def test_no_subset_is_cheaper(weights: list[float], conflicts: list[frozenset[int]]) -> None:
     subsets = chain.from_iterable(combinations(range(6), size) for size in range(7))
@@ -201,7 +202,7 @@ def test_no_subset_is_cheaper(weights: list[float], conflicts: list[frozenset[in
     assert cost(lost)[0] <= min(cost(chosen) for chosen in allowed)[0]
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(weights=st.lists(st.sampled_from([1.0, 2.0, 3.0]), min_size=6, max_size=6), conflicts=CONFLICTS)
 def test_each_reason_is_a_conflict_that_the_task_is_in(weights: list[float], conflicts: list[frozenset[int]]) -> None:
     for task in dropped_tasks(soft_spec(weights), refusing(conflicts)):
@@ -254,7 +255,7 @@ def test_against_all_subsets_on_a_map(choice: list[int], weights: list[int]) -> 
 
 @pytest.mark.long
 @pytest.mark.timeout(1800)
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(choice=CHOICES, weights=WEIGHTS)
 def test_against_all_subsets_many_times(choice: list[int], weights: list[int]) -> None:
     check_against_all_subsets(choice, weights)

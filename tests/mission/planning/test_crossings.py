@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
@@ -17,6 +17,7 @@ from mission.geometry.triangulation import triangulate_nodes
 from mission.planning.crossings import Crossings, Spacing, crossings
 from mission.planning.traced import Tracer, stretches
 from tests.support.domains import random_nodes
+from tests.support.drawn_cases import tried
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
 TOLL = 7
@@ -42,7 +43,7 @@ def random_crossings(seed: int, most: int, letters: int = 3) -> tuple[Crossings,
     return found, Locator(partition), letter_of, first
 
 
-@settings(max_examples=20, deadline=None)
+@tried(20)
 @given(seed=st.integers(0, 2**32 - 1), most=st.integers(0, 3))
 def test_ways_go_straight_through_one_triangle_or_over_an_edge_between_two_letters(seed: int, most: int) -> None:
     found, locator, letter_of, _ = random_crossings(seed, most)
@@ -91,7 +92,7 @@ def test_where_nothing_is_in_the_way_ways_are_hardly_longer_than_straight_ones(m
     assert (lengths <= share * straight + 0.02).all()
 
 
-@settings(max_examples=30, deadline=None)
+@tried(30)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_run_along_a_way_reads_its_letters(seed: int) -> None:
     found, locator, letter_of, first = random_crossings(seed, 2)

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
@@ -18,6 +18,7 @@ from mission.monitor.laps import RoundCounter
 from mission.planning.policy import Policy
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
+from tests.support.drawn_cases import tried
 from tests.support.products import random_system, weighted
 
 LETTERS = tuple(frozenset({name}) for name in ("p0", "p1", "p2"))
@@ -73,7 +74,7 @@ def system_of(seed: int, triangles: int) -> TransitionSystem:
     return TransitionSystem(system.successors, system.letter_of, LETTERS)
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(seed=st.integers(0, 10**6), triangles=st.integers(1, 4), text=st.sampled_from(STAYS))
 def test_a_flight_that_ends_does_what_it_must_at_the_least_cost(seed: int, triangles: int, text: str) -> None:
     system, formula = system_of(seed, triangles), parse_formula(text)
@@ -108,7 +109,7 @@ def test_a_flight_that_ends_does_what_it_must_at_the_least_cost(seed: int, trian
             assert len(way) - 1 + shallow[way[-1]] == least
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(seed=st.integers(0, 10**6), triangles=st.integers(2, 4), text=st.sampled_from(LAPS))
 def test_laps_satisfy_the_formula_wherever_any_lap_does(seed: int, triangles: int, text: str) -> None:
     system, formula = system_of(seed, triangles), parse_formula(text)

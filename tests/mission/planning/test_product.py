@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.automata.conjunction import Conjunction
@@ -10,6 +10,7 @@ from mission.logic.automata.rabin import DEAD, Rabin
 from mission.planning.product import Product
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
+from tests.support.drawn_cases import tried
 from tests.support.products import random_rabin, random_system
 
 State = tuple[int, int]
@@ -44,7 +45,7 @@ def distances(delta: dict[tuple[State, int], set[State]], sources: set[State]) -
     return reached
 
 
-@settings(max_examples=120, deadline=None)
+@tried(120)
 @given(
     seed=st.integers(0, 2**32 - 1),
     triangles=st.integers(1, 8),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError
@@ -19,6 +19,7 @@ from mission.planning.search import search
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.model import Semantics
 from tests.support.domains import random_nodes
+from tests.support.drawn_cases import tried
 from tests.support.required import given as given_automaton
 from tests.support.required import required
 
@@ -46,7 +47,7 @@ def word_of(system: TransitionSystem, run: Run, semantics: Semantics) -> LassoWo
     return LassoWord(labels[1 : len(run.prefix)], loop) if run.prefix else LassoWord(loop[1:], loop)
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(
     seed=st.integers(0, 2**32 - 1),
     count=st.integers(4, 14),

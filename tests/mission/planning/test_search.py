@@ -5,7 +5,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, given
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError
@@ -19,6 +19,7 @@ from mission.planning.transition_system import TransitionSystem
 from mission.spec.loader import load_mission
 from mission.spec.model import NodesDomain, Semantics
 from tests.support.automata import NAMES, accepts, random_automaton
+from tests.support.drawn_cases import tried
 from tests.support.lassos import lasso_of, lassos, random_map, rank_of, word_of
 from tests.support.required import given as given_automaton
 from tests.support.required import required
@@ -64,7 +65,7 @@ def test_a_recurrent_run_moves_round_its_loop() -> None:
     assert 6 not in run.states
 
 
-@settings(max_examples=50, deadline=None, phases=[Phase.generate])
+@tried(50, phases=[Phase.generate])
 @given(
     seed=st.integers(0, 2**32 - 1),
     triangles=st.integers(1, 4),

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import NoPlanError, SearchSizeError
@@ -11,11 +11,12 @@ from mission.planning.objective import Objective
 from mission.planning.product import Product
 from mission.planning.search import search
 from mission.spec.model import Semantics
+from tests.support.drawn_cases import tried
 from tests.support.patrols import loop_cost, optimal_tour, patrol
 from tests.support.required import required
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(
     seed=st.integers(0, 2**32 - 1),
     regions=st.integers(2, 5),

@@ -1,7 +1,7 @@
 """T of Eq. 22: the paper's quotient (Fig. 3), and triangles that are never entered."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.regions import label_triangles
@@ -9,6 +9,7 @@ from mission.geometry.triangulation import triangulate_nodes
 from mission.planning.transition_system import TransitionSystem
 from tests.support.curves import paper_labelling, paper_partition
 from tests.support.domains import random_nodes
+from tests.support.drawn_cases import tried
 
 
 def test_the_papers_controls_lead_along_the_papers_run() -> None:
@@ -19,7 +20,7 @@ def test_the_papers_controls_lead_along_the_papers_run() -> None:
     assert system.size == 13
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(3, 40))
 def test_controls_stay_or_cross_the_facet_opposite_their_vertex_into_what_is_open(seed: int, count: int) -> None:
     partition = triangulate_nodes(random_nodes(seed, count))

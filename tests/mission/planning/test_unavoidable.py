@@ -3,11 +3,12 @@
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.formula.word import satisfies
 from mission.planning.unavoidable import unavoidable, visited
+from tests.support.drawn_cases import tried
 from tests.support.formulas import random_formula, random_word
 from tests.support.required import required
 
@@ -32,7 +33,7 @@ def test_what_every_loop_visits_is_found(formula: str, names: str) -> None:
     assert [inside.tolist() for inside in found] == expected
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_no_accepted_loop_leaves_it_out(seed: int) -> None:
     random = Random(seed)  # noqa: S311 - no secrets here

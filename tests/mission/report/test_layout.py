@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.automata.guards import Guard
@@ -13,6 +13,7 @@ from mission.report.figures.arrows import between_discs, bowed
 from mission.report.figures.fitting import largest_boxes, place_names, towards_incentres
 from mission.report.figures.guard_text import keyed, shortened, written
 from mission.report.figures.layering import layered
+from tests.support.drawn_cases import tried
 
 coordinate = st.floats(-10, 10)
 
@@ -26,7 +27,7 @@ def a_triangle(points: list[tuple[float, float]]) -> np.ndarray[tuple[int, ...],
     return corners if area > 0 else corners[::-1]
 
 
-@settings(max_examples=80, deadline=None)
+@tried(80)
 @given(st.lists(st.tuples(coordinate, coordinate), min_size=3, max_size=3), st.floats(0.2, 4), st.floats(0.2, 4))
 def test_no_box_of_the_same_shape_in_a_triangle_is_larger(
     points: list[tuple[float, float]], width: float, height: float
@@ -83,7 +84,7 @@ def test_an_arrow_ends_on_the_rims_of_its_discs() -> None:
     assert len(between_discs(bowed(start, end, 0.1), 20.0, 20.0)) == 0
 
 
-@settings(max_examples=80, deadline=None)
+@tried(80)
 @given(st.integers(1, 14), st.lists(st.tuples(st.integers(0, 13), st.integers(0, 13)), max_size=40))
 def test_layers_keep_nodes_apart_and_lead_each_edge_from_end_to_end(size: int, edges: list[tuple[int, int]]) -> None:
     edges = [(a % size, b % size) for a, b in edges]
@@ -106,7 +107,7 @@ def test_layers_keep_nodes_apart_and_lead_each_edge_from_end_to_end(size: int, e
 PROPOSITIONS = ("a", "b", "c", "d")
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(
     st.lists(st.tuples(st.integers(0, 15), st.integers(0, 15)), min_size=1, max_size=4),
     st.sets(st.frozensets(st.sampled_from(PROPOSITIONS)), min_size=1, max_size=8),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import RecordError
@@ -17,6 +17,7 @@ from mission.report.reading import parse_record, read_record
 from mission.report.record import SCHEMA, FlightRecord, new_flight_folder
 from mission.spec.model import RegionKind
 from mission.whole_file import write_whole
+from tests.support.drawn_cases import tried
 
 
 def a_flight(record: FlightRecord) -> None:
@@ -136,7 +137,7 @@ def test_the_name_of_a_mission_cannot_leave_the_folder(tmp_path: Path, name: str
     assert not folder.name.startswith((".", "-"))
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(st.recursive(st.none() | st.booleans() | st.floats() | st.text(), st.lists, max_leaves=8))
 def test_any_value_of_an_event_survives(value: object) -> None:
     stream = io.BytesIO()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import SpecError
@@ -14,6 +14,7 @@ from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import BoundaryDomain, PolygonShape, Refinement, Region, RegionKind, Start
 from tests.support.domains import PAPER_TRIANGLES
+from tests.support.drawn_cases import tried
 
 PAPER = load_mission(Path(__file__).parents[3] / "missions" / "paper.yaml")
 
@@ -66,7 +67,7 @@ def test_a_bad_value_raises_every_fault_without_lines() -> None:
 
 
 @given(st.integers(0, 10_000), st.integers(1, 5))
-@settings(max_examples=20, deadline=None)
+@tried(20)
 def test_random_squares_come_out_wherever_they_lie(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)
     corners = rng.uniform(2.0, 80.0, (count, 2)).round(1)

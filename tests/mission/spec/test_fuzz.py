@@ -3,13 +3,14 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from mission.errors import Fault, SpecError
 from mission.geometry import refinement
 from mission.spec.loader import parse_mission
 from mission.spec.yaml_errors import LINE_BREAK
+from tests.support.drawn_cases import tried
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 SEEDS = [path.read_bytes() for path in (MISSIONS / "paper.yaml", *sorted((MISSIONS / "broken").glob("*.yaml")))]
@@ -38,7 +39,7 @@ def judge(content: bytes) -> None:
 
 
 @given(st.binary(max_size=200))
-@settings(max_examples=200, deadline=None)
+@tried(200)
 @example(b"\xff\xfe")
 @example(b"? ? ? a")
 @example(b"&a [*a]")
@@ -53,7 +54,7 @@ def test_random_bytes(content: bytes) -> None:
 
 
 @given(st.lists(st.sampled_from([*TOKENS, " ", "\n", "\n  "]), max_size=60).map("".join))
-@settings(max_examples=200, deadline=None)
+@tried(200)
 def test_random_words_of_yaml(text: str) -> None:
     judge(text.encode())
 
@@ -61,7 +62,7 @@ def test_random_words_of_yaml(text: str) -> None:
 @given(
     st.sampled_from(SEEDS), st.lists(st.tuples(st.floats(0, 1), st.sampled_from(TOKENS), st.integers(0, 4)), max_size=4)
 )
-@settings(max_examples=300, deadline=None)
+@tried(300)
 def test_mutated_missions(seed: bytes, edits: list[tuple[float, str, int]]) -> None:
     content = seed
     for place, token, cut in edits:
@@ -79,7 +80,7 @@ def ring(corners: list[tuple[float, float]]) -> str:
 
 
 @given(st.sampled_from(["nodes", "boundary"]), points, points, points, st.tuples(coordinates, coordinates))
-@settings(max_examples=120, deadline=None)
+@tried(120)
 def test_random_geometry(
     kind: str,
     domain: list[tuple[float, float]],

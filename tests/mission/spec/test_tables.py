@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import Fault, SpecError
@@ -15,6 +15,7 @@ from mission.spec.nodes import Mapping, Node, Scalar, Table
 from mission.spec.structure import plain_data, structure_findings
 from mission.spec.tables import without_tables
 from mission.spec.yaml_tree import MAX_BYTES_FOR_PYTHON, read_tree
+from tests.support.drawn_cases import tried
 
 BROKEN = Path(__file__).parents[3] / "missions" / "broken"
 
@@ -153,7 +154,7 @@ PIECES = [
 
 
 @given(st.lists(st.sampled_from(PIECES), max_size=12).map("".join))
-@settings(max_examples=60, deadline=None)
+@tried(60)
 def test_wherever_a_table_stands_the_same_is_told(text: str) -> None:
     assert told(text) == told_without_tables(text)
 

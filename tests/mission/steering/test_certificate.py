@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
@@ -32,6 +32,7 @@ from tests.support.curves import (
     refuting,
 )
 from tests.support.domains import random_nodes
+from tests.support.drawn_cases import tried
 
 
 def certified(
@@ -254,7 +255,7 @@ FORMULAS = ("F a", "G !a", "F (a & F b)", "!b U a", "F a & F b", "F G !b", "G (a
 
 @given(st.integers(0, 10**6), st.sampled_from(FORMULAS), st.sampled_from(Semantics), st.sampled_from((0.05, 0.5, 2.0)))
 # Most random curves violate most formulas and are passed over; those that are certified are what counts.
-@settings(deadline=None, max_examples=60, suppress_health_check=[HealthCheck.filter_too_much])
+@tried(60, suppress_health_check=[HealthCheck.filter_too_much])
 def test_nothing_in_a_certified_tube_violates(seed: int, text: str, semantics: Semantics, tube_m: float) -> None:
     rng = np.random.default_rng(seed)
     partition = triangulate_nodes(np.concatenate((random_nodes(seed, 14), FRAME)))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
@@ -16,6 +16,7 @@ from mission.steering.joined import JoinedCurve
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.curves import marked, paper_partition, paper_path
 from tests.support.domains import random_nodes
+from tests.support.drawn_cases import tried
 
 
 def wandering_curve(seed: int, waves: int, extension: Extension) -> FourierCurve:
@@ -48,7 +49,7 @@ def joined(legs: list[FourierCurve]) -> JoinedCurve:
     ),
     st.integers(0, 10**6),
 )
-@settings(deadline=None, max_examples=30)
+@tried(30)
 def test_the_curve_stays_within_its_pieces(legs: list[FourierCurve], seed: int) -> None:
     curve = joined(legs)
     rng = np.random.default_rng(seed)
@@ -70,7 +71,7 @@ def test_the_curve_stays_within_its_pieces(legs: list[FourierCurve], seed: int) 
 
 
 @given(st.integers(0, 10**6), st.integers(6, 40))
-@settings(deadline=None, max_examples=40)
+@tried(40)
 def test_contacts_are_those_of_the_swept_squares(seed: int, nodes: int) -> None:
     rng = np.random.default_rng(seed)
     partition = triangulate_nodes(random_nodes(seed, nodes))

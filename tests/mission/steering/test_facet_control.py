@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import LinearConstraint, minimize
 
@@ -16,6 +16,7 @@ from mission.steering.facet_control import (
     stay_margins,
     stay_velocities,
 )
+from tests.support.drawn_cases import tried
 from tests.support.triangles import shares, single, triangles
 
 EQUILATERAL = single(np.array([[0.0, 0.0], [2.0, 0.0], [1.0, np.sqrt(3.0)]]))
@@ -29,7 +30,7 @@ def test_velocities_of_an_equilateral_triangle_by_hand() -> None:
     np.testing.assert_allclose(stay, 3.0 * np.array([[half, 0.5], [-half, 0.5], [0.0, -1.0]]), atol=1e-12)
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(partition=triangles(), speed=st.floats(0.01, 20.0))
 def test_every_condition_holds_with_a_margin_and_every_speed_is_c(partition: Partition, speed: float) -> None:
     out, stay = exit_velocities(partition, speed), stay_velocities(partition, speed)
@@ -40,7 +41,7 @@ def test_every_condition_holds_with_a_margin_and_every_speed_is_c(partition: Par
     assert stay_margins(partition, stay).min() > 0.01 * speed
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(partition=triangles(), at=shares(), facet=st.integers(0, 2))
 def test_the_field_is_the_interpolation_of_the_vertex_velocities(
     partition: Partition, at: np.ndarray, facet: int
@@ -51,7 +52,7 @@ def test_the_field_is_the_interpolation_of_the_vertex_velocities(
     np.testing.assert_allclose(F @ (at @ corners) + g, at @ velocities, atol=1e-12 * scale)
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(partition=triangles(), speed=st.sampled_from([0.05, 1.0, 15.0]))
 def test_a_stay_field_has_one_stable_equilibrium_inside(partition: Partition, speed: float) -> None:
     F, g = affine_fields(partition.corners_m, stay_velocities(partition, speed))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
@@ -10,6 +10,7 @@ from scipy.linalg import expm
 from mission.geometry.simplices import Partition
 from mission.steering.facet_control import affine_fields, exit_velocities, stay_velocities
 from mission.steering.flow import exit_time, flow, flow_with_velocity, settling_time
+from tests.support.drawn_cases import tried
 from tests.support.triangles import shares, triangles
 
 FIELDS = {
@@ -38,7 +39,7 @@ def test_flow_is_the_matrix_exponential(name: str, t: float) -> None:
     np.testing.assert_allclose(flow(F, g, x0, [t])[0], expected, rtol=1e-11, atol=1e-11)
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(seed=st.integers(0, 2**32 - 1), scale=st.floats(-4.0, 1.0), t=st.floats(0.0, 3.0))
 def test_flow_of_random_fields(seed: int, scale: float, t: float) -> None:
     rng = np.random.default_rng(seed)
@@ -57,7 +58,7 @@ def test_flow_agrees_with_an_integrator() -> None:
     np.testing.assert_allclose(ours, reference.y.T, rtol=1e-8)
 
 
-@settings(max_examples=200, deadline=None)
+@tried(200)
 @given(partition=triangles(), at=shares(), facet=st.integers(0, 2), speed=st.sampled_from([0.05, 4.0]))
 def test_the_flow_leaves_by_its_facet_only(partition: Partition, at: np.ndarray, facet: int, speed: float) -> None:
     corners = partition.corners_m[0]
@@ -80,7 +81,7 @@ def test_a_field_that_does_not_lead_out_is_refused() -> None:
         exit_time(np.zeros((2, 2)), np.array([-1.0, 0.0]), corners, 0, [0.2, 0.2])
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(partition=triangles(), at=shares())
 def test_a_stay_settles_and_never_leaves(partition: Partition, at: np.ndarray) -> None:
     corners = partition.corners_m[0]

@@ -4,7 +4,7 @@ from itertools import groupby
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
@@ -20,6 +20,7 @@ from mission.spec.model import Semantics
 from mission.steering.path import SteeringPath, build_path
 from tests.support.curves import paper_path
 from tests.support.domains import random_nodes
+from tests.support.drawn_cases import tried
 from tests.support.required import required
 from tests.support.triangles import shares
 
@@ -42,7 +43,7 @@ def triangles_passed(run: Run) -> list[int]:
     return [*run.prefix, *(run.suffix if run.recurrent else ()), run.suffix[0]]
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(
     seed=st.integers(0, 2**32 - 1),
     count=st.integers(4, 25),

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.automata.automaton import compile_to_alphabet
@@ -15,6 +15,7 @@ from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Semantics
 from mission.steering.possible_words import Layers, Violations
 from tests.support.curves import refuting
+from tests.support.drawn_cases import tried
 
 # A strip of six triangles; each shares vertices with the two before it and the two behind it.
 STRIP = np.array([(i, i + 1, i + 2) for i in range(6)])
@@ -90,7 +91,7 @@ def flights(draw: st.DrawFn) -> Layers:
     st.sampled_from(Semantics),
     st.sampled_from(FORMULAS),
 )
-@settings(deadline=None, max_examples=100)
+@tried(100)
 def test_a_violation_exists_exactly_if_one_can_be_listed(
     layers: Layers, letter_of: list[int], semantics: Semantics, text: str
 ) -> None:
@@ -151,7 +152,7 @@ def test_flights_that_one_can_follow_by_hand(
     st.sampled_from(Semantics),
     st.lists(st.sampled_from(FORMULAS), min_size=2, max_size=4, unique=True),
 )
-@settings(deadline=None, max_examples=100)
+@tried(100)
 def test_conjuncts_are_violated_exactly_where_their_conjunction_is(
     layers: Layers, letter_of: list[int], semantics: Semantics, texts: list[str]
 ) -> None:

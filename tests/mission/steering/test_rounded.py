@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.steering.enclosure import enclose, insert_knots
@@ -13,6 +13,7 @@ from mission.steering.joined import JoinedCurve, curve_from_json
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.timing import time_law
 from mission.steering.trajectory import Leg, Trajectory
+from tests.support.drawn_cases import tried
 
 
 def rounded(seed: int, corners: int) -> RoundedPolyline:
@@ -31,7 +32,7 @@ polylines = st.builds(rounded, st.integers(0, 10**6), st.integers(2, 12))
 
 
 @given(polylines)
-@settings(deadline=None, max_examples=60)
+@tried(60)
 def test_it_is_twice_continuously_differentiable_along_its_polyline(curve: RoundedPolyline) -> None:
     s = np.linspace(0.0, curve.duration_s, 5001)
     position, slope, bend = curve.jet(s)
@@ -48,7 +49,7 @@ def test_it_is_twice_continuously_differentiable_along_its_polyline(curve: Round
 
 
 @given(polylines)
-@settings(deadline=None, max_examples=40)
+@tried(40)
 def test_it_passes_its_corners_at_the_stated_distance_and_time(curve: RoundedPolyline) -> None:
     passed = curve.position(curve.corners_s)
     off = np.hypot(*(passed - curve.corners_m).T)
@@ -59,7 +60,7 @@ def test_it_passes_its_corners_at_the_stated_distance_and_time(curve: RoundedPol
 
 
 @given(polylines, st.integers(0, 10**6), st.sampled_from([1, 2, 3]))
-@settings(deadline=None, max_examples=60)
+@tried(60)
 def test_bounds_between_any_knots_hold_and_are_the_least(curve: RoundedPolyline, seed: int, order: int) -> None:
     rng = np.random.default_rng(seed)
     knots = np.sort(np.concatenate(([0.0, curve.duration_s], rng.uniform(0.0, curve.duration_s, size=12))))
@@ -76,7 +77,7 @@ def test_bounds_between_any_knots_hold_and_are_the_least(curve: RoundedPolyline,
 
 
 @given(polylines, st.integers(0, 10**6))
-@settings(deadline=None, max_examples=30)
+@tried(30)
 def test_the_enclosure_of_joined_curves_holds(curve: RoundedPolyline, seed: int) -> None:
     back = RoundedPolyline(curve.corners_m[::-1], curve.reaches_m[::-1], curve.speed_m_s)
     whole = JoinedCurve((JoinedCurve((curve, back)), curve))
@@ -93,7 +94,7 @@ def test_the_enclosure_of_joined_curves_holds(curve: RoundedPolyline, seed: int)
 
 
 @given(polylines, st.floats(0.2, 8.0), st.floats(0.3, 3.0))
-@settings(deadline=None, max_examples=30)
+@tried(30)
 def test_limits_are_kept_and_where_curves_join_the_vehicle_rests(
     curve: RoundedPolyline, speed: float, limit: float
 ) -> None:

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
 from mission.steering.rounding import rounded_within
+from tests.support.drawn_cases import tried
 
 ROOM = shapely.box(-100.0, -100.0, 100.0, 100.0)
 
@@ -26,7 +27,7 @@ lines = st.builds(crooked, st.integers(0, 10**6), st.integers(3, 30))
 
 
 @given(lines, st.floats(0.0, 0.5), st.floats(0.1, 4.0))
-@settings(deadline=None, max_examples=80)
+@tried(80)
 def test_the_curve_is_near_the_line_at_the_stated_times(line: FloatArray, tolerance: float, widest: float) -> None:
     room = ROOM.buffer(100.0)
     curve, passed_s = rounded_within(

@@ -5,13 +5,14 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from mission.spec.model import Extension
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.curves import paper_path
+from tests.support.drawn_cases import tried
 
 
 def random_curve(seed: int, waves: int, extension: Extension) -> FourierCurve:
@@ -77,7 +78,7 @@ def test_fewer_waves_are_the_first_of_more(extension: Extension) -> None:
 
 
 @given(curves)
-@settings(deadline=None, max_examples=30)
+@tried(30)
 def test_derivatives_are_those_of_the_position(curve: FourierCurve) -> None:
     s = np.linspace(0.05, 0.95, 7) * curve.duration_s
     step = 1e-4 * curve.duration_s / curve.frequencies
@@ -92,7 +93,7 @@ def test_derivatives_are_those_of_the_position(curve: FourierCurve) -> None:
 
 
 @given(curves, st.integers(0, 4), st.integers(1, 60))
-@settings(deadline=None, max_examples=40)
+@tried(40)
 def test_grids_hold_the_same_values(curve: FourierCurve, order: int, extra: int) -> None:
     cells = curve.frequencies + extra
     s = np.linspace(0.0, curve.duration_s, cells + 1)
@@ -101,7 +102,7 @@ def test_grids_hold_the_same_values(curve: FourierCurve, order: int, extra: int)
 
 
 @given(curves)
-@settings(deadline=None, max_examples=40)
+@tried(40)
 def test_suprema_bound_the_derivatives_and_are_tight(curve: FourierCurve) -> None:
     s = np.linspace(0.0, curve.duration_s, 4001)
     for order, bound in enumerate(curve.suprema, start=1):
@@ -110,7 +111,7 @@ def test_suprema_bound_the_derivatives_and_are_tight(curve: FourierCurve) -> Non
 
 
 @given(curves, st.integers(0, 10**6), st.integers(1, 60))
-@settings(deadline=None, max_examples=40)
+@tried(40)
 def test_bounds_hold_between_knots(curve: FourierCurve, seed: int, pieces: int) -> None:
     inner = np.random.default_rng(seed).uniform(0.0, curve.duration_s, pieces - 1)
     knots = np.concatenate(([0.0], np.sort(inner), [curve.duration_s]))
@@ -122,7 +123,7 @@ def test_bounds_hold_between_knots(curve: FourierCurve, seed: int, pieces: int) 
 
 
 @given(curves)
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_curves_survive_json(curve: FourierCurve) -> None:
     again = FourierCurve.from_json(json.loads(json.dumps(curve.to_json())))
     s = np.linspace(0.0, curve.duration_s, 50)
@@ -158,7 +159,7 @@ def test_impossible_requests_are_refused() -> None:
 
 
 @given(curves)
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_the_length_is_that_of_a_fine_polyline(curve: FourierCurve) -> None:
     points = curve.position(np.linspace(0.0, curve.duration_s, 20_001))
     assert curve.length_m == pytest.approx(np.hypot(*np.diff(points, axis=0).T).sum(), rel=1e-3)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import LinAlgError, solveh_banded
 
@@ -19,6 +19,7 @@ from mission.steering.smoothing import FourierCurve, fit_fourier
 from mission.steering.timing import GRAVITY_M_S2, level_acceleration, time_law
 from tests.mission.steering.test_bezier import random_spline
 from tests.support.curves import paper_path
+from tests.support.drawn_cases import tried
 
 LIMITS = Limits(5.0, 2.0, 4.0)
 
@@ -73,7 +74,7 @@ def flown(curve: Curve, law: TimeLaw) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
 
 @given(curves, limits_of_vehicles, st.sampled_from([1.0, math.inf]), st.lists(st.floats(0.0, 1.0), max_size=2))
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_limits_are_kept_everywhere(curve: Piece, limits: Limits, fastest: float, fractions: list[float]) -> None:
     law = time_law(curve, limits, fastest=fastest, holds=holds_of(curve, fractions))
     for asked, limit in zip(flown(curve, law), limits, strict=True):
@@ -82,7 +83,7 @@ def test_limits_are_kept_everywhere(curve: Piece, limits: Limits, fastest: float
 
 
 @given(curves, limits_of_vehicles, st.lists(st.floats(0.0, 1.0), max_size=3))
-@settings(deadline=None, max_examples=10)
+@tried(10)
 def test_the_law_stands_still_as_long_as_asked(curve: Piece, limits: Limits, fractions: list[float]) -> None:
     holds = holds_of(curve, fractions)
     law = time_law(curve, limits, holds=holds)
@@ -94,7 +95,7 @@ def test_the_law_stands_still_as_long_as_asked(curve: Piece, limits: Limits, fra
 
 
 @given(curves, limits_of_vehicles)
-@settings(deadline=None, max_examples=8)
+@tried(8)
 def test_rest_at_both_ends_and_beyond(curve: Piece, limits: Limits) -> None:
     law = time_law(curve, limits)
     ends = np.array([-5.0, 0.0, law.duration_s, law.duration_s + 5.0])
@@ -105,7 +106,7 @@ def test_rest_at_both_ends_and_beyond(curve: Piece, limits: Limits) -> None:
 
 
 @given(curves, limits_of_vehicles, st.floats(0.0, 1.0))
-@settings(deadline=None, max_examples=10)
+@tried(10)
 def test_the_law_is_smooth_and_time_at_inverts_it(curve: Piece, limits: Limits, fraction: float) -> None:
     law = time_law(curve, limits)
     assert (np.diff(law.knots_s) >= 0.0).all()
@@ -119,7 +120,7 @@ def test_the_law_is_smooth_and_time_at_inverts_it(curve: Piece, limits: Limits, 
 
 
 @given(curves, limits_of_vehicles, st.floats(0.0, 0.8), st.floats(0.05, 0.2), st.floats(0.1, 0.9))
-@settings(deadline=None, max_examples=8)
+@tried(8)
 def test_where_it_is_to_be_slow_it_is(curve: Piece, limits: Limits, begins: float, lasts: float, share: float) -> None:
     begin, end = begins * curve.duration_s, (begins + lasts) * curve.duration_s
     free = time_law(curve, limits)
@@ -131,7 +132,7 @@ def test_where_it_is_to_be_slow_it_is(curve: Piece, limits: Limits, begins: floa
 
 
 @given(st.floats(0.5, 30.0), st.floats(-180.0, 180.0), st.floats(0.05, 0.95), limits_of_vehicles)
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_curves_that_go_over_into_each_other_are_flown_through(
     reach_m: float, turn_deg: float, share: float, limits: Limits
 ) -> None:
@@ -166,7 +167,7 @@ def fastest_dash_s(length_m: float, limits: Limits) -> float:
 
 
 @given(st.floats(0.01, 500.0), limits_of_vehicles)
-@settings(deadline=None, max_examples=25)
+@tried(25)
 def test_a_straight_dash_takes_little_more_than_it_must(length_m: float, limits: Limits) -> None:
     least_s = fastest_dash_s(length_m, limits)
     used = limits._replace(jerk_m_s3=min(limits.jerk_m_s3, limits.acceleration_m_s2 / 0.15))

@@ -14,6 +14,7 @@ from mission.steering.joined import joins_smoothly
 from mission.steering.smoothing import FourierCurve
 from mission.steering.timing import even_rate, time_law
 from mission.steering.trajectory import Leg, Trajectory
+from tests.support.drawn_cases import tried
 
 
 def some_trajectory(seed: int, waves: int, extension: Extension) -> Trajectory:
@@ -30,7 +31,7 @@ trajectories = st.builds(some_trajectory, st.integers(0, 10**6), st.integers(1, 
 
 
 @given(trajectories, st.integers(0, 10**6))
-@settings(deadline=None, max_examples=40)
+@tried(40)
 def test_derivatives_agree_with_differences(trajectory: Trajectory, seed: int) -> None:
     t = np.random.default_rng(seed).uniform(0.0, trajectory.duration_s, 200)
     # Differences of differences: away from the law's knots, at which the third derivative jumps.
@@ -43,7 +44,7 @@ def test_derivatives_agree_with_differences(trajectory: Trajectory, seed: int) -
 
 
 @given(trajectories)
-@settings(deadline=None, max_examples=20)
+@tried(20)
 def test_outside_its_span_it_rests_at_the_ends(trajectory: Trajectory) -> None:
     t = np.array([-1.0, 0.0, trajectory.duration_s, trajectory.duration_s + 1.0])
     ends = trajectory.curve.position(np.array([0.0, 0.0, trajectory.curve.duration_s, trajectory.curve.duration_s]))
@@ -103,7 +104,7 @@ def test_the_parameter_is_that_of_the_path_with_each_leg_once() -> None:
 
 
 @given(st.floats(0.0, 500.0), st.sampled_from([None, 1, 2, 7]))
-@settings(deadline=None, max_examples=60)
+@tried(60)
 def test_to_end_laps_changes_nothing_before_the_present_one_is_over(now_s: float, laps: int | None) -> None:
     trajectory = lapping(2, laps)
     ended = trajectory.ended_after(now_s)

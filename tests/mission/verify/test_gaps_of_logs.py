@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.location import Locator
@@ -20,6 +20,7 @@ from mission.spec.specification import deterministic_of, of_mission
 from mission.verify.flown.judging import judged
 from mission.verify.logs.telemetry import Clock
 from mission.verify.logs.track import Track
+from tests.support.drawn_cases import tried
 from tests.support.gaps import contradictions, kept
 
 STEP_S = 0.1
@@ -81,7 +82,7 @@ CUT_FLIGHTS = (
 )
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(*CUT_FLIGHTS)
 def test_gaps_are_gaps_in_the_verdict_and_no_guesses(
     formula: str, places: list[Point], gaps: list[tuple[float, float]]
@@ -91,7 +92,7 @@ def test_gaps_are_gaps_in_the_verdict_and_no_guesses(
 
 @pytest.mark.long
 @pytest.mark.timeout(1200)
-@settings(max_examples=3000, deadline=None)
+@tried(3000)
 @given(*CUT_FLIGHTS)
 def test_thousands_of_logs_with_gaps(formula: str, places: list[Point], gaps: list[tuple[float, float]]) -> None:
     assert_never_contradicted(formula, places, gaps)
@@ -119,7 +120,7 @@ def monitor_of(spec: MissionSpec) -> Monitor:
     )
 
 
-@settings(max_examples=25, deadline=None)
+@tried(25)
 @given(st.sampled_from(FORMULAS), st.lists(st.sampled_from(PLACES), min_size=1, max_size=6))
 def test_a_log_without_gaps_is_judged_as_in_flight(formula: str, places: list[Point]) -> None:
     track, spec = flown([(9.0, 8.0), *places]), mission(formula)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
@@ -21,6 +21,7 @@ from mission.verify.logs.telemetry import Log, LogError
 from mission.verify.logs.tlog import read_tlog
 from mission.verify.logs.track import Track, track_of
 from tests.support.commands import ROOT
+from tests.support.drawn_cases import tried
 from tests.support.logs import (
     HOME,
     UTC_US,
@@ -264,7 +265,7 @@ def rows_of(log: object) -> set[tuple[float, ...]]:
     }
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(st.integers(0, len(TLOG) - 1), st.binary(max_size=60), st.integers(0, 200), st.booleans())
 def test_damage_costs_what_is_damaged_and_no_more(at: int, noise: bytes, lost: int, is_tlog: bool) -> None:  # noqa: FBT001
     whole = TLOG if is_tlog else DATAFLASH
@@ -283,7 +284,7 @@ def test_damage_costs_what_is_damaged_and_no_more(at: int, noise: bytes, lost: i
     assert len(found) >= len(KNOWN) - (lost + len(noise)) / 20.0 - 8.0
 
 
-@settings(max_examples=40, deadline=None)
+@tried(40)
 @given(st.integers(0, len(TIMES) - 1), st.integers(3, 23), st.integers(1, 255))
 def test_a_damaged_byte_of_a_dataflash_message_costs_that_message_alone(row: int, byte: int, flipped: int) -> None:
     # Nothing checks these messages: a time may be anything, and so may a place.

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
@@ -17,6 +17,7 @@ from mission.steering.smoothing import FourierCurve
 from mission.steering.timing import time_law
 from mission.verify.plans.motion import Law, excess, motion_of
 from mission.verify.plans.patches import Patches, patches_of
+from tests.support.drawn_cases import tried
 
 WAY = RoundedPolyline(
     np.array([(0.0, 0.0), (20.0, 0.0), (20.0, 9.0), (4.0, 9.0), (4.0, 9.5)]), np.array([3.0, 4.5, 0.25]), 2.0
@@ -122,7 +123,7 @@ def flown(law: Law, curve: Curve) -> tuple[float, float, float]:
 
 
 @given(st.integers(0, 10_000), st.integers(1, 30))
-@settings(deadline=None, max_examples=8)
+@tried(8)
 def test_the_bounds_of_a_law_hold_at_every_instant(seed: int, waves: int) -> None:
     curve = wave(seed, waves, Extension.ODD)
     law, patches = written(curve), patches_of(curve.to_json())

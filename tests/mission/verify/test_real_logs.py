@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink import DFReader
 
@@ -16,6 +16,7 @@ from mission.verify.flown.judging import Judged, judged
 from mission.verify.logs.reading import LoggedFlight, read_flight
 from mission.verify.logs.track import Track
 from tests.support.commands import ROOT
+from tests.support.drawn_cases import tried
 from tests.support.gaps import contradictions, kept
 from tests.support.recorded import entries_of
 
@@ -109,7 +110,7 @@ def survey() -> MissionSpec:
     return load_mission(ROOT / "missions" / "survey.yaml")
 
 
-@settings(max_examples=15, deadline=None)
+@tried(15)
 @given(st.lists(st.tuples(st.floats(0.0, 0.98), st.floats(0.0, 0.15)), min_size=1, max_size=3))
 def test_gaps_in_a_real_log_are_never_contradicted_by_all_of_it(gaps: list[tuple[float, float]]) -> None:
     track, whole = of_ardupilot()

@@ -16,6 +16,7 @@ from mission.verify.plans.patches import Patches, patches_of
 from mission.verify.plans.tube import Ground, far_enough, stray
 from mission.verify.plans.words import Layers, spells
 from tests.support.curves import marked, refuting
+from tests.support.drawn_cases import tried
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
 FORMULAS = ("F a", "G !a", "F (a & F b)", "!b U a", "G F a", "F G a", "X a", "G (a -> X b)", "G F a & G F b")
@@ -33,7 +34,7 @@ def flights(draw: st.DrawFn) -> tuple[list[list[int]], int | None]:
 
 
 @given(flights(), st.lists(st.integers(0, 2), min_size=6, max_size=6), st.booleans(), st.sampled_from(FORMULAS))
-@settings(deadline=None, max_examples=100)
+@tried(100)
 def test_both_ways_to_find_violating_words_agree(
     flight: tuple[list[list[int]], int | None],
     letter_of: list[int],
@@ -103,7 +104,7 @@ def test_what_squares_meet_must_be_named(seed: int, half: float) -> None:
 
 
 @given(st.integers(0, 10_000))
-@settings(deadline=None, max_examples=10)
+@tried(10)
 def test_a_distance_is_believed_only_where_it_is_kept_and_honest(seed: int) -> None:
     partition = square()
     curve, patches = curve_of(seed)

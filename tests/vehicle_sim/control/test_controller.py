@@ -5,6 +5,7 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from tests.support.airframes import LIMITS, STEP_S, PerfectFlight, perfect
+from tests.support.drawn_cases import tried
 from vehicle_sim.control.controller import PX4_GAINS, TrackingGains, approach_speed, wrap
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.dynamics.hover import DRAG_PER_S
@@ -19,7 +20,7 @@ class Flight(PerfectFlight):
         self.fly(Setpoint(position_ned_m=(0.0, 0.0, -20.0)), 20.0)
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(distance=st.floats(0.0, 1e4), gain=st.floats(0.1, 3.0), braking=st.floats(0.2, 10.0))
 def test_approach_is_proportional_near_and_can_always_brake(distance: float, gain: float, braking: float) -> None:
     speed = approach_speed(distance, gain_per_s=gain, braking_m_s2=braking)

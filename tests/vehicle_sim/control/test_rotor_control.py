@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.support.airframes import LIMITS, PerfectFlight
+from tests.support.drawn_cases import tried
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.signals import Setpoint, Vector
 
@@ -20,7 +21,7 @@ def hovering(dynamics: Dynamics) -> PerfectFlight:
     return flight
 
 
-@settings(max_examples=10, deadline=None)
+@tried(10)
 @given(
     steps=st.lists(st.tuples(*[st.floats(-0.7, 0.7)] * 3, st.floats(-0.2, 0.2)), min_size=2, max_size=4),
     wind=st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)),

@@ -3,10 +3,11 @@
 from struct import pack
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.statustext import CHUNK, TextChunker
@@ -50,7 +51,7 @@ def test_an_origin_that_is_asked_for_is_told() -> None:
     assert station.last("GPS_GLOBAL_ORIGIN").latitude != 0
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=400))
 def test_chunks_of_a_text_spell_it(text: str) -> None:
     chunker = TextChunker()

@@ -4,10 +4,11 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.endpoint import Endpoint
@@ -35,7 +36,7 @@ def requests() -> list[bytes]:
     return [message.pack(station) for message in messages]
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@tried(80, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(flavour=st.sampled_from(Flavour), chunks=st.lists(st.binary(max_size=400), max_size=6))
 def test_random_bytes_change_nothing(flavour: Flavour, chunks: list[bytes]) -> None:
     endpoint = READY[flavour].endpoint
@@ -46,7 +47,7 @@ def test_random_bytes_change_nothing(flavour: Flavour, chunks: list[bytes]) -> N
     assert state(endpoint) == before
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(
     flavour=st.sampled_from(Flavour),
     frame=st.sampled_from(requests()),
@@ -97,7 +98,7 @@ def hostile(draw: st.DrawFn) -> Any:  # noqa: ANN401 - a message of any class
 
 
 @pytest.mark.parametrize("flavour", Flavour)
-@settings(max_examples=50, deadline=None, suppress_health_check=list(HealthCheck))
+@tried(50, suppress_health_check=list(HealthCheck))
 @given(messages=st.lists(hostile(), min_size=1, max_size=6))
 def test_no_valid_message_with_hostile_numbers_raises(flavour: Flavour, messages: list[Any]) -> None:
     station = Station(endpoint_of(flavour))

@@ -3,11 +3,12 @@
 from zlib import crc32
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.support import file_client as ftp
+from tests.support.drawn_cases import tried
 from tests.support.file_client import FileClient
 from tests.support.recorded import entries_of
 from tests.support.station import Station, endpoint_of
@@ -347,7 +348,7 @@ REQUESTS = st.lists(
 )
 
 
-@settings(max_examples=60)
+@tried(60)
 @given(st.sampled_from(Flavour), REQUESTS)
 def test_whatever_is_asked_for_is_answered_and_nothing_piles_up(
     flavour: Flavour, requests: list[tuple[int, bytes, int, int, int | None, int]]

@@ -1,10 +1,11 @@
 """Frames packed here are those that pymavlink packs, byte for byte."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message
@@ -48,7 +49,7 @@ _MESSAGES = st.one_of(
 )
 
 
-@settings(max_examples=300)
+@tried(300)
 @given(message=_MESSAGES, sequence=_BYTE)
 def test_any_values(message: Message, sequence: int) -> None:
     assert frame_of(message, mav_of(sequence)) == message.pack(mav_of(sequence))

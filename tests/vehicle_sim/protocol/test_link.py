@@ -5,10 +5,11 @@ from xml.etree import ElementTree as ET
 
 import pymavlink
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from vehicle_sim.protocol.dialect import V1_PAYLOAD_LENGTHS
 from vehicle_sim.protocol.link import MAX_DATAGRAM, Link
 
@@ -159,7 +160,7 @@ def test_a_byte_stream_may_split_frames_anywhere() -> None:
     assert [message.get_seq() for message in messages] == list(range(5))
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(st.lists(st.one_of(st.just(None), st.binary(max_size=12).filter(lambda b: 0xFD not in b and 0xFE not in b))))
 def test_frames_survive_whatever_noise_lies_between(parts: list[bytes | None]) -> None:
     link = Link("a", system_id=1)
@@ -167,7 +168,7 @@ def test_frames_survive_whatever_noise_lies_between(parts: list[bytes | None]) -
     assert len(link.decode(data)) == parts.count(None)
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(st.lists(st.binary(max_size=300), max_size=8), st.booleans())
 def test_no_bytes_raise(chunks: list[bytes], byte_stream: bool) -> None:  # noqa: FBT001 - hypothesis passes by position
     link = Link("a", system_id=1, byte_stream=byte_stream)
@@ -175,7 +176,7 @@ def test_no_bytes_raise(chunks: list[bytes], byte_stream: bool) -> None:  # noqa
         link.decode(b"\xfd" + chunk)
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(st.integers(0, 8 * len(HEARTBEAT_V2) - 1))
 def test_a_flipped_bit_makes_a_frame_invalid(bit: int) -> None:
     frame = bytearray(HEARTBEAT_V2)

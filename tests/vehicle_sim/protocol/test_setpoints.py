@@ -3,10 +3,11 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.geodesy import geodetic_at
@@ -66,7 +67,7 @@ def test_the_four_masks_of_clients() -> None:
     ]
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(st.integers(0, 0xFFF))
 def test_ardupilot_takes_whole_groups_or_stops(mask: int) -> None:
     station, recorder = _GUIDED

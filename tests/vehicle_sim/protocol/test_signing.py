@@ -4,10 +4,11 @@ from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from tests.support.messages import plain_message
 from tests.support.snapshot import snapshot
 from tests.support.station import endpoint_of
@@ -268,7 +269,7 @@ def test_the_memory_of_streams_is_bounded_and_forgets_none() -> None:
     assert not any(signer.accepts(frame) for frame in frames)
 
 
-@settings(max_examples=200, deadline=None)
+@tried(200)
 @given(st.integers(0, 8 * 34 - 1))
 def test_a_flipped_bit_anywhere_makes_a_signed_frame_worthless(bit: int) -> None:
     frame = bytearray(frame_of(mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3), KEY))

@@ -1,9 +1,10 @@
 """When messages are due: rates in whole microseconds, phases, and nothing to do while nothing is due."""
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.drawn_cases import tried
 from vehicle_sim.protocol.streams import NEVER_US, StreamSchedule
 
 
@@ -59,7 +60,7 @@ def test_an_interval_is_positive() -> None:
         StreamSchedule().start(30, 0, 0)
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(
     st.dictionaries(st.integers(0, 20), st.integers(1_000, 2_000_000), min_size=1, max_size=8),
     st.sampled_from([2_500, 10_000, 20_000]),

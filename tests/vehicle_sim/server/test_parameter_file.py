@@ -3,9 +3,10 @@
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.drawn_cases import tried
 from vehicle_sim import cli
 from vehicle_sim.cli.command_line import build_parser
 from vehicle_sim.errors import ConfigurationError, ParameterError
@@ -73,7 +74,7 @@ def test_faults_name_their_line(text: str, said: str) -> None:
         take_text(default_parameters(Flavour.ARDUPILOT), text)
 
 
-@settings(max_examples=50, deadline=None)
+@tried(50)
 @given(st.text(max_size=60))
 def test_any_text_is_taken_or_refused_and_never_worse(text: str) -> None:
     store = default_parameters(Flavour.PX4)

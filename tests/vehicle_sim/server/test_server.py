@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 import serial
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from tests.support.drawn_cases import tried
 from tests.support.port_bench import Bench, frame, received, turn_until, udp
 from vehicle_sim.clock import WallClock
 from vehicle_sim.errors import ConfigurationError
@@ -38,7 +39,7 @@ def test_steps_fall_due_at_their_moments() -> None:
     assert pacer.slowed_to is None
 
 
-@settings(max_examples=50, deadline=None)
+@tried(50)
 @given(st.lists(st.floats(0.0, 0.05), min_size=1, max_size=200), st.floats(0.1, 50.0))
 def test_no_step_is_lost_or_early_while_the_machine_keeps_up(waits: list[float], speed: float) -> None:
     pacer, now_s, made = Pacer(step_s=0.01, speed=speed, now_s=0.0), 0.0, 0

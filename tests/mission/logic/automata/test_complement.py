@@ -3,7 +3,7 @@
 from random import Random
 
 import pytest
-from hypothesis import given, reject, settings
+from hypothesis import given, reject
 from hypothesis import strategies as st
 
 from mission.errors import AutomatonSizeError
@@ -17,6 +17,7 @@ from mission.logic.formula.syntax import negation
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.logic.hoa.text import parse_generalised
 from tests.support.automata import LETTERS, NAMES, accepts, random_automaton, random_lasso
+from tests.support.drawn_cases import tried
 from tests.support.formulas import random_formula
 
 
@@ -34,7 +35,7 @@ def complements(random: Random, automaton: GeneralisedBuchi, letters: int, words
     degree=st.sampled_from([0.8, 1.2, 1.6, 2.2]),
     letters=st.integers(1, 4),
 )
-@settings(max_examples=100, deadline=None)
+@tried(100)
 def test_each_word_is_accepted_by_the_one_or_the_other(
     seed: int, size: int, sets: int, degree: float, letters: int
 ) -> None:

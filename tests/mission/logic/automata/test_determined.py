@@ -2,18 +2,19 @@
 
 from random import Random
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.automata.determined import parts_of
 from mission.logic.formula.word import satisfies
+from tests.support.drawn_cases import tried
 from tests.support.formulas import random_formula, random_word
 
 NAMES = ("a", "b")
 LETTERS = tuple(frozenset(letter) for letter in ("", "a", "b", "ab"))
 
 
-@settings(max_examples=60, deadline=None)
+@tried(60)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_word_is_accepted_where_it_satisfies_the_formula(seed: int) -> None:
     random = Random(seed)  # noqa: S311 - no secrets here

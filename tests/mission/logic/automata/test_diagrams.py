@@ -1,10 +1,11 @@
 from itertools import product
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.automata.diagrams import Diagram, Diagrams, TooLargeError
+from tests.support.drawn_cases import tried
 
 WIDTH = 4
 truth_tables = st.integers(0, (1 << (1 << WIDTH)) - 1)
@@ -21,7 +22,7 @@ def table_of(diagrams: Diagrams, diagram: Diagram) -> int:
 
 
 @given(truth_tables, truth_tables)
-@settings(max_examples=60, deadline=None)
+@tried(60)
 def test_boolean_operations_and_canonicity(first: int, second: int) -> None:
     diagrams = Diagrams()
     a, b = of_table(diagrams, first), of_table(diagrams, second)
@@ -34,7 +35,7 @@ def test_boolean_operations_and_canonicity(first: int, second: int) -> None:
 
 
 @given(truth_tables)
-@settings(max_examples=60, deadline=None)
+@tried(60)
 def test_covers_are_exact_and_irredundant(table: int) -> None:
     diagrams = Diagrams()
     function = of_table(diagrams, table)
@@ -46,7 +47,7 @@ def test_covers_are_exact_and_irredundant(table: int) -> None:
 
 
 @given(st.lists(st.sampled_from("xyz"), min_size=1 << WIDTH, max_size=1 << WIDTH))
-@settings(max_examples=40, deadline=None)
+@tried(40)
 def test_regions_and_paths_of_other_values(values: list[str]) -> None:
     diagrams = Diagrams()
     diagram = diagrams.leaf("x")

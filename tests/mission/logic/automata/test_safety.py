@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import AutomatonSizeError
@@ -12,6 +12,7 @@ from mission.logic.automata import safety
 from mission.logic.automata.safety import Safety, safety_of
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
+from tests.support.drawn_cases import tried
 from tests.support.required import required
 
 LETTERS = (frozenset[str](), frozenset({"a"}), frozenset({"b"}))
@@ -79,7 +80,7 @@ def test_its_refutation_accepts_what_has_a_bad_prefix(formula: str) -> None:
 
 
 @given(st.sampled_from(FORMULAS), st.lists(st.integers(0, 2), max_size=5), st.data())
-@settings(deadline=None, max_examples=80)
+@tried(80)
 def test_going_on_from_several_states_is_bad_where_it_is_from_one(
     formula: str, word: list[int], data: st.DataObject
 ) -> None:

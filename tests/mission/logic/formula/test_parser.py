@@ -1,12 +1,13 @@
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import FormulaSyntaxError
 from mission.logic.formula.parser import MAX_DEPTH, MAX_LENGTH, parse_formula
 from mission.logic.formula.syntax import always, conjunction, eventually, negation, proposition, release
+from tests.support.drawn_cases import tried
 from tests.support.formulas import measured_formulas, random_formula
 
 
@@ -175,7 +176,7 @@ def test_length_is_bounded_but_long_chains_are_not_deep() -> None:
 
 
 @given(st.integers(0, 10**9), st.integers(0, 25))
-@settings(max_examples=200, deadline=None)
+@tried(200)
 def test_the_text_of_a_formula_is_read_as_the_same_formula(seed: int, operators: int) -> None:
     names = ("a", "R", "U", "F", "Farm", "Fa", "true", "S1", "two words", "G1", "xor", "V", "Next", "and", "K_1")
     formula = random_formula(Random(seed), operators, names)  # noqa: S311 - no secrets here
@@ -187,7 +188,7 @@ _PIECES = st.sampled_from([*'aFGXUR()!&|"1-<é\\\0V ', "->", "<->", "<>", "[]", 
 
 
 @given(st.one_of(st.text(max_size=40), st.lists(_PIECES, max_size=30).map("".join)))
-@settings(max_examples=400, deadline=None)
+@tried(400)
 def test_malformed_text_raises_nothing_else(text: str) -> None:
     fault = None
     try:

@@ -4,13 +4,14 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise, permutations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.formula import patterns
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import TRUE, Formula, Operator, postorder, rebuilt
 from mission.logic.formula.word import LassoWord, satisfies
+from tests.support.drawn_cases import tried
 
 NAMES = ("a", "b", "c")
 UNROLLED = 9
@@ -165,7 +166,7 @@ ALL: list[Formula] = [
 
 
 @pytest.mark.parametrize("kind", OF_LISTS)
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(word=st.one_of(words(ANY), words(APART)), names=st.permutations(NAMES), most=st.integers(1, 3))
 def test_patterns_of_several_regions_mean_what_they_say(
     kind: str, word: LassoWord, names: list[str], most: int
@@ -175,20 +176,20 @@ def test_patterns_of_several_regions_mean_what_they_say(
 
 
 @pytest.mark.parametrize("kind", OF_PAIRS)
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(word=st.one_of(words(ANY), words(APART)))
 def test_patterns_of_two_regions_mean_what_they_say(kind: str, word: LassoWord) -> None:
     assert satisfies(word, getattr(patterns, kind)("a", "b")) == OF_PAIRS[kind](word)
 
 
 @pytest.mark.parametrize("kind", COUNTS)
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(word=words(ANY), count=st.integers(1, 4))
 def test_visits_are_counted_and_not_letters(kind: str, word: LassoWord, count: int) -> None:
     assert satisfies(word, getattr(patterns, kind)("a", count, NAMES)) == COUNTS[kind](counted(word, "a"), count)
 
 
-@settings(max_examples=120, deadline=None)
+@tried(120)
 @given(word=words(APART), names=st.permutations(NAMES), most=st.integers(2, 3), rounds=st.booleans())
 def test_a_strict_patrol_goes_round_in_exactly_its_order(
     word: LassoWord, names: list[str], most: int, *, rounds: bool
@@ -202,20 +203,20 @@ def test_a_strict_patrol_goes_round_in_exactly_its_order(
     assert satisfies(word, patterns.strict_ordered_patrol(chosen, NAMES)) == (goes_round and for_all)
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(word=words(APART))
 def test_a_prompt_reaction_is_the_next_other_region(word: LassoWord) -> None:
     assert satisfies(word, patterns.prompt_reaction("a", "b", NAMES)) == followed(word, "a", "b")
 
 
-@settings(max_examples=150, deadline=None)
+@tried(150)
 @given(word=words(APART))
 def test_a_bound_delay_is_the_next_region_and_only_then(word: LassoWord) -> None:
     expected = followed(word, "a", "b") and entered_only_from(word, "a", "b")
     assert satisfies(word, patterns.bound_delay("a", "b", NAMES)) == expected
 
 
-@settings(max_examples=100, deadline=None)
+@tried(100)
 @given(word=words(APART))
 def test_fair_visits_differ_by_one_at_most_at_any_time(word: LassoWord) -> None:
     if satisfies(word, patterns.fair_visit(NAMES)):
@@ -226,7 +227,7 @@ def test_fair_visits_differ_by_one_at_most_at_any_time(word: LassoWord) -> None:
 
 
 @pytest.mark.parametrize("formula", ALL, ids=str)
-@settings(max_examples=25, deadline=None)
+@tried(25)
 @given(word=words(ANY), times=st.lists(st.integers(1, 3), min_size=13, max_size=13))
 def test_no_pattern_sees_how_many_triangles_a_region_has(formula: Formula, word: LassoWord, times: list[int]) -> None:
     prefix = [letter for letter, n in zip(word.prefix, times, strict=False) for _ in range(n)]
@@ -235,7 +236,7 @@ def test_no_pattern_sees_how_many_triangles_a_region_has(formula: Formula, word:
 
 
 @pytest.mark.parametrize("formula", ALL, ids=str)
-@settings(max_examples=25, deadline=None)
+@tried(25)
 @given(word=words(APART), times=st.integers(2, 3))
 def test_no_pattern_sees_a_vehicle_that_sways_across_an_edge(formula: Formula, word: LassoWord, times: int) -> None:
     def swaying(letters: tuple[frozenset[str], ...]) -> tuple[frozenset[str], ...]:

@@ -11,6 +11,7 @@ from mission.logic.automata.translate import translate, translate_generalised
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import satisfies
 from mission.logic.hoa.text import parse_generalised, parse_hoa, to_hoa
+from tests.support.drawn_cases import tried
 from tests.support.formulas import random_formula, random_word
 
 
@@ -379,14 +380,14 @@ def read_or_refused(text: str) -> None:
 @given(
     st.sampled_from(SEEDS), st.integers(0, 2000), st.integers(0, 8), st.text('0123{}[]()&|!@ taf"/*-:\\', max_size=6)
 )
-@settings(max_examples=300, deadline=None)
+@tried(300)
 def test_damaged_files_raise_nothing_else(text: str, start: int, length: int, inserted: str) -> None:
     start %= len(text)
     read_or_refused(text[:start] + inserted + text[start + length :])
 
 
 @given(st.sampled_from(SEEDS), st.lists(st.tuples(*[st.integers(0, 10_000)] * 3), min_size=1, max_size=4))
-@settings(max_examples=400, deadline=None)
+@tried(400)
 def test_files_with_tokens_out_of_place_raise_nothing_else(text: str, changes: list[tuple[int, int, int]]) -> None:
     pieces = _TOKENS.findall(text)
     others = [piece for seed in SEEDS for piece in _TOKENS.findall(seed)]
