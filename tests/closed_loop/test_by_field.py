@@ -24,7 +24,7 @@ from mission.report.summary import summary
 from tests.support.faults import schedule_of
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import FLOWN_BRISKLY, ROUNDS, plan_of
-from tests.support.usual_cases import PX4
+from tests.support.usual_cases import PX4, sampled
 from vehicle_sim.autopilot import Mode
 
 PILOTED = {"ardupilot": Mode.POSITION, "px4": Mode.HOLD}
@@ -66,15 +66,15 @@ FIRST_THE_GOAL = (
 """What must not be entered before something else is no restricted region: the automaton alone forbids it."""
 
 
-PILOT_FROM_S, PILOT_FOR_S = 6.0, 60.0
+PILOT_FROM_S = 6.0
 """After the beginning of the flight, about half way to the goal."""
 
 
 class Flown:
     """A flight in lock-step with what was truly flown."""
 
-    def __init__(self, plan: FlightPlan, flavour: str, *faults: str, piloted: bool = False) -> None:
-        self.flavour, self.piloted = flavour, piloted
+    def __init__(self, plan: FlightPlan, flavour: str, *faults: str, piloted_s: float = 0.0) -> None:
+        self.flavour, self.piloted_s = flavour, piloted_s
         self.nearest_m = 1e9
         self.flying_from_s: float | None = None
         self.held_at_m: tuple[float, ...] | None = None
@@ -98,14 +98,14 @@ class Flown:
             return
         north, east, _ = lockstep.vehicle.truth.position_ned_m
         self.nearest_m = min(self.nearest_m, WALL.distance(Point(START_M[0] + east, START_M[1] + north)))
-        if not self.piloted or self.flying_from_s is None:
+        if not self.piloted_s or self.flying_from_s is None:
             return
         autopilot, since_s = lockstep.vehicle.autopilot, lockstep.now_s() - self.flying_from_s
         if since_s >= PILOT_FROM_S and self.held_at_m is None:
             autopilot.set_mode(PILOTED[self.flavour])
             self.held_at_m = lockstep.vehicle.truth.position_ned_m
-        elif since_s >= PILOT_FROM_S + PILOT_FOR_S:
-            self.piloted = False
+        elif since_s >= PILOT_FROM_S + self.piloted_s:
+            self.piloted_s = 0.0
             autopilot.set_mode(Mode.GUIDED)
 
     def entered(self, from_s: float = 0.0, to_s: float = 1e9) -> list[int]:
@@ -174,8 +174,9 @@ def test_gusts_across_three_triangles_cost_a_way_and_nothing_else(calm: Flown, r
     assert gusts.nearest_m > 0.5
 
 
-def test_a_pilot_holds_it_for_a_minute_and_hands_it_back(calm: Flown, round_the_wall: FlightPlan) -> None:
-    held = Flown(round_the_wall, calm.flavour, piloted=True)
+@sampled("for_s", [15.0, 60.0], [15.0])
+def test_a_pilot_holds_it_and_hands_it_back(calm: Flown, round_the_wall: FlightPlan, for_s: float) -> None:
+    held = Flown(round_the_wall, calm.flavour, piloted_s=for_s)
     assert held.held_at_m is not None
     assert not GOAL.contains(Point(START_M[0] + held.held_at_m[1], START_M[1] + held.held_at_m[0]))
     names = held.said()
@@ -187,7 +188,7 @@ def test_a_pilot_holds_it_for_a_minute_and_hands_it_back(calm: Flown, round_the_
         next(row["t_s"] for row in held.record if row.get("name") == name)
         for name in ("held by a pilot", "handed back")
     )
-    assert 58.0 < back_s - held_s < 62.0
+    assert back_s - held_s == pytest.approx(for_s, abs=2.0)
     assert not [row for row in commands if held_s <= (row["t_s"] or 0.0) <= back_s]  # nobody is fought
 
 

@@ -9,6 +9,7 @@ from mission.plan import FlightPlan
 from tests.support.replanned import Replanned
 from tests.support.small_missions import SMALL, plan_of
 from tests.support.station import Station
+from tests.support.usual_cases import ARDUPILOT
 from vehicle_sim.autopilot import Mode
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
@@ -78,7 +79,7 @@ def test_handed_back_it_goes_on_from_where_it_is(plan: FlightPlan, flavour: str)
     assert flight.told == (f"{held['reason']}: waiting until it is handed back", *intentions)
 
 
-@FLAVOURS
+@ARDUPILOT
 def test_flown_elsewhere_by_sticks_it_goes_on_from_where_it_comes_to_rest(plan: FlightPlan, flavour: str) -> None:
     flight = Replanned(plan, flavour, at_step=AtTheSticks().fly, options=FlightOptions(resume_when_handed_back=True))
     assert flight.result.achieved, flight.result.reason

@@ -14,6 +14,7 @@ from mission.report.record import FlightRecord
 from tests.support.faults import schedule_of
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
+from tests.support.usual_cases import PX4
 
 LATE = "link, delay_s: 0.5, since: boot"
 BAD = "link, drop: 0.3, duplicate: 0.2, reorder: 0.2, corrupt: 0.05, delay_s: 0.5, since: boot"
@@ -68,7 +69,7 @@ def test_a_late_link_costs_next_to_nothing(plan: FlightPlan) -> None:
     assert result.cadence.largest_gap_s <= 0.1
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@PX4
 def test_a_delay_that_comes_at_once_is_followed(plan: FlightPlan, flavour: str) -> None:
     result = flown(plan, flavour, "link, delay_s: 0.5, at_s: 24")
     assert result.achieved, result.reason

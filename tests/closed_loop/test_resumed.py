@@ -146,7 +146,7 @@ def test_a_flight_goes_on_after_a_second_kill(two_places: FlightPlan) -> None:
     assert len(killed.record.takeovers) == 2
 
 
-@EACH
+@ARDUPILOT
 def test_the_largest_error_is_that_of_both_parts(two_places: FlightPlan, flavour: Flavour) -> None:
     killed = Killed(two_places, flavour, 33.5)
     before = tracking_of(killed.record)
@@ -271,8 +271,11 @@ def test_a_vehicle_above_what_is_restricted_now_is_refused(two_places: FlightPla
         killed.resume()
 
 
-@EACH
-@pytest.mark.parametrize("at_s", [12.5, 48.0])
+@sampled(
+    ("flavour", "at_s"),
+    product(Flavour, [12.5, 48.0]),
+    [(Flavour.ARDUPILOT, 12.5), (Flavour.PX4, 48.0)],
+)
 def test_a_vehicle_on_the_ground_gets_its_own_fence_back(small: FlightPlan, flavour: Flavour, at_s: float) -> None:
     """Also where the flight had not begun, or is over; once, and not where somebody else has set another since."""
     killed = Killed(small, flavour, at_s, FlightOptions(fence=True))

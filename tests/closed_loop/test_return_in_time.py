@@ -15,10 +15,9 @@ from mission.spec.battery import Battery
 from tests.support.replanned import Replanned
 from tests.support.resumed import Killed
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
-from tests.support.usual_cases import sampled
+from tests.support.usual_cases import ARDUPILOT, EACH, sampled
 from vehicle_sim.parameters import Flavour
 
-FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 CAPACITY = {"ardupilot": "BATT_CAPACITY", "px4": "BAT1_CAPACITY"}
 CAPACITY_MAH = 1500.0
 DRAWN_A = 11.8
@@ -78,9 +77,10 @@ def test_sixty_per_cent_of_what_the_plan_takes_bring_it_home(far: FlightPlan, fl
     assert len(flight.events("way home")) < 10
 
 
-@pytest.mark.parametrize(
+@sampled(
     ("flavour", "capacity_mah", "wind_from_deg"),
     [("px4", 1500.0, 270.0), ("ardupilot", 3000.0, 90.0), ("ardupilot", 5200.0, 270.0)],
+    [("px4", 1500.0, 270.0), ("ardupilot", 3000.0, 90.0)],
 )
 def test_wind_that_is_against_the_way_home_or_with_it_is_reckoned_with(
     far: FlightPlan, flavour: str, capacity_mah: float, wind_from_deg: float
@@ -104,7 +104,7 @@ def test_wind_that_is_against_the_way_home_or_with_it_is_reckoned_with(
     assert ("on the way home against the wind" in flight.events("leg")[0]["reason"]) is against
 
 
-@FLAVOURS
+@EACH
 def test_what_suffices_for_no_way_home_ends_the_flight_where_it_is(far: FlightPlan, flavour: str) -> None:
     """The charge falls at once to less than the straight way takes."""
     usable_mah = 0.9 * WHOLE_MAH
@@ -126,7 +126,7 @@ def test_what_suffices_for_no_way_home_ends_the_flight_where_it_is(far: FlightPl
     assert not flight.vehicle.vehicle.autopilot.armed
 
 
-@FLAVOURS
+@ARDUPILOT
 def test_what_suffices_is_flown_to_the_end(flavour: str) -> None:
     flight = flown(plan_of(SMALL), flavour, 150.0)
     assert flight.result.achieved, flight.result.reason

@@ -3,14 +3,13 @@
 import io
 from pathlib import Path
 
-import pytest
-
 from mission.fly import fly, home_for
 from mission.plan import plan_mission
 from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
 from tests.support.commands import MISSIONS
 from tests.support.lockstep import LockstepVehicle, vehicle_of
+from tests.support.usual_cases import sampled
 
 # The paper's mission takes a quarter of an hour of vehicle time and is flown by the closed-loop tests.
 FLOWN = [file for file in sorted(MISSIONS.glob("*.yaml")) if file.stem != "paper"]
@@ -18,12 +17,14 @@ LONG = {"farm", "orchard", "park", "power_line", "yard"}
 """Some minutes of vehicle time each; a small field is covered in every run of the tests, by the closed-loop ones."""
 ELSEWHERE = {"pairs", "response", "survey"}
 """The closed-loop tests fly these in every run: with a named automaton, in strong wind, and with drag."""
+ALIKE = {"delivery", "inspection", "tasks_soft"}
+"""One after the other as in `tasks_delivery`, which is flown in every run, as `patrol` is."""
 
 
-@pytest.mark.parametrize(
-    "file",
-    [pytest.param(file, id=file.stem, marks=[pytest.mark.long] * (file.stem in LONG | ELSEWHERE)) for file in FLOWN],
-)
+USUAL = [file for file in FLOWN if file.stem not in LONG | ELSEWHERE | ALIKE]
+
+
+@sampled("file", FLOWN, USUAL, ids=lambda file: file.stem)
 def test_a_mission_is_achieved(file: Path) -> None:
     plan = plan_mission(load_mission(file))
     home = home_for(plan.spec)

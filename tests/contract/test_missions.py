@@ -13,13 +13,16 @@ import pytest
 import shapely
 import yaml
 
+from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan import FlightPlan, plan_from_json
 from mission.spec.loader import load_mission
 from mission.spec.model import BoundaryDomain, PolygonShape
 from mission.steering.joined import JoinedCurve
+from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
 from mission.verify.plans import claims
 from tests.support.commands import MISSIONS, ran
+from tests.support.steered_plans import fields_of
 
 SOUND = sorted(MISSIONS.glob("*.yaml"))
 BROKEN = sorted((MISSIONS / "broken").glob("*.yaml"))
@@ -84,6 +87,32 @@ def check_run(plan: FlightPlan) -> None:
         assert all(letter in read for letter in proof.word)
 
 
+def check_plan(plan: FlightPlan) -> None:
+    """Its run satisfies its formula, and its flight stays as long as it must in each region that it enters."""
+    assert plan.certificate.holds
+    labels = [plan.labelling.label(state) for state in plan.run.states]
+    split = len(plan.run.prefix)
+    assert satisfies(LassoWord(tuple(labels[:split]), tuple(labels[split:])), plan.formula)
+    assert not plan.restricted[list(plan.run.states)].any()
+    speeds = np.linalg.norm(plan.trajectory.velocity(np.linspace(0.0, plan.trajectory.duration_s, 2000)), axis=1)
+    assert speeds.max() <= plan.spec.limits.speed_m_s * (1.0 + 1e-9)
+    places = plan.curve.position([s for s, _ in plan.stops] or [0.0])
+    loiters = {region.name: region.loiter_s for region in plan.spec.regions if region.loiter_s > 0.0}
+    for triangle, (_, seconds) in zip(plan.locator.triangle_at(places).tolist(), plan.stops, strict=False):
+        assert seconds in {loiters.get(name) for name in plan.labelling.label(triangle)}
+    if isinstance(plan.path, SteeringPath):
+        assert len(plan.stops) == sum(len(entries(plan, name)) for name in loiters)
+    else:
+        visited = {name for triangle in plan.run.states for name in plan.labelling.label(triangle)}
+        assert len(plan.stops) >= len(loiters.keys() & visited)
+
+
+def entries(plan: FlightPlan, name: str) -> list[int]:
+    """Places on the path at which a region is entered."""
+    inside = [name in plan.labelling.label(segment.triangle) for segment in fields_of(plan).segments]
+    return [i for i in range(1, len(inside)) if inside[i] and not inside[i - 1]]
+
+
 def test_there_are_missions_of_both_sorts() -> None:
     assert len(SOUND) >= 5
     assert len(BROKEN) >= 50
@@ -97,7 +126,9 @@ def test_a_sound_mission_is_planned_with_a_proof(
     result = ran(capsys, "plan", str(file), "--json", "--out", str(written))
     assert (result.code, result.err) == (0, "")
     assert [claim for claim in claims(written.read_text(encoding="utf-8")) if claim.fault] == []
-    check_run(plan_from_json(written.read_text(encoding="utf-8")))
+    read = plan_from_json(written.read_text(encoding="utf-8"))
+    check_run(read)
+    check_plan(read)
     plan = json.loads(result.out)
     assert plan["certificate"]["holds"] is True
     assert len(plan["run"]) == len(plan["controls"])

@@ -9,6 +9,7 @@ import yaml
 from mission.draft.cameras import agrees, camera_keys
 from mission.draft.trials import Trial, draft_that_plans
 from mission.interchange.features import Camera, Drawing, Feature, Lanes, Point, Polygon, Role, Spot
+from tests.support.usual_cases import sampled
 
 
 def square(west: float, south: float, side: float) -> tuple[Point, ...]:
@@ -56,13 +57,13 @@ def test_what_keeps_a_mission_is_in_its_first_lines() -> None:
     assert f"It does not plan as it is: {str(trial.error).splitlines()[0]}" in " ".join(top.split())
 
 
-def test_lanes_are_as_far_apart_as_a_large_field_asks() -> None:
-    for side, spacing_m in ((100.0, 10.0), (1_000.0, 25.0), (4_000.0, 100.0)):
-        trial = tried(field(Polygon(square(0, 0, side))))
-        assert trial.plan is not None
-        (visit,) = trial.plan.covers
-        assert visit.spacing_m == spacing_m
-        assert len(visit.lanes_m) <= 45
+@sampled(("side_m", "spacing_m"), [(100.0, 10.0), (1_000.0, 25.0), (4_000.0, 100.0)], [(100.0, 10.0), (1_000.0, 25.0)])
+def test_lanes_are_as_far_apart_as_a_large_field_asks(side_m: float, spacing_m: float) -> None:
+    trial = tried(field(Polygon(square(0, 0, side_m))))
+    assert trial.plan is not None
+    (visit,) = trial.plan.covers
+    assert visit.spacing_m == spacing_m
+    assert len(visit.lanes_m) <= 45
 
 
 def test_few_waypoints_are_visited_in_their_order_and_many_are_no_region() -> None:

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from mission.errors import FormulaSyntaxError, NoPlanError, SpecError
-from mission.logic.formula.word import LassoWord, satisfies
 from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json, shortest_runs
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import Extension, MissionSpec, Semantics, Smoothing
-from mission.steering.path import SteeringPath
 from tests.support.proofs import untrue
 from tests.support.small_missions import ROUNDS
 from tests.support.steered_plans import fields_of, series_of
@@ -63,33 +61,6 @@ def test_the_papers_own_semantics_gives_the_same_numbers() -> None:
     plan = plan_mission(changed(load_mission(MISSIONS / "paper.yaml"), semantics=Semantics.PAPER))
     assert (plan.product_states, plan.shortest_runs) == (39, 4)
     assert plan.run.states == (0, 8, 11, 12, 4, 5, 7, 3, 1, 5, 4, 12, 10)
-
-
-@pytest.mark.parametrize("file", sorted(MISSIONS.glob("*.yaml")), ids=lambda path: path.stem)
-def test_every_mission_has_a_proved_plan_whose_run_satisfies_its_formula(file: Path) -> None:
-    plan = plan_mission(load_mission(file))
-    assert plan.certificate.holds
-    labels = [plan.labelling.label(state) for state in plan.run.states]
-    split = len(plan.run.prefix)
-    assert satisfies(LassoWord(tuple(labels[:split]), tuple(labels[split:])), plan.formula)
-    assert not plan.restricted[list(plan.run.states)].any()
-    speeds = np.linalg.norm(plan.trajectory.velocity(np.linspace(0.0, plan.trajectory.duration_s, 2000)), axis=1)
-    assert speeds.max() <= plan.spec.limits.speed_m_s * (1.0 + 1e-9)
-    places = plan.curve.position([s for s, _ in plan.stops] or [0.0])
-    loiters = {region.name: region.loiter_s for region in plan.spec.regions if region.loiter_s > 0.0}
-    for triangle, (_, seconds) in zip(plan.locator.triangle_at(places).tolist(), plan.stops, strict=False):
-        assert seconds in {loiters.get(name) for name in plan.labelling.label(triangle)}
-    if isinstance(plan.path, SteeringPath):
-        assert len(plan.stops) == sum(len(entries(plan, name)) for name in loiters)
-    else:
-        visited = {name for triangle in plan.run.states for name in plan.labelling.label(triangle)}
-        assert len(plan.stops) >= len(loiters.keys() & visited)
-
-
-def entries(plan: FlightPlan, name: str) -> list[int]:
-    """Places on the path at which a region is entered."""
-    inside = [name in plan.labelling.label(segment.triangle) for segment in fields_of(plan).segments]
-    return [i for i in range(1, len(inside)) if inside[i] and not inside[i - 1]]
 
 
 @pytest.mark.parametrize("file", ["paper", "patrol", "inspection"])

@@ -6,6 +6,7 @@ import pytest
 
 from tests.support.bare_vehicle import hovering
 from tests.support.fences import Timeline, at_home, circle, fenced, ring, stopping_distance_m
+from tests.support.usual_cases import sampled
 from vehicle_sim.autopilot import Command, Datum, MissionItem, Mode, Outcome, Place
 from vehicle_sim.autopilot.geofence import Area
 from vehicle_sim.parameters import Flavour
@@ -34,7 +35,7 @@ def watched(flavour: Flavour, border: Border, **parameters: float) -> Vehicle:
     return fenced(vehicle, border(vehicle), **(enabled | parameters))
 
 
-@pytest.mark.parametrize("name", BORDERS)
+@sampled("name", BORDERS, ["inside a polygon", "outside a circle"])
 @pytest.mark.parametrize(
     ("flavour", "parameters", "mode"),
     [
@@ -55,7 +56,7 @@ def test_velocities_outward_end_within_the_stopping_distance(
     assert BORDER_M - NOISE_M < flight.north_m < BORDER_M + stopping_distance_m(vehicle, SPEED_M_S) + NOISE_M
 
 
-@pytest.mark.parametrize("name", BORDERS)
+@sampled("name", BORDERS, ["inside a polygon of 24 corners", "inside a circle"])
 def test_ardupilot_slows_velocities_down_and_stays_inside(name: str) -> None:
     vehicle = watched(AP, BORDERS[name])
     flight = Timeline(vehicle).fly(25.0, OUT)
@@ -63,7 +64,7 @@ def test_ardupilot_slows_velocities_down_and_stays_inside(name: str) -> None:
     assert BORDER_M - 10.0 < flight.north_m < BORDER_M
 
 
-@pytest.mark.parametrize("name", BORDERS)
+@sampled("name", BORDERS, ["outside a polygon", "inside a circle"])
 def test_px4_that_predicts_stops_at_the_border(name: str) -> None:
     vehicle = watched(PX4, BORDERS[name], GF_PREDICT=1)
     vehicle.autopilot.setpoint(OUT)
