@@ -9,8 +9,9 @@ import numpy as np
 
 from mission.errors import MissionError, SpecError
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
+from mission.fly.cause import Cause
 from mission.fly.prohibitions import Prohibitions
-from mission.fly.replanning import Cause, Replanning
+from mission.fly.replanning import Replanning
 from mission.fly.watch import FlightWatch
 from mission.geometry.arrays import FloatArray
 from mission.geometry.sweep import SweptSquare

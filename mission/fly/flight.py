@@ -1,7 +1,6 @@
 """One flight's parts, and what holds them together: a turn of its loop, its departure, and when it is given up."""
 
 import contextlib
-import math
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from traceback import format_exception
@@ -9,19 +8,21 @@ from traceback import format_exception
 from mission.clock import Clock, SteadyClock
 from mission.errors import FlightError, LinkError, MissionError, NoPlanError, VehicleError
 from mission.fly.amending import Amending, Amendments
-from mission.fly.by_field import field_orders, is_sealed
+from mission.fly.by_field import field_orders
+from mission.fly.cause import Cause
 from mission.fly.circumstances import GEOFENCE_RENEWED, Circumstances
 from mission.fly.conclusion import concluded, joined, shortcomings
 from mission.fly.fencing import guarded, guarded_again, items_of
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
+from mission.fly.lookout import Lookout
 from mission.fly.news import News
 from mission.fly.options import FlightOptions
 from mission.fly.placing import anchored_at_start, check_stand, course_of, placed
 from mission.fly.preflight import Gate
 from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner, answered
-from mission.fly.replanning import Cause, Replanning
+from mission.fly.replanning import Replanning
 from mission.fly.result import FlightResult, Progress
 from mission.fly.resuming import RETURNING, Unfinished, is_still
 from mission.fly.retreat import put_back, retreat, speak
@@ -33,18 +34,13 @@ from mission.link.frames import enu_from_ned
 from mission.link.session import Session
 from mission.link.transport import Transport
 from mission.link.vehicle_state import HEARTBEATS
-from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.printable import printable
 from mission.report.tracking import tracking_of
 from mission.spec.model import Point
 
-_STRAY_FOR_S = 5.0
-_UNTRUSTED_FOR_S = 2.0
 _COMES_TO_REST_S = 20.0
-_CRITICAL_FOR_S = 3.0
-"""A vehicle that does something about its battery itself has told of that by then, in two heartbeats."""
 
 
 class Flight:
@@ -80,7 +76,7 @@ class Flight:
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
         self._amendments = amendments
         self._replanning, self._in_time, self._amending = self._replans()
-        self._trusted_s = self._near_s = self._charged_s = self._looked_s = -math.inf
+        self._lookout = Lookout(options.stray_m)
         self.listening = Listening(self.session, self.clock)
         self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
         self._news: News | None = None
@@ -292,31 +288,7 @@ class Flight:
 
     def look_after(self) -> None:
         """Give the flight up where going on would be wrong."""
-        session, now_s = self.session, self.newest_s
-        if session.stage is not Stage.FLY or now_s is None or self.watch.began_s is None or now_s == self._looked_s:
-            return
-        self._looked_s = now_s
-        vehicle, tracking, seen_s = session.vehicle, self.watch.tracking, session.vehicle.clock.seen_s
-        if math.isinf(self._near_s):
-            self._trusted_s = self._near_s = self._charged_s = seen_s
-        if vehicle.estimate_trusted:
-            self._trusted_s = seen_s
-        if not vehicle.battery_critical:
-            self._charged_s = seen_s
-        if tracking.error_m <= self.options.stray_m:
-            self._near_s = seen_s
-        reason = reason_to_stop(
-            Situation(
-                estimate_healthy=seen_s - self._trusted_s < _UNTRUSTED_FOR_S,
-                battery_critical=seen_s - self._charged_s >= _CRITICAL_FOR_S,
-                violation=self.watch.violation(),
-                verdict=self.watch.monitor.verdict,
-                astray=seen_s - self._near_s > _STRAY_FOR_S,
-                error_m=tracking.error_m,
-                sealed=is_sealed(session),
-            )
-        )
-        if reason:
+        if reason := self._lookout.reason(self.session, self.watch):
             self.stop(reason)
 
     def heed(self, request: StopRequest) -> None:

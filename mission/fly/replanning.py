@@ -8,13 +8,14 @@ vehicle holds until there is one.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import count
 from typing import Final
 
 import numpy as np
 
 from mission.fly.approach import Approach, along, aside, in_flight, standing
+from mission.fly.cause import Asked, Cause
 from mission.fly.placing import bounds_of, course_of
 from mission.fly.recording import RecordWriter
 from mission.fly.replanner import PlanRequest, Replanner
@@ -25,11 +26,9 @@ from mission.link.halting import taken_up
 from mission.link.session import Session
 from mission.logic.automata.rabin import DEAD
 from mission.logic.formula.word import LassoWord
-from mission.monitor.monitor import Foreseen
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.plan.rest import Rest
-from mission.spec.model import MissionSpec
 
 _LEFT_FOR_S: Final = 0.2
 """So long the vehicle has been out of its tube before a plan is asked for."""
@@ -58,56 +57,6 @@ _CALM_SHARE: Final = 0.5
 _CALM_M_S: Final = 0.5
 _CALM_FOR_S: Final = 0.5
 _RESTLESS_S: Final = 60.0
-
-
-@dataclass(frozen=True, eq=False)
-class Cause:
-    """Why another plan is asked for.
-
-    Attributes:
-        reason: In plain words.
-        holds: Whether the old plan must not be flown on meanwhile, nor where there is no other.
-        waits: Whether it must not be flown on meanwhile.
-        amended: The mission as it is from now on; None where it stays as it is.
-        fresh: Whether that asks for something else, so that what was done so far does not count.
-        returns: Whether what is left of the mission is given up for a return.
-        taken_up: Whether nobody has led the vehicle since the last report.
-        told: Called with why there is no plan, empty once one is taken over; None where the flight ends without one.
-    """
-
-    reason: str
-    holds: bool = False
-    waits: bool = False
-    amended: MissionSpec | None = None
-    fresh: bool = False
-    returns: bool = False
-    taken_up: bool = False
-    told: Callable[[str], None] | None = None
-
-
-@dataclass(eq=False)
-class _Asked:
-    """A plan that was asked for.
-
-    Attributes:
-        number: Of the request.
-        approach: How it is come to.
-        foreseen: What it was made for.
-        asked_s: When, by the vehicle's clock and the one here.
-        laps_before: How many laps there are before the new plan's, and whether the last of them is under way.
-        begun: Whether the approach is flown.
-        plan: What was planned; None until it is.
-        text: The same as JSON.
-    """
-
-    number: int
-    approach: Approach
-    foreseen: Foreseen
-    asked_s: tuple[float, float]
-    laps_before: tuple[int, bool]
-    begun: bool
-    plan: FlightPlan | None = None
-    text: str = ""
 
 
 def _begins_with(plan: FlightPlan, begin: Reference) -> bool:
@@ -147,7 +96,7 @@ class Replanning:
         self._piloted = False
         self._session, self._watch, self._record, self.replanner = session, watch, record, replanner
         self._cause: Cause | None = None
-        self._asked: _Asked | None = None
+        self._asked: Asked | None = None
         self._numbers = count(1)
         self._tries, self._late_s, self._flies_on = 0, 0.0, True
         self._calm_from_s = math.inf
@@ -249,7 +198,7 @@ class Replanning:
         # A return completes no lap.
         under_way = due is not None and not (cause.fresh or cause.returns)
         before = laps + int(under_way), under_way
-        self._asked = _Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), before, begun=waits or holds)
+        self._asked = Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), before, begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
         rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps - leg.laps_before, due=due)
         amended, recurrent = cause.amended, leg.plan.run.recurrent
@@ -264,7 +213,7 @@ class Replanning:
         altitude_m = self._watch.plan.trajectory.altitude_m
         return Reference((x + ahead_s * vx, y + ahead_s * vy, altitude_m), (vx, vy, 0.0), (0.0, 0.0, 0.0))
 
-    def _hear(self, asked: _Asked, guidance: Guidance, vehicle_s: float, now_s: float) -> str:
+    def _hear(self, asked: Asked, guidance: Guidance, vehicle_s: float, now_s: float) -> str:
         """Listen for the answer, and hold where what is flown meanwhile is no longer safe."""
         answer = self.replanner.answer()
         aside_of = asked.approach.flown_s is None
@@ -294,7 +243,7 @@ class Replanning:
         asked.begun = True
         return ""
 
-    def _arrive(self, cause: Cause, asked: _Asked, plan: FlightPlan, guidance: Guidance, vehicle_s: float) -> str:
+    def _arrive(self, cause: Cause, asked: Asked, plan: FlightPlan, guidance: Guidance, vehicle_s: float) -> str:
         """Fly the new plan, once the vehicle is where it begins."""
         approach = asked.approach
         if vehicle_s < approach.until_s - _SOONEST_S:

@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from mission.fly.cause import Cause
 from mission.fly.preflight.known import landing_s, told_of
 from mission.fly.preflight.surroundings import CAPACITY
 from mission.fly.recording import Recording
 from mission.fly.replanner import PlanRequest, Replanner
-from mission.fly.replanning import Cause, Replanning
+from mission.fly.replanning import Replanning
 from mission.fly.watch import FlightWatch
 from mission.geometry.arrays import FloatArray
 from mission.link.course import Flown

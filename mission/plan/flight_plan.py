@@ -32,10 +32,11 @@ from mission.spec.domain import restricted_triangles
 from mission.spec.loss import cut_off, out_of_reach
 from mission.spec.model import FIELD, MissionSpec, Point
 from mission.spec.specification import Specification, deterministic_of
-from mission.steering.certificate import Certificate, Prover
+from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
+from mission.steering.prover import Prover
 from mission.steering.trajectory import Trajectory
 
 _NO_WAY_BACK = (

@@ -26,12 +26,13 @@ from mission.plan.way_back import way_back
 from mission.planning.run import Run
 from mission.spec.model import CORRIDOR
 from mission.spec.specification import Specification
-from mission.steering.certificate import Certificate, Prover
+from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
 from mission.steering.layered_paths import NoWayError
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
 from mission.steering.proved_smoothing import ProvedCurve
+from mission.steering.prover import Prover
 
 
 @dataclass(frozen=True, eq=False)

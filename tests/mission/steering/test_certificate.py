@@ -19,8 +19,9 @@ from mission.logic.automata.refutation import refutation
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.spec.model import Extension, Semantics
-from mission.steering.certificate import Certificate, Prover
+from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
+from mission.steering.prover import Prover
 from mission.steering.smoothing import FourierCurve, fit_fourier
 from tests.support.curves import (
     PAPER_FORMULA,

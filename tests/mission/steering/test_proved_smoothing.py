@@ -4,9 +4,9 @@ import pytest
 
 from mission.errors import NoPlanError
 from mission.spec.model import Extension, Semantics
-from mission.steering.certificate import Prover
 from mission.steering.joined import JoinedCurve
 from mission.steering.proved_smoothing import fit_legs, smooth_with_proof
+from mission.steering.prover import Prover
 from tests.support.curves import PAPER_FORMULA, marked, paper_labelling, paper_partition, paper_path, refuting
 
 
