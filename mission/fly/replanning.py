@@ -195,8 +195,7 @@ class Replanning:
         leg, foreseen = watch.legs.now, watch.monitor.foreseen((watch.place_m, *approach.through_m))
         flown_s = leg.in_tube_until_s if leg.has_left_tube or approach.flown_s is None else approach.flown_s
         laps, due = leg.laps_at(foreseen, flown_s)
-        # A return completes no lap.
-        under_way = due is not None and not (cause.fresh or cause.returns)
+        under_way = due is not None and not (cause.fresh or cause.returns)  # a return completes none
         before = laps + int(under_way), under_way
         self._asked = Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), before, begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
@@ -265,6 +264,7 @@ class Replanning:
     def fly_next(self, plan: FlightPlan, text: str, at_s: float, cause: Cause, before: tuple[int, bool]) -> None:
         """Let another plan, in JSON this text, count as flown from a vehicle time on, after laps as ``laps_before``."""
         laps_before, begun = before
+        why = {"amended": cause.amended is not None, "returns": cause.returns, "fresh": cause.fresh}
         self.plans += 1
         self._on_plan(self.plans, text)
         self._record.write(
@@ -273,9 +273,7 @@ class Replanning:
             name="leg",
             number=self.plans,
             reason=cause.reason,
-            amended=cause.amended is not None,
-            returns=cause.returns,
-            fresh=cause.fresh,
+            **why,
             taken_up=cause.taken_up,
             start_m=plan.start_m,
             laps_before=laps_before,
@@ -284,7 +282,7 @@ class Replanning:
         )
         onward = next((letter for letter in plan.certificate.word[1:] if letter), frozenset({"its end"}))
         self._say(f"going on from here to {', '.join(sorted(onward))}")
-        self._watch.take_over(plan, at_s, laps_before, begun=begun, returns=cause.returns, fresh=cause.fresh)
+        self._watch.take_over(plan, at_s, laps_before, begun=begun, **why)
 
     def _is_calm(self, approach: Approach, vehicle_s: float) -> bool:
         """Whether the vehicle has stood for a while where the new plan begins."""

@@ -120,9 +120,10 @@ class FlightWatch:
         begun: bool,
         returns: bool = False,
         fresh: bool = False,
+        amended: bool = False,
     ) -> None:
         """Let another plan be flown from a vehicle time on, after so many laps (``FlightLegs.take_over``)."""
-        self.legs.take_over(plan, at_s, laps_before, begun=begun, returns=returns, fresh=fresh)
+        self.legs.take_over(plan, at_s, laps_before, begun=begun, returns=returns, fresh=fresh, amended=amended)
 
     def take(self, event: Event) -> None:
         """Write an event down and draw the consequences."""

@@ -15,6 +15,7 @@ from mission.logic.automata.rabin import DEAD
 from mission.logic.formula.word import LassoWord, Letter
 from mission.monitor.coverage import CoverageWatch, Covered, together
 from mission.monitor.flight import FlightMonitor
+from mission.monitor.laps import laps_text
 from mission.monitor.monitor import Foreseen, Outcome, Violation
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
@@ -36,6 +37,7 @@ class FlightLeg:
             flown.
         has_left_tube: Whether it was outside once.
         given_up: The leg whose mission was given up for a return, of which this is; None where none was.
+        laps_asked: How many laps the whole flight was to have; None where nobody has said.
     """
 
     def __init__(
@@ -46,10 +48,11 @@ class FlightLeg:
         *,
         begun: bool = False,
         given_up: "FlightLeg | None" = None,
+        laps_asked: int | None = None,
     ) -> None:
         """Watch a leg that begins after so many laps, the last of which may have been begun only."""
         self.plan, self.from_s, self.laps_before, self._begun = plan, from_s, laps_before, begun
-        self.given_up = given_up
+        self.given_up, self.laps_asked = given_up, laps_asked
         self.judged = FlightMonitor(plan, laps_before, begun=begun)
         self.coverage = CoverageWatch(plan, laps_before)
         self.in_tube_until_s: float | None = None
@@ -95,7 +98,7 @@ class FlightLegs:
 
     def __init__(self, plan: FlightPlan) -> None:
         """Watch the first from the ground."""
-        self.legs = [FlightLeg(plan, -math.inf, 0)]
+        self.legs = [FlightLeg(plan, -math.inf, 0, laps_asked=plan.trajectory.laps)]
         self._next: list[FlightLeg] = []
         self._last: tuple[float, Point] | None = None
 
@@ -113,6 +116,7 @@ class FlightLegs:
         begun: bool = False,
         returns: bool = False,
         fresh: bool = False,
+        amended: bool = False,
     ) -> None:
         """Let another plan be flown from a vehicle time on, after so many laps.
 
@@ -123,10 +127,14 @@ class FlightLegs:
             begun: Whether the last of them was begun only.
             returns: Whether what is left of the mission is given up for it.
             fresh: Whether it asks for something else than what was asked for before.
+            amended: Whether the mission was amended for it, its laps maybe.
         """
         before = (self._next or self.legs)[-1]
         given_up = None if fresh else before.given_up or (before if returns else None)
-        self._next.append(FlightLeg(plan, at_s, laps_before, begun=begun, given_up=given_up))
+        asked, laps = before.laps_asked, plan.trajectory.laps
+        if amended:
+            asked = None if laps is None else laps_before + laps
+        self._next.append(FlightLeg(plan, at_s, laps_before, begun=begun, given_up=given_up, laps_asked=asked))
 
     def report(self, stage: Stage | None, t_s: float, position_m: Point, trajectory_s: float | None = None) -> None:
         """Take a position into account that was reported in a stage, and at a time on the trajectory of the plan."""
@@ -199,9 +207,11 @@ class FlightLegs:
         leg = broken[0] if broken else self.now
         outcome = leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
         returned = leg.laps_before > 0 and not leg.plan.run.recurrent
-        laps = leg.judged.monitor.laps
-        flown = f"{laps} lap{'s were' if laps != 1 else ' was'} flown"
-        return replace(outcome, reason=f"{flown}; {outcome.reason}") if returned else outcome
+        if not returned:
+            return outcome
+        laps, asked = leg.judged.monitor.laps, leg.laps_asked
+        achieved = outcome.achieved and laps >= (asked or 0)
+        return Outcome(achieved, f"{laps_text(laps, asked)}; {outcome.reason}")
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:
         """What was covered, visit by visit; of the last plan with so many laps."""

@@ -46,6 +46,14 @@ def legs_of(plan: FlightPlan, record: Record) -> FlightLegs:
     told = {event.t_s: event.values for event in record.events if event.text == LEG}
     for later in record.later:
         why = told.get(later.from_s, {})
-        returns, fresh = (why.get(key) is True for key in ("returns", "fresh"))
-        legs.take_over(later.plan, later.from_s, later.laps_before, begun=later.begun, returns=returns, fresh=fresh)
+        returns, fresh, amended = (why.get(key) is True for key in ("returns", "fresh", "amended"))
+        legs.take_over(
+            later.plan,
+            later.from_s,
+            later.laps_before,
+            begun=later.begun,
+            returns=returns,
+            fresh=fresh,
+            amended=amended,
+        )
     return legs

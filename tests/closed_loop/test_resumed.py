@@ -11,10 +11,11 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from mission.errors import MissionError, NoPlanError, RecordError, VehicleError
 from mission.fly import FlightOptions
 from mission.fly.amendments import Amendment, AmendmentAnswer
-from mission.fly.resuming import unfinished
+from mission.fly.resuming import RETURNING, unfinished
 from mission.link.ending import Ending
 from mission.plan import FlightPlan
 from mission.report.reading import LaterPlan
+from mission.report.replay import judged_again
 from mission.report.tracking import tracking_of
 from mission.spec.model import MissionSpec
 from mission.verify.flown.judging import Judged, judged
@@ -200,6 +201,18 @@ def test_laps_that_are_left_are_counted_once(rounds: FlightPlan) -> None:
     assert [answer.accepted for answer in told.answers] == [True], told.answers
     assert result.laps == 3
     assert killed.entered().count("north") >= 3
+
+
+@PX4
+def test_laps_that_were_ended_before_stay_ended_and_too_few(rounds: FlightPlan, flavour: Flavour) -> None:
+    killed = Killed(rounds, flavour, 33.0, ends_laps_at_s=28.0)
+    assert any(event.text == RETURNING for event in killed.record.events)
+    killed.leave(ALONE_S)
+    result = killed.resume()
+    assert result.ending is Ending.LANDED
+    assert not result.achieved
+    assert "1 of 3 laps were flown" in result.reason
+    assert judged_again(rounds, killed.record).outcome().achieved is False
 
 
 def test_pictures_of_both_parts_are_counted() -> None:

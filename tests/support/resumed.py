@@ -8,7 +8,7 @@ from itertools import groupby
 
 from shapely import Point
 
-from mission.fly import FlightOptions, FlightResult, fly
+from mission.fly import FlightOptions, FlightResult, StopRequest, fly
 from mission.fly.amending import Amendments
 from mission.fly.replanner import SynchronousReplanner
 from mission.fly.resuming import Unfinished, unfinished
@@ -31,13 +31,15 @@ class Killed:
         at_s: float,
         options: FlightOptions | None = None,
         parameters: Mapping[str, float] | None = None,
+        *,
+        ends_laps_at_s: float = math.inf,
     ) -> None:
         self.plan = plan
         self.bench = Bench(Fault.KILLED, at_s, flavour, NO_FAULTS, wind=False)
         for name, value in (parameters or {}).items():
             self.bench.vehicle.parameters.set(name, value)
         self.plans: dict[int, FlightPlan] = {}
-        self.options = options
+        self.options, self._ends_laps_at_s = options, ends_laps_at_s
         self.result: FlightResult | None = None
         with suppress(KilledError):
             self.result = self._fly(FlightRecord(self.bench.sink, mission="killed"))
@@ -86,7 +88,15 @@ class Killed:
             on_plan=self._keep,
             amendments=amendments,
             replanner=SynchronousReplanner(self.bench.now_s),
+            stop_request=self._wish,
         )
+
+    def _wish(self) -> StopRequest | None:
+        """The user's, once: to return after the lap."""
+        if self.bench.now_s() < self._ends_laps_at_s:
+            return None
+        self._ends_laps_at_s = math.inf
+        return StopRequest("enough", after_lap=True)
 
     def _keep(self, number: int, text: str) -> None:
         self.plans[number] = plan_from_json(text)
