@@ -18,6 +18,7 @@ from mission.spec.model import MissionSpec
 from mission.steering.rounded import RoundedPolyline
 from tests.mission.plan.test_rest import faults, flown, spelled
 from tests.support.small_missions import FLOWN_BRISKLY
+from tests.support.usual_cases import sampled
 
 FIELD = """\
 name: A field
@@ -51,7 +52,7 @@ STEP_S = 0.01
 NEAR_M = 0.2
 
 
-@pytest.mark.parametrize("share", [0.1, 0.3, 0.42, 0.55, 0.75])
+@sampled("share", [0.1, 0.3, 0.42, 0.55, 0.75], [0.1, 0.42, 0.75])
 def test_the_rest_of_the_lanes_is_flown_and_no_lane_twice(share: float) -> None:
     plan = planned(ONCE)
     at_s = share * plan.trajectory.duration_s

@@ -23,6 +23,7 @@ from mission.steering.rounded import RoundedPolyline
 from mission.verify.plans.checker import claims
 from tests.support.fields import SMALL_FIELD
 from tests.support.small_missions import ROUNDS, SMALL
+from tests.support.usual_cases import sampled
 
 STEP_S = 1.0 / 30.0
 EARLY_S = 10.0
@@ -38,6 +39,8 @@ HOME: Final = Heading(Look.TOWARD, region="home")
 GOAL: Final = Heading(Look.TOWARD, region="goal")
 TOWER: Final = SMALL.replace("  pond:", "  tower: {kind: area, centre: [20, 10], radius_m: 0.5}\n  pond:")
 TOWARD_TOWER: Final = Heading(Look.TOWARD, region="tower")
+
+YAW_RATES: Final = sampled("yaw_rate_deg_s", [20.0, 45.0], [20.0])
 
 
 @cache
@@ -71,7 +74,7 @@ def flight_of(plan: FlightPlan, times: FloatArray) -> tuple[FloatArray, FloatArr
 
 @pytest.mark.parametrize("text", [SMALL, ROUNDS, SMALL_FIELD], ids=["small", "rounds", "field"])
 @pytest.mark.parametrize("heading", [AHEAD, LANES, FIXED, HOME])
-@pytest.mark.parametrize("yaw_rate_deg_s", [20.0, 45.0])
+@YAW_RATES
 def test_no_heading_changes_faster_than_the_vehicle_turns(text: str, heading: Heading, yaw_rate_deg_s: float) -> None:
     plan = planned(text, heading, yaw_rate_deg_s)
     _, headings, rates = flown(plan)
@@ -91,7 +94,7 @@ def between_lanes(plan: FlightPlan, times: FloatArray) -> BoolArray:
 
 
 @pytest.mark.parametrize("text", [SMALL, ROUNDS, SMALL_FIELD], ids=["small", "rounds", "field"])
-@pytest.mark.parametrize("yaw_rate_deg_s", [20.0, 45.0])
+@YAW_RATES
 def test_ahead_is_where_the_vehicle_flies(text: str, yaw_rate_deg_s: float) -> None:
     plan = planned(text, AHEAD, yaw_rate_deg_s)
     times, headings, _ = flown(plan)
@@ -112,7 +115,7 @@ def test_laps_begin_ahead_each_time() -> None:
 
 
 @pytest.mark.parametrize("heading", [HOME, GOAL], ids=["home", "goal"])
-@pytest.mark.parametrize("yaw_rate_deg_s", [20.0, 45.0])
+@YAW_RATES
 def test_toward_is_where_the_centre_of_the_region_lies(heading: Heading, yaw_rate_deg_s: float) -> None:
     plan = planned(SMALL, heading, yaw_rate_deg_s)
     times, headings, _ = flown(plan)

@@ -1,7 +1,7 @@
 """Runs of least length: against brute force on visibility graphs, on meshes of any fineness, and proved."""
 
 from dataclasses import replace
-from itertools import permutations
+from itertools import permutations, product
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.loader import load_mission, parse_mission
 from mission.spec.model import BoundaryDomain, Cost, Refinement, Search
 from tests.support.small_missions import ROUNDS, plan_of
+from tests.support.usual_cases import sampled
 from tests.support.ways import DrawnMap, found, taut_of
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -76,8 +77,11 @@ def test_the_order_of_visits_is_best_for_a_vehicle_with_a_tube(seed: int) -> Non
     assert length_m("F p0 & F p1 & F p2") <= _NEAR * least
 
 
-@pytest.mark.parametrize("name", ["patrol", "inspection", "survey"])
-@pytest.mark.parametrize("cost", [Cost.DISTANCE, Cost.TIME])
+@sampled(
+    ("name", "cost"),
+    product(["patrol", "inspection", "survey"], [Cost.DISTANCE, Cost.TIME]),
+    [("patrol", Cost.TIME), ("inspection", Cost.DISTANCE), ("survey", Cost.TIME)],
+)
 def test_the_way_does_not_depend_on_the_mesh(name: str, cost: Cost) -> None:
     spec = replace(load_mission(MISSIONS / f"{name}.yaml"), search=Search(cost))
     assert isinstance(spec.domain, BoundaryDomain)
