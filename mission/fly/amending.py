@@ -106,8 +106,11 @@ class Amending:
         elif not self._watch.plan.run.recurrent and _counts(change):
             self._refuse(change, "no laps are flown: there are none, or they are over; what is left is flown once")
         elif change.lines == (GO_ON,):
-            self._replanning.go_on(guidance, vehicle_s)
-            self._amendments.answer(change, AmendmentAnswer(accepted=True, words="the plan that was left is flown on"))
+            if why := self._replanning.go_on(guidance, vehicle_s):
+                self._refuse(change, why)
+            else:
+                words = "the plan that was left is flown on"
+                self._amendments.answer(change, AmendmentAnswer(accepted=True, words=words))
         else:
             self._begin(change, read, guidance, vehicle_s)
 
@@ -138,7 +141,6 @@ class Amending:
                 self._mission = mission
                 if fresh:
                     self._laps_before = self._watch.legs.laps
-                self._amendments.keep(self._replanning.plans, mission)
                 self._amendments.answer(change, AmendmentAnswer(accepted=True, words="another plan is flown"))
             elif threats:
                 holds = f"the vehicle holds, as the old plan leads through {', '.join(threats)}: change it again, or"
@@ -147,7 +149,17 @@ class Amending:
                 self._refuse(change, f"{why}; the old plan is flown on")
 
         said = f"amended: {' '.join('; '.join(change.lines).split()) or 'another mission file'}"[:_MOST_SAID]
-        self._replanning.begin(Cause(said, holds=bool(threats), waits=waits, amended=wanted, fresh=fresh, told=told))
+        self._replanning.begin(
+            Cause(
+                said,
+                holds=bool(threats),
+                waits=waits,
+                amended=wanted,
+                fresh=fresh,
+                told=told,
+                keep=lambda number: self._amendments.keep(number, mission),
+            )
+        )
 
     def _refuse(self, change: Amendment, why: str) -> None:
         self._amendments.answer(change, AmendmentAnswer(accepted=False, words=why))

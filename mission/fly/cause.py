@@ -22,6 +22,7 @@ class Cause:
         returns: Whether what is left of the mission is given up for a return.
         taken_up: Whether nobody has led the vehicle since the last report.
         told: Called with why there is no plan, empty once one is taken over; None where the flight ends without one.
+        keep: Called with the number of the new plan before the record tells of it; None where nothing else is kept.
     """
 
     reason: str
@@ -32,6 +33,7 @@ class Cause:
     returns: bool = False
     taken_up: bool = False
     told: Callable[[str], None] | None = None
+    keep: Callable[[int], None] | None = None
 
 
 @dataclass(eq=False)

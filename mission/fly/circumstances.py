@@ -18,7 +18,7 @@ class Circumstances:
     def __init__(self, session: Session, listening: Listening, clock: SteadyClock, record: Recording) -> None:
         """Nothing was told yet."""
         self._session, self._listening, self._clock, self._record = session, listening, clock, record
-        self._behind = self._warned_behind = self._troubled = self._fenced = False
+        self._behind = self._warned_behind = self._troubled = self._fenced = self._unfenced = False
         self._left_out_s = 0.0
 
     def turn(self) -> None:
@@ -59,6 +59,9 @@ class Circumstances:
     def _tell_fence(self, newest_s: float | None) -> None:
         """Write down what the vehicle's geofence was, before anything of it is changed, and what it is to be."""
         guard = self._session.contact.fence
+        if guard is not None and guard.is_set and guard.failure is not None and not self._unfenced:
+            self._unfenced = True
+            self._record.warn(f"the vehicle may have no geofence now: {guard.failure}; the flight goes on")
         if guard is None or guard.before is None or self._fenced:
             return
         self._fenced = True

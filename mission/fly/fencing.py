@@ -1,10 +1,12 @@
 """The geofence that guards a flight: a plan's fence in the frame that is flown in, as the autopilot takes it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any, Final
 
 from mission.errors import GeometryError, VehicleError
 from mission.fly.circumstances import GEOFENCE, GEOFENCE_RENEWED
+from mission.fly.recording import Recording
 from mission.geometry.geodesy import LatLon
 from mission.link.contact import Contact
 from mission.link.fence_guard import FenceBefore, FenceGuard, fence_items
@@ -79,6 +81,26 @@ def items_of(plan: FlightPlan, origin_ned_m: tuple[float, float], contact: Conta
         raise VehicleError(f"the vehicle cannot be fenced in: {error}") from error
 
 
+def renew(
+    guard: FenceGuard,
+    plans: tuple[FlightPlan, FlightPlan],
+    origin_ned_m: tuple[float, float],
+    contact: Contact,
+    record: Recording,
+) -> None:
+    """Let the geofence follow where another plan has other areas, or needs less of them, than the one before it."""
+    one, other = (plan.spec for plan in plans)
+    try:
+        items = items_of(plans[1], origin_ned_m, contact)
+        if (one.regions, one.domain) == (other.regions, other.domain) and {*guard.items} <= {*items}:
+            return
+        guard.renew(items)
+    except VehicleError as error:
+        record.warn(f"the geofence stays as it was: {error}")
+    newest_s = contact.vehicle.clock.newest_s
+    record.write("event", newest_s, name=GEOFENCE_RENEWED, items=[asdict(item) for item in guard.items])
+
+
 def guarded_again(events: Sequence[Entry], plan: FlightPlan, contact: Contact, *, keep: bool) -> FenceGuard | None:
     """What guards a flight that is taken up again: the fence that it set, to be put back to what was there before.
 
@@ -93,7 +115,8 @@ def guarded_again(events: Sequence[Entry], plan: FlightPlan, contact: Contact, *
     if kind is None or not told:
         return None
     values = next(event.values for event in reversed(told) if event.text == GEOFENCE)
-    items, before = (tuple(map(_item, each)) for each in (told[-1].values["items"], values["items_before"]))
+    *earlier, items = (tuple(map(_item, event.values["items"])) for event in told)
+    before = tuple(map(_item, values["items_before"]))
     parameters = {str(name): float(value) for name, value in values["parameters_before"].items()}
     return FenceGuard(
         items,
@@ -103,6 +126,7 @@ def guarded_again(events: Sequence[Entry], plan: FlightPlan, contact: Contact, *
         bytewise=kind.bytewise,
         keep=keep,
         before=FenceBefore(parameters, before),
+        earlier=earlier,
     )
 
 

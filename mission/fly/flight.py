@@ -2,7 +2,7 @@
 
 import contextlib
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import replace
 from traceback import format_exception
 
 from mission.clock import Clock, SteadyClock
@@ -10,9 +10,9 @@ from mission.errors import FlightError, LinkError, MissionError, NoPlanError, Ve
 from mission.fly.amending import Amending, Amendments
 from mission.fly.by_field import field_orders
 from mission.fly.cause import Cause
-from mission.fly.circumstances import GEOFENCE_RENEWED, Circumstances
+from mission.fly.circumstances import Circumstances
 from mission.fly.conclusion import concluded, joined, shortcomings
-from mission.fly.fencing import guarded, guarded_again, items_of
+from mission.fly.fencing import guarded, guarded_again, renew
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
 from mission.fly.lookout import Lookout
@@ -160,16 +160,8 @@ class Flight:
         guard, plan, guidance = self.session.contact.fence, self.watch.plan, self.session.guidance
         if guard is None or guidance is None or plan is self._fenced:
             return
-        before, self._fenced = self._fenced, plan
-        one, other = before.spec, plan.spec
-        try:
-            items = items_of(plan, guidance.anchor.origin_ned_m[:2], self.session.contact)
-            if (one.regions, one.domain) == (other.regions, other.domain) and {*guard.items} <= {*items}:
-                return
-            guard.renew(items)
-        except VehicleError as error:
-            self.record.warn(f"the geofence stays as it was: {error}")
-        self.record.write("event", self.newest_s, name=GEOFENCE_RENEWED, items=[asdict(item) for item in guard.items])
+        plans, self._fenced = (self._fenced, plan), plan
+        renew(guard, plans, guidance.anchor.origin_ned_m[:2], self.session.contact, self.record)
 
     def take_events(self) -> None:
         """Pass on what the session has to tell."""
@@ -255,6 +247,8 @@ class Flight:
         self._replanning.fly_next(answer.plan, answer.text, at_s, again, before)
         self._replanner.prepare(answer.plan)
         self._guard_again(left)
+        if session.contact.fence is not None:
+            session.contact.fence.confirm()
         course = course_of(answer.plan, 0.0 if angles_rad is None else angles_rad[2], None)
         session.depart(course, anchor, answer.plan.photographs)
         self.listening.excuse()

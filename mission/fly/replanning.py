@@ -267,6 +267,8 @@ class Replanning:
         why = {"amended": cause.amended is not None, "returns": cause.returns, "fresh": cause.fresh}
         self.plans += 1
         self._on_plan(self.plans, text)
+        if cause.keep is not None:
+            cause.keep(self.plans)
         self._record.write(
             "event",
             at_s,
@@ -328,12 +330,14 @@ class Replanning:
             if approach.course is not None:
                 self._session.redirect(approach.course, approach.from_s)
 
-    def go_on(self, guidance: Guidance, vehicle_s: float) -> None:
-        """Fly the plan on that was slowed to rest, if one was."""
+    def go_on(self, guidance: Guidance, vehicle_s: float) -> str:
+        """Fly the plan on that was slowed to rest; says why not, in plain words, empty where it is."""
         course = guidance.course_at(vehicle_s)
         approach = standing(course, vehicle_s, guidance.pace_at(vehicle_s)[0])
-        if not course.waits or approach.flown_s is None:
-            return
+        if not course.waits:
+            return "nothing waits: the plan is flown on as it is"
+        if approach.flown_s is None:
+            return "the vehicle waits off its plan, which does not lead on from there"
         plan = self._watch.plan
         trajectory = plan.trajectory if course.laps is None else replace(plan.trajectory, laps=course.laps)
         onward = taken_up(trajectory, approach.flown_s, course.bounds.acceleration_m_s2)
@@ -341,6 +345,7 @@ class Replanning:
         self._session.redirect(
             Course(onward, 0.0, bounds, nose, planned_s=onward.planned_s), max(approach.until_s, vehicle_s)
         )
+        return ""
 
     def _end(self, why: str) -> None:
         """Nothing is waited for any more; say why there was no plan, or that there was one."""

@@ -86,6 +86,7 @@ class FenceGuard:
         bytewise: bool,
         keep: bool = False,
         before: FenceBefore | None = None,
+        earlier: Sequence[tuple[PlanItem, ...]] = (),
     ) -> None:
         """Set it from the next ``advance`` on.
 
@@ -98,9 +99,11 @@ class FenceGuard:
             keep: Whether it stays after the flight.
             before: What the vehicle had, where it has been set already, by another program; then nothing is set, and
                 nothing is put back where somebody else has set a fence since.
+            earlier: What else of this flight it may keep, as that program was on the way to ``items``.
         """
         self.items = items
         self.before = before
+        self._earlier = earlier
         self.is_set = before is not None
         self.failure: MissionError | None = None
         self._lost: list[str] = []
@@ -147,6 +150,11 @@ class FenceGuard:
         if self.is_set and not self._returning:
             self.items, self._inherited = items, False
             self._asking, self._task = None, self._renewed()
+
+    def confirm(self) -> None:
+        """See that the vehicle still keeps what another program set, and set it where that had not come to its end."""
+        if self.before is not None and self._inherited:
+            self._asking, self._task = None, self._confirmed(self.before)
 
     def take(self, body: Body) -> None:
         """Take what the vehicle says."""
@@ -213,6 +221,15 @@ class FenceGuard:
         yield from self._replace(self.items)
         yield from self._change(rules.switch, rules.on, now)
 
+    def _confirmed(self, before: FenceBefore) -> _Asked:
+        kept = yield from self._look(before)
+        if self._foreign:
+            return
+        now: dict[str, float] = {}
+        yield from self._read((self._rules.switch,), now)
+        if now[self._rules.switch] == self._rules.off or not _same(kept, self.items):
+            yield from self._renewed()
+
     def _restore(self) -> _Asked:
         before, rules = self.before, self._rules
         if before is None:
@@ -243,12 +260,14 @@ class FenceGuard:
             else:
                 self._lost += [what] * (not heard)
 
-    def _look(self, before: FenceBefore) -> _Asked:
+    def _look(self, before: FenceBefore) -> Generator[Question, None, list[PlanItem]]:
         """See whether somebody else has set a fence since another program did; silence is for those who ask next."""
         reading = PlanReading(PlanKind.FENCE, self._own, _ABOUT)
         yield reading
         kept = reading.items
-        self._foreign = reading.done and not any(_same(kept, items) for items in (self.items, before.items))
+        ours = (self.items, before.items, *self._earlier)
+        self._foreign = reading.done and not any(_same(kept, items) for items in ours)
+        return kept
 
     def _change(self, name: str, value: float, now: dict[str, float]) -> _Asked:
         """Set a parameter that is not so already."""

@@ -36,6 +36,7 @@ class Said:
         self.taken_s: list[float] = []
         self.answers: list[tuple[float, AmendmentAnswer]] = []
         self.kept: list[MissionSpec] = []
+        self.legs_before: list[int] = []
 
     def look(self, flown: Replanned, since_s: float) -> None:
         self.flown, self.since_s = flown, since_s
@@ -52,7 +53,10 @@ class Said:
         assert self.flown is not None
         self.answers.append((self.flown.vehicle.now_s(), answer))
 
-    def keep(self, _number: int, mission: MissionSpec) -> None:
+    def keep(self, number: int, mission: MissionSpec) -> None:
+        assert self.flown is not None
+        assert number in self.flown.texts
+        self.legs_before.append(len(self.flown.events("leg")))
         self.kept.append(mission)
 
 
@@ -77,6 +81,7 @@ def test_a_restricted_region_ahead_is_flown_around(
     assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
     assert flight.entered() == ["home", "goal", "home"]
     assert [region.name for region in said.kept[0].regions] == ["home", "goal", "pond", "popped"]
+    assert said.legs_before == [0]  # whoever is killed after the record tells of a plan has all that it was made from
     # Each part is judged by what was asked for then.
     told = ran(capsys, "verify", "--flight", str(flight.written(tmp_path, SMALL)))
     assert told.code == 0, told.out + told.err
@@ -117,10 +122,17 @@ def test_one_under_the_vehicle_stops_it_until_it_is_told_to_go_on(small: FlightP
 @ARDUPILOT
 def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan, flavour: str) -> None:
     flight, said = flown(
-        small, flavour, (1.0, "formula F (goal & F pond)"), (3.0, "fly faster"), (3.5, "drop gaol"), (4.0, "laps 2")
+        small,
+        flavour,
+        (1.0, "formula F (goal & F pond)"),
+        (3.0, "fly faster"),
+        (3.5, "drop gaol"),
+        (4.0, "laps 2"),
+        (4.5, GO_ON),
     )
     answers = [answer for _, answer in said.answers]
-    assert [answer.accepted for answer in answers] == [False] * 4
+    assert [answer.accepted for answer in answers] == [False] * 5
+    assert "nothing waits" in answers[4].words
     assert "no laps are flown" in answers[3].words
     assert "pond" in answers[0].words
     assert "old plan is flown on" in answers[0].words

@@ -1,5 +1,6 @@
 """The geofence is set and put back as it was, over links that lose, double and mix, against the bundled vehicle."""
 
+import math
 import random
 from collections.abc import Callable
 
@@ -85,10 +86,11 @@ class Link:
             self.random.shuffle(passed)
         return passed
 
-    def until_over(self, within_s: float = 400.0) -> None:
-        """Go on until the guard has nothing more to do."""
+    def until_over(self, within_s: float = 400.0, most: float = math.inf) -> None:
+        """Go on until the guard has nothing more to do, or has sent so many messages."""
+        most += self.sent
         vehicle, until_s = self.vehicle, self.vehicle.now_s() + within_s
-        while self.guard._task is not None:
+        while self.guard._task is not None and self.sent < most:
             assert vehicle.now_s() < until_s
             frames = [self.codec.packed(message) for message in self.guard.advance(1, vehicle.now_s())]
             self.sent += len(frames)
@@ -171,6 +173,53 @@ def test_the_fence_is_off_while_it_is_half_of_one(flavour: str) -> None:
     ours = {"ardupilot": 4.0, "px4": 2.0}[flavour]
     assert seen <= {(2, OWNERS[flavour][action]), (3, ours)}
     assert len(seen) == 2
+
+
+def taken_up(link: Link, earlier: FenceGuard) -> FenceGuard:
+    """What guards the same flight in the stead of a program that was killed."""
+    kind = KINDS[link.flavour]
+    return FenceGuard(
+        earlier.items,
+        kind.fence,
+        ceiling_m=30.0,
+        own=OWN,
+        bytewise=kind.bytewise,
+        before=earlier.before,
+        earlier=(OURS,),
+    )
+
+
+@pytest.mark.parametrize("flavour", BOTH)
+@pytest.mark.parametrize("asked", [0, 1, 2, 4, 6, 9])
+def test_one_that_was_being_renewed_when_the_program_was_killed_is_set_by_the_next(flavour: str, asked: int) -> None:
+    link = Link(flavour)
+    link.owned()
+    link.until_over()
+    link.guard.renew(OURS[:-1])
+    link.until_over(most=asked)
+    link.guard = taken_up(link, link.guard)
+    link.guard.confirm()
+    link.until_over()
+    rules = KINDS[flavour].fence
+    assert link.parameters()[rules.switch] == rules.on
+    assert as_sent(link.kept()) == OURS[:-1]
+    link.guard.put_back()
+    link.until_over()
+    assert not link.guard.trouble
+    assert as_sent(link.kept()) == THEIRS
+
+
+@pytest.mark.parametrize("flavour", BOTH)
+def test_one_that_is_kept_is_left_on_when_a_flight_is_taken_up(flavour: str) -> None:
+    link = Link(flavour)
+    link.until_over()
+    switch = KINDS[flavour].fence.switch
+    link.vehicle._at_step = lambda lockstep: on.add(lockstep.vehicle.parameters[switch])
+    on: set[float] = set()
+    link.guard = taken_up(link, link.guard)
+    link.guard.confirm()
+    link.until_over()
+    assert on == {KINDS[flavour].fence.on}
 
 
 @pytest.mark.parametrize("flavour", BOTH)
