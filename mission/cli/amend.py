@@ -12,11 +12,14 @@ from mission.cli.inputs import bad_file
 from mission.cli.screen import err, out
 from mission.errors import LinkError, reason
 from mission.fly.amendments import answer_to, hand_in, withdraw
-from mission.report.record import RECORD_FILE
+from mission.report.record import RECORD_FILE, is_written
 from mission.spec.yaml_tree import MAX_BYTES
 
 _HINT: Final = "name the folder that `mission fly` says at its beginning, such as flights/survey-20250131-120000"
 _LOOK_S: Final = 0.01
+_SLOWER: Final = 1.1
+"""So much later than the last time the answer is looked for: many who wait must not keep a flight from answering."""
+_SLOWEST_S: Final = 0.2
 _STDIN: Final = "-"
 
 
@@ -48,20 +51,24 @@ def _handed_in(folder: Path, request: dict[str, object], within_s: float) -> boo
     """Hand in one request, and say what came of it.
 
     Raises:
-        LinkError: Nothing came of it in time.
+        LinkError: Nothing came of it in time, or nobody flies there.
     """
     began_s = time.monotonic()
     try:
         name = hand_in(folder, **request)  # type: ignore[arg-type]
     except OSError as error:
         raise bad_file(folder, f"cannot be written to: {reason(error)}", "make the folder writable") from error
-    answer = None
+    answer, flown, pause_s = None, is_written(folder), _LOOK_S
     try:
-        while (answer := answer_to(folder, name)) is None and time.monotonic() - began_s <= within_s:
-            time.sleep(_LOOK_S)
+        while (answer := answer_to(folder, name)) is None and flown and time.monotonic() - began_s <= within_s:
+            time.sleep(pause_s)
+            pause_s = min(_SLOWER * pause_s, _SLOWEST_S)
+            flown = is_written(folder)
     finally:
         if answer is None:
             withdraw(folder, name)
+    if answer is None and not flown:
+        raise LinkError(f"no program flies {folder}: its flight is over, or was left; `mission fly --resume` takes up")
     if answer is None:
         raise LinkError(f"no flight answered within {within_s:g} s: is the one of {folder} over?")
     (out if answer.accepted else err).print(

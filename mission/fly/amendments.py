@@ -27,6 +27,8 @@ GO_ON: Final = "go on"
 _REQUEST: Final = ".amendment.json"
 _ANSWER: Final = ".answer.json"
 _MOST_BYTES: Final = 1 << 24
+_MOST_WAITING: Final = 8
+"""Each takes a plan, one after the other: of more that come at once those that came last are refused."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,15 @@ class AmendmentFolder:
                 names = sorted(entry.name for entry in entries if entry.name.endswith(_REQUEST))
         except OSError:
             return None
-        for name in names:
-            if name not in self._seen:
-                self._seen.add(name)
-                return self._read(name)
-        return None
+        waiting = [name for name in names if name not in self._seen]
+        for name in waiting[_MOST_WAITING:]:
+            self._seen.add(name)
+            words = f"{_MOST_WAITING} changes wait already; hand it in again once they are answered"
+            self.answer(Amendment(name.removesuffix(_REQUEST)), AmendmentAnswer(accepted=False, words=words))
+        if not waiting:
+            return None
+        self._seen.add(waiting[0])
+        return self._read(waiting[0])
 
     def answer(self, amendment: Amendment, answer: AmendmentAnswer) -> None:
         """Answer a request; an answer that cannot be written is missed by nobody in flight."""

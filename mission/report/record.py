@@ -134,6 +134,21 @@ class FlightRecord:
         self.close()
 
 
+def is_written(folder: Path) -> bool:
+    """Whether a program writes the record in a folder, or may: where locks are unknown that cannot be told.
+
+    Raises:
+        OSError: There is none that can be read.
+    """
+    with (folder / RECORD_FILE).open("rb") as stream:
+        try:
+            if fcntl is not None:
+                fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:  # it is another program's, or a file system without locks
+            return True
+    return fcntl is None
+
+
 def _claimed(stream: FileIO) -> FileIO:
     """A record that is ours until this process ends, however it ends, where the system can tell that to others.
 
