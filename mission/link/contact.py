@@ -218,6 +218,8 @@ class Contact:
             return False
         if now_s >= self._ask_again_s:
             if math.isfinite(self._ask_again_s):
+                if self._watchdog.overdue(now_s, self.vehicle.clock.seen_s):
+                    self.vehicle.heard_kinds.clear()  # it has dropped our rates, as where it was restarted
                 self._streams.begin_again(self.vehicle.heard_kinds)
             self._ask_again_s = now_s + _ASK_AGAIN_S
         return True

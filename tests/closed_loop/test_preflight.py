@@ -4,6 +4,7 @@ One vehicle of each flavour is made ready once and asked again and again: it is 
 """
 
 import io
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -102,6 +103,33 @@ class Tried:
         except NoGoError as error:
             self.error = error
         self.record: Record = parse_record(sink.getvalue())
+
+
+class Restarting(SpokenFor):
+    """It is restarted at a time of the clock here, which goes on."""
+
+    at_s, _ahead_s = 6.0, 0.0
+
+    def now_s(self) -> float:
+        return super().now_s() + self._ahead_s
+
+    def receive(self, within_s: float) -> list[bytes]:
+        if self.now_s() >= self.at_s:
+            self.at_s, before_s = math.inf, self.now_s()
+            self.endpoint.reboot_in(0)
+            self.endpoint.advance()
+            self._ahead_s += before_s - self.now_s()
+        return super().receive(within_s)
+
+
+@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@pytest.mark.parametrize("at_s", [2.0, 6.0])
+def test_a_vehicle_that_is_restarted_meanwhile_is_asked_again(plan: FlightPlan, flavour: str, at_s: float) -> None:
+    vehicle = Restarting(vehicle_of(flavour))
+    vehicle.at_s = at_s
+    findings = inspect(plan, vehicle, vehicle)
+    assert math.isinf(vehicle.at_s)
+    assert findings.go, findings.values()
 
 
 @contextmanager

@@ -1,8 +1,10 @@
 """The check without a flight: listen to a vehicle, read its parameters, and arm or change nothing."""
 
+import contextlib
 from typing import Final
 
 from mission.clock import Clock
+from mission.errors import VehicleError
 from mission.fly.preflight.known import asked_of, told_of
 from mission.fly.preflight.table import PARAMETERS, Findings, judged
 from mission.link.contact import Contact
@@ -11,6 +13,7 @@ from mission.link.transport import Transport
 from mission.plan import FlightPlan
 
 _LISTEN_S: Final = 0.05
+_MOST_RESTARTS: Final = 3
 _PATIENCE_S: Final = 30.0
 """On the clock here: what a vehicle has not told by then is not known, and what it lacks is what it lacks."""
 
@@ -32,9 +35,21 @@ def inspect(
 
     Raises:
         LinkError: The vehicle could not be found, or was lost.
-        VehicleError: It is none that can be flown from here, or was restarted.
+        VehicleError: It is none that can be flown from here, or was restarted again and again.
     """
-    options, absolute = link or LinkOptions(), plan.spec.origin is not None
+    options = link or LinkOptions()
+    for _ in range(_MOST_RESTARTS):
+        with contextlib.suppress(_RestartedError):
+            return _inspected(plan, transport, clock, options)
+    raise VehicleError(f"the vehicle was restarted {_MOST_RESTARTS} times while it was asked")
+
+
+class _RestartedError(Exception):
+    """What the vehicle has told was before it was restarted, and so is what it was asked for."""
+
+
+def _inspected(plan: FlightPlan, transport: Transport, clock: Clock, options: LinkOptions) -> Findings:
+    absolute = plan.spec.origin is not None
     contact = Contact(options, needs_origin=absolute)
     contact.parameters.wanted = PARAMETERS
     vehicle, met_s = contact.vehicle, None
@@ -44,6 +59,8 @@ def inspect(
                 contact.take(body, clock.now_s())
         now_s = clock.now_s()
         contact.advance(now_s)
+        if vehicle.clock.restarted:
+            raise _RestartedError
         if trouble := contact.trouble(now_s, departed=False):
             raise trouble
         asked = contact.ask_for_streams(now_s)
