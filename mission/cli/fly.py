@@ -96,7 +96,7 @@ def _flown(
         if left is None:
             folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), changes_of(arguments))
         else:
-            folder, record = Path(arguments.resume), reopened(Path(arguments.resume), left.record.mission)
+            folder, record = Path(arguments.resume), reopened(Path(arguments.resume), left.record)
         stack.enter_context(record)
         replanner = _replanner(clock, stack, bundled=vehicle is not None)
         with suppress(OSError):

@@ -53,14 +53,15 @@ def _amended_last(folder: Path, record: Record) -> MissionSpec | None:
     return load_mission(file) if file is not None and file.is_file() else None
 
 
-def reopened(folder: Path, mission: str) -> FlightRecord:
+def reopened(folder: Path, record: Record) -> FlightRecord:
     """The record of a flight, to go on with.
 
     Raises:
         SpecError: It cannot be written to, or another program still flies this flight.
+        RecordError: Another program has flown it on since it was read.
     """
     try:
-        return FlightRecord.reopened(folder, mission)
+        return FlightRecord.reopened(folder, record.mission, record.size)
     except BlockingIOError as error:
         hint = "end that program first; a flight has one"
         raise bad_file(folder, "another program still flies this flight", hint) from error

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +101,7 @@ class Record:
         verdict: The last verdict recorded; None for a flight that did not come to its end.
         cut: Whether the last line was cut, as by a kill in mid-write.
         later: The plans that were flown after the first, which lie beside the record (``takeovers``).
+        size: Bytes of its whole lines.
     """
 
     mission: str
@@ -114,6 +115,7 @@ class Record:
     verdict: Line | None
     cut: bool
     later: tuple[LaterPlan, ...] = ()
+    size: int = 0
 
     @property
     def takeovers(self) -> tuple[tuple[float, int, int, bool], ...]:
@@ -157,7 +159,7 @@ def parse_record(data: bytes) -> Record:
     for line in lines:
         kinds.setdefault(line["kind"], []).append(line)
     try:
-        record = _record(kinds, _stages(lines), cut=bool(rest))
+        record = replace(_record(kinds, _stages(lines), cut=bool(rest)), size=len(data) - len(rest))
         if all(number > 1 for _, number, *_ in record.takeovers):
             return record
     except (TypeError, ValueError, KeyError, OverflowError) as error:

@@ -43,6 +43,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self
 
+from mission.errors import RecordError
+
 try:
     import fcntl
 except ImportError:  # Windows
@@ -90,16 +92,25 @@ class FlightRecord:
         return cls(_claimed((folder / RECORD_FILE).open("xb", buffering=0)), mission=mission, folder=folder)
 
     @classmethod
-    def reopened(cls, folder: Path, mission: str) -> Self:
+    def reopened(cls, folder: Path, mission: str, size: int) -> Self:
         """Go on with the record in a folder; a last line that was cut goes, for what is not written did not happen.
+
+        Args:
+            folder: Where it is.
+            mission: Its name, for a record without a header.
+            size: Bytes of its whole lines when it was read.
 
         Raises:
             BlockingIOError: Another program still writes it.
+            RecordError: Another program has written it since it was read.
             OSError: It cannot be written to.
         """
         file = folder / RECORD_FILE
         stream = _claimed(file.open("ab", buffering=0))
         whole = file.read_bytes().rfind(b"\n") + 1
+        if whole != size:
+            stream.close()
+            raise RecordError("another program has flown this flight on since it was read; try again", line=0)
         stream.truncate(whole)
         return cls(stream, mission=mission, folder=folder, begins=not whole)
 

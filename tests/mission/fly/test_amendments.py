@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from mission.cli.amend import run
-from mission.errors import LinkError
+from mission.errors import LinkError, RecordError
 from mission.fly.amendments import AmendmentAnswer, AmendmentFolder, answer_to, hand_in
+from mission.report.reading import read_record
 from mission.report.record import FlightRecord
 
 
@@ -50,8 +51,11 @@ def test_one_for_a_flight_that_is_over_is_told_so_at_once(tmp_path: Path) -> Non
         run(Namespace(folder=str(record.folder), file=str(mission), within=60.0))
     assert time.monotonic() - began_s < 30.0
     assert AmendmentFolder(record.folder).take() is None
-    with FlightRecord.reopened(record.folder, "flown"):
-        pass  # whoever asked has let go of it
+    size = read_record(record.folder).size
+    with FlightRecord.reopened(record.folder, "flown", size) as again:  # whoever asked has let go of it
+        again.write("event", None, name="flown on")
+    with pytest.raises(RecordError, match="since it was read"):
+        FlightRecord.reopened(record.folder, "flown", size)
 
 
 def test_of_many_changes_at_once_those_that_came_last_are_refused(tmp_path: Path) -> None:
