@@ -68,7 +68,7 @@ def _handed_in(folder: Path, request: dict[str, object], within_s: float) -> boo
         if answer is None:
             withdraw(folder, name)
     if answer is None and not flown:
-        raise LinkError(f"no program flies {folder}: its flight is over, or was left; `mission fly --resume` takes up")
+        raise LinkError(f"no program flies {folder}: its flight is over, or was left for `mission fly --resume`")
     if answer is None:
         raise LinkError(f"no flight answered within {within_s:g} s: is the one of {folder} over?")
     (out if answer.accepted else err).print(
