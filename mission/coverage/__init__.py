@@ -11,6 +11,7 @@
         exit_m=None,         # or (x, y)
         heading_deg=None,    # clockwise from north; None is for the program to choose
         pace=Pace(speed_m_s=5.0, acceleration_m_s2=2.5),
+        share=0.98,          # of the region; 1 for all that can be reached
     )
     coverage.lanes_m         # (n, 2, 2) in the order flown: lane, begin and end, xy
     coverage.cell_of         # (n,), -1 for a lane of its own along a rim
@@ -19,7 +20,8 @@
     coverage.leaving_m       # (k, 2), from the last lane to the exit; (0, 2) without one
     coverage.line_m          # (p, 2), from the first lane's begin to the last lane's end
     coverage.on_lane         # (p - 1,), of each of its pieces whether it is a lane
-    coverage.lanes_length_m, coverage.ways_length_m, coverage.duration_s, coverage.heading_deg, coverage.exact
+    coverage.lanes_length_m, coverage.ways_length_m, coverage.duration_s, coverage.heading_deg
+    coverage.exact, coverage.complete
 
 All failures are ``GeometryError``. Spacing and trigger distance of a camera are in ``mission.spec.camera``, what a
 flight has covered in ``mission.coverage.flown``.

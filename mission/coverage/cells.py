@@ -25,7 +25,13 @@ _BETTER: Final = 0.95
 
 
 def cells_swept(
-    field: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float, spacing_m: float, pace: Pace
+    field: shapely.Polygon,
+    reachable: shapely.Geometry,
+    heading_deg: float,
+    spacing_m: float,
+    *,
+    left: float,
+    pace: Pace,
 ) -> Sweep:
     """Lanes over a field of one heading, and of others in the cells where that takes less time.
 
@@ -34,9 +40,10 @@ def cells_swept(
         reachable: What they are to cover.
         heading_deg: Clockwise from north.
         spacing_m: At most so far apart.
+        left: The share of it that may be left out, if that saves lanes.
         pace: How fast the vehicle is.
     """
-    whole = sweep(field, reachable, heading_deg, spacing_m)
+    whole = sweep(field, reachable, heading_deg, spacing_m, left)
     lengths = np.linalg.norm(whole.lanes_m[:, 1] - whole.lanes_m[:, 0], axis=1)
     counts = np.bincount(whole.cell_of, minlength=whole.cells)
     means = np.bincount(whole.cell_of, lengths, whole.cells) / np.maximum(counts, 1)
@@ -47,14 +54,16 @@ def cells_swept(
     for number in range(whole.cells):
         cell = whole.cell(number)
         if across[number]:
-            cell = _best(cell, field, reachable, axes(heading_deg), pace)
+            cell = _best(cell, field, reachable, axes(heading_deg), left=left, pace=pace)
         cells.append(cell)
     return Sweep.joined(cells, spacing_m)
 
 
-def _best(cell: Sweep, field: shapely.Polygon, reachable: shapely.Geometry, frame: FloatArray, pace: Pace) -> Sweep:
+def _best(
+    cell: Sweep, field: shapely.Polygon, reachable: shapely.Geometry, frame: FloatArray, *, left: float, pace: Pace
+) -> Sweep:
     ground, around = _ground(cell, field, reachable, frame)
-    sweeps = [sweep(part, around, _heading(ground), cell.spacing_m) for part in shapely.get_parts(ground)]
+    sweeps = [sweep(part, around, _heading(ground), cell.spacing_m, left) for part in shapely.get_parts(ground)]
     found = Sweep.joined(sweeps, cell.spacing_m)
     return found if found.guessed_s(pace) < _BETTER * cell.guessed_s(pace) else cell
 

@@ -1,5 +1,6 @@
 """Covering a region: the lanes, their order and the ways between them, from shapes."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from mission.coverage.coverage import Coverage, Pace
 from mission.coverage.flight_line import flight_line
 from mission.coverage.headings import candidates
 from mission.coverage.rims import needless, rim_lanes
-from mission.coverage.sequence import Lanes, sequence
+from mission.coverage.sequence import Lanes, Sequence, sequence
 from mission.coverage.sweeps import Sweep, axes, sweep
 from mission.geometry.arrays import FloatArray, frozen_floats, frozen_ints
 
@@ -20,14 +21,9 @@ TOLERANCE: Final = 0.05
 """Of the spacing: how much farther than half a spacing a place on the ground may be from a lane."""
 SPARED: Final = 0.005
 """Of what is to be covered: the share that may be left out beside the ground, between the round ends of lanes."""
-_MOST_TRIED: Final = 4
 _FEWEST_TRIED: Final = 2
-_LANES_TRIED: Final = 500
+_LANES_TRIED: Final = 250
 """Lanes of all headings that are tried in full: of a field of many lanes fewer headings."""
-_NEAR: Final = 1.15
-"""Headings are tried in full whose guessed time is at most so many times the least."""
-_CLOSE: Final = 1.03
-"""The orders of these are improved before the best is taken."""
 
 
 def cover(
@@ -40,6 +36,7 @@ def cover(
     pace: Pace,
     heading_deg: float | None = None,
     exit_m: ArrayLike | None = None,
+    share: float = 1.0,
 ) -> Coverage:
     """Cover a region by lanes.
 
@@ -57,6 +54,7 @@ def cover(
         heading_deg: Of the lanes, clockwise from north; None for the one that takes least time of those tried: along
             edges of the ground and of its hull, and of a grid.
         exit_m: Where the vehicle goes to, shape (2,); None where it may end anywhere.
+        share: Of the region, how much is to be covered: if that saves time, what is more than that is left out.
 
     Raises:
         GeometryError: There is no ground, it is not in free space, there are too many lanes, or no way leads to some.
@@ -66,30 +64,19 @@ def cover(
     area = area_of(region, ground, free, spacing_m)
     entry = area.in_free(np.asarray(entry_m, dtype=np.float64) - origin)
     leave = None if exit_m is None else area.in_free(np.asarray(exit_m, dtype=np.float64) - origin)
-    if heading_deg is None and area.fields:
-        swept = {
-            heading: [cells_swept(field, reachable, heading, spacing_m, pace) for _, field, reachable in area.fields]
-            for heading in candidates(area.parts)
-        }
-        guesses = {heading: sum(part.guessed_s(pace) for part in sweeps) for heading, sweeps in swept.items()}
-        least = min(guesses.values())
-        promising = [
-            heading for heading in sorted(guesses, key=guesses.__getitem__) if guesses[heading] <= _NEAR * least
-        ]
-        count = sum(len(part.lanes_m) for part in swept[promising[0]])
-        tried = min(_MOST_TRIED, max(_FEWEST_TRIED, _LANES_TRIED // max(count, 1)))
-        swept = {heading: swept[heading] for heading in promising[:tried]}
-    else:
-        heading = candidates(area.parts)[0] if heading_deg is None else heading_deg % 180.0
-        swept = {heading: [sweep(field, reachable, heading, spacing_m) for _, field, reachable in area.fields]}
-    found = []
-    for heading, sweeps in swept.items():
-        lanes = _complete(area, _joined(area, sweeps), heading)
-        order = sequence(lanes, area.grounds, area.everywhere, entry_m=entry, exit_m=leave, pace=pace)
-        found.append((heading, lanes, order))
-    least = min(order.duration_s for _, _, order in found)
-    close = [(heading, lanes, order.settled()) for heading, lanes, order in found if order.duration_s <= _CLOSE * least]
-    heading, lanes, order = min(close, key=lambda one: one[2].duration_s)
+    left = max(0.0, float(1.0 - share * shapely.area(region) / shapely.area(area.reachable)))
+    found: list[tuple[float, float, Lanes, Sequence]] = []
+    least_s, count = np.inf, 0
+    for guess_s, heading, sweeps in _options(area, heading_deg, pace, left):
+        count += sum(len(part.lanes_m) for part in sweeps)
+        if guess_s > least_s or (count > _LANES_TRIED and len(found) >= _FEWEST_TRIED):
+            break
+        lanes = _complete(area, _joined(area, sweeps), heading, left)
+        order = sequence(lanes, area.grounds, area.everywhere, entry_m=entry, exit_m=leave, pace=pace).settled()
+        line = flight_line(order, lanes.lanes_m, lanes.cell_of < 0)
+        found.append((pace.duration_s(line.whole_m, spacing_m / 2.0), heading, lanes, order))
+        least_s = min(least_s, found[-1][0])
+    _, heading, lanes, order = min(found, key=lambda one: one[0])
     order = order.shaken()
     line = flight_line(order, lanes.lanes_m, lanes.cell_of < 0)
     return Coverage(
@@ -101,8 +88,31 @@ def cover(
         approach_m=frozen_floats(_ended(line.ways_m[0] + origin, 0, entry_m)),
         leaving_m=frozen_floats(np.empty((0, 2)) if leave is None else _ended(line.ways_m[-1] + origin, -1, exit_m)),
         exact=order.exact,
-        duration_s=pace.duration_s(line.whole_m),
+        duration_s=pace.duration_s(line.whole_m, spacing_m / 2.0),
+        complete=left == 0.0,
     )
+
+
+def _options(area: Area, heading_deg: float | None, pace: Pace, left: float) -> list[tuple[float, float, list[Sweep]]]:
+    """Sweeps of all fields, each with about what it takes and its heading, the least first.
+
+    Of each heading those that cover all, and those that leave out what may be if that saves lines.
+    """
+    chosen = heading_deg is not None or not area.fields
+    headings = candidates(area.parts)
+    if chosen:
+        headings = (headings[0] if heading_deg is None else heading_deg % 180.0,)
+    swept = sweep if chosen else partial(cells_swept, pace=pace)
+    found: list[tuple[float, float, list[Sweep]]] = []
+    for heading in headings:
+        for spared in (0.0, left) if left > 0.0 else (0.0,):
+            sweeps = [
+                swept(field, reachable, heading, area.spacing_m, left=spared) for _, field, reachable in area.fields
+            ]
+            guess_s = sum(each.guessed_s(pace) for each in sweeps)
+            if guess_s not in [option[0] for option in found]:
+                found.append((guess_s, heading, sweeps))
+    return sorted(found, key=lambda option: option[0])
 
 
 def _ended(way: FloatArray, end: int, place_m: ArrayLike | None) -> FloatArray:
@@ -134,7 +144,7 @@ def _joined(area: Area, sweeps: list[Sweep]) -> Lanes:
     )
 
 
-def _complete(area: Area, swept: Lanes, heading_deg: float) -> Lanes:
+def _complete(area: Area, swept: Lanes, heading_deg: float, left: float) -> Lanes:
     """The lanes without those that nobody needs, and with those of their own along rims."""
     kept = swept.chained | ~needless(area.reachable, swept.lanes_m, area.spacing_m)
     more = rim_lanes(
@@ -145,6 +155,7 @@ def _complete(area: Area, swept: Lanes, heading_deg: float) -> Lanes:
         spacing_m=area.spacing_m,
         tolerance_m=TOLERANCE * area.spacing_m,
         spared=SPARED,
+        left=left,
     )
     middles = shapely.points(more.mean(axis=1))[:, None]
     part_of = shapely.distance(middles, np.array(area.parts)).argmin(axis=1)

@@ -46,6 +46,7 @@ def rim_lanes(
     spacing_m: float,
     tolerance_m: float,
     spared: float,
+    left: float,
 ) -> FloatArray:
     """Lanes for what others leave out.
 
@@ -57,18 +58,19 @@ def rim_lanes(
         spacing_m: Their spacing.
         tolerance_m: On the ground no place is left farther than this beyond half a spacing from a lane.
         spared: Of all that is to be covered, the share that may be left, where it is not on the ground.
+        left: Likewise, wherever it is.
 
     Returns:
         Lanes, shape (m, 2, 2).
     """
     reach = spacing_m / 2.0
-    pieces = shapely.get_parts(shapely.difference(reachable, swath(lanes_m, reach)))
+    pieces = _pieces(shapely.difference(reachable, swath(lanes_m, reach)))
     far = shapely.difference(shapely.intersection(reachable, ground), swath(lanes_m, reach + tolerance_m))
     areas = shapely.area(pieces)
-    must = shapely.intersects(pieces, far) & (areas > 0.0)
+    must = shapely.intersects(pieces, far)
     order = np.lexsort((areas, must))  # those that must be covered last, the others by their size
-    spare = np.cumsum(areas[order]) <= spared * reachable.area
-    pieces = pieces[order[must[order] | ~spare]]
+    most = np.where(must[order], left, max(spared, left)) * reachable.area
+    pieces = pieces[order[np.cumsum(areas[order]) > most]]
     edges = np.concatenate([_edges(ring) for part in shapely.get_parts(ground) for ring in shapely.get_rings(part)])
     found, on_edge = [np.empty((0, 2, 2))], [np.empty(0, dtype=np.int64)]
     for _ in range(_MOST_ROUNDS):
@@ -78,10 +80,16 @@ def rim_lanes(
         found.append(lanes)
         on_edge.append(beside)
         lines = shapely.linestrings(lanes)
-        left = shapely.difference(pieces, shapely.buffer(lines, reach, quad_segs=_ARC))
-        pieces = shapely.get_parts(left)
+        pieces = _pieces(shapely.difference(pieces, shapely.buffer(lines, reach, quad_segs=_ARC)))
         pieces = pieces[shapely.area(pieces) > _SCRAP * spacing_m**2]
     return _merged(np.concatenate(found), np.concatenate(on_edge), edges, _BRIDGED * spacing_m)
+
+
+def _pieces(shape: shapely.Geometry | Shapes) -> Shapes:
+    """Polygons that are left of shapes; made valid, as thin ones are not always."""
+    parts = shapely.get_parts(shapely.make_valid(shapely.get_parts(shape)))
+    kept: Shapes = parts[shapely.area(parts) > 0.0]
+    return kept
 
 
 def _merged(lanes: FloatArray, on_edge: IntArray, edges: FloatArray, gap_m: float) -> FloatArray:
@@ -168,7 +176,9 @@ def _needed(
 
     A lane that covers nothing ends before it begins.
     """
-    outline, of_piece = shapely.get_coordinates(shapely.segmentize(pieces, _STEP * spacing_m), return_index=True)
+    # Of their rings, as polygons that are all but lines would be made valid first, and so none.
+    rings = shapely.segmentize(shapely.boundary(pieces), _STEP * spacing_m)
+    outline, of_piece = shapely.get_coordinates(rings, return_index=True)
     first = np.searchsorted(of_piece, np.arange(len(pieces) + 1))
     count = np.diff(first)[owner]
     line = np.arange(len(owner)).repeat(count)

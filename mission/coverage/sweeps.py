@@ -21,6 +21,8 @@ _SHORTEST: Final = 0.02
 _SLANTED: Final = 1.2
 """Spacings between the ends of neighbours, along the rim, from which on the rim there is too far from both."""
 _CROSSING: Final = 3.0
+_SHIFTS: Final = 65
+"""Places that are tried for lines that leave something out."""
 _NONE: Final[IntArray] = np.empty(0, dtype=np.int64)
 _JUMP: Final = 4.0
 """Spacings by which a cell's rim may go on from one lane to the next, beside twice what it usually does there."""
@@ -85,7 +87,9 @@ def axes(heading_deg: float) -> FloatArray:
     return np.array([[np.sin(turn), np.cos(turn)], [-np.cos(turn), np.sin(turn)]])
 
 
-def sweep(part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float, spacing_m: float) -> Sweep:
+def sweep(
+    part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float, spacing_m: float, left: float = 0.0
+) -> Sweep:
     """Lanes over one part of the ground.
 
     Args:
@@ -93,10 +97,11 @@ def sweep(part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float
         reachable: What they are to cover.
         heading_deg: Clockwise from north.
         spacing_m: At most so far apart.
+        left: The share of it that may be left out beside the first line and the last one, if that saves lines.
     """
     frame = axes(heading_deg)
-    edges = np.concatenate([_ring(ring) for ring in shapely.get_rings(part)]) @ frame.T
-    heights = _heights(edges[..., 1], shapely.get_coordinates(reachable) @ frame[1], spacing_m)
+    edges = _edges(part) @ frame.T
+    heights = _heights(edges[..., 1], _edges(reachable) @ frame.T, spacing_m, left)
     cuts, line = _cuts(edges, heights)
     long = np.diff(cuts, axis=1)[:, 0] > _SHORTEST * spacing_m
     cuts, line = cuts[long], line[long]
@@ -104,20 +109,54 @@ def sweep(part: shapely.Polygon, reachable: shapely.Geometry, heading_deg: float
     return Sweep(lanes, *_cells(cuts, line, spacing_m), spacing_m)
 
 
-def _ring(ring: shapely.LinearRing) -> FloatArray:
-    corners = shapely.get_coordinates(ring)
-    return np.stack((corners[:-1], corners[1:]), axis=1)
+def _edges(area: shapely.Geometry) -> FloatArray:
+    """Of all rings of polygons, shape (E, 2, 2), the area on their left."""
+    rings = shapely.get_rings(shapely.get_parts(shapely.orient_polygons(area, exterior_cw=False)))
+    corners = [shapely.get_coordinates(ring) for ring in rings]
+    return np.concatenate([np.stack((ring[:-1], ring[1:]), axis=1) for ring in corners])
 
 
-def _heights(rim: FloatArray, wanted: FloatArray, spacing_m: float) -> FloatArray:
-    """Where lines lie across the heading: evenly, the outermost half a spacing inside of what they are to cover."""
+def _heights(rim: FloatArray, wanted: FloatArray, spacing_m: float, left: float) -> FloatArray:
+    """Where lines lie across the heading: evenly, the outermost half a spacing inside of what they are to cover.
+
+    If fewer lines that are a spacing apart leave no more than they may, those are taken that leave least.
+
+    Args:
+        rim: Edges of the ground, shape (E, 2): across the heading.
+        wanted: Edges of what is to be covered, shape (F, 2, 2): along the heading, and across.
+        spacing_m: At most so far apart.
+        left: The share of what is to be covered that may be left out.
+    """
     low, high = rim.min(), rim.max()
     margin = min(1e-6 * spacing_m, (high - low) / 4.0)  # a line along the uppermost edge would cut nothing
     low, high = low + margin, high - margin
-    first, last = max(low, wanted.min() + spacing_m / 2.0), min(high, wanted.max() - spacing_m / 2.0)
+    bottom, top = wanted[..., 1].min(), wanted[..., 1].max()
+    first, last = max(low, bottom + spacing_m / 2.0), min(high, top - spacing_m / 2.0)
     if first >= last:
         return np.array([np.clip((first + last) / 2.0, low, high)])
-    return np.linspace(first, last, 1 + int(np.ceil((last - first) / spacing_m - 1e-9)))
+    whole = float(_area_below(wanted, np.array([top]))[0])
+    heights = np.linspace(first, last, 1 + int(np.ceil((last - first) / spacing_m - 1e-9)))
+    for count in range(len(heights) - 1, 0, -1):
+        # Beside each other, their swaths begin anywhere between the two rims of what is to be covered.
+        most = min(top - count * spacing_m, high - (count - 0.5) * spacing_m)
+        begins = np.linspace(max(bottom, low - spacing_m / 2.0), most, _SHIFTS)
+        beyond = _area_below(wanted, begins) - _area_below(wanted, begins + count * spacing_m)
+        best = int(beyond.argmin())
+        if begins[0] > most or beyond[best] > left * whole - whole:
+            break
+        heights = begins[best] + (np.arange(count) + 0.5) * spacing_m
+    return heights
+
+
+def _area_below(edges: FloatArray, heights: FloatArray) -> FloatArray:
+    """The area of polygons below heights, shape (H,); of their edges, shape (E, 2, 2), the area lies on the left."""
+    (begin_u, begin_v), (end_u, end_v) = edges[:, 0].T, edges[:, 1].T
+    rise = end_v - begin_v
+    low, at_low = np.minimum(begin_v, end_v), np.where(rise > 0.0, begin_u, end_u)
+    high_less_low = np.where(rise > 0.0, end_u - begin_u, begin_u - end_u)
+    share = np.clip((heights[:, None] - low) / np.where(rise == 0.0, 1.0, np.abs(rise)), 0.0, 1.0)
+    area: FloatArray = (share * (at_low + 0.5 * share * high_less_low)) @ rise
+    return area
 
 
 def _cuts(edges: FloatArray, heights: FloatArray) -> tuple[FloatArray, IntArray]:

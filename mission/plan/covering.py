@@ -30,6 +30,9 @@ _MOST_ROOM_M: Final = 0.25  # likewise for ways, at most, since passages may be 
 _STEPS: Final = 1.0 / 30.0  # of the spacing: smaller steps to the side are left out
 _LANE_ENDS: Final = (1.0 / 2.0, 1.0 / 3.0)
 """Widest reaches at the end of a lane, of the spacing: the first that leaves enough covered; for cameras the last."""
+SHARE_TO_SPARE: Final = 0.005
+"""Of a region, what a flight may leave out that its lanes cover: as much as is usual in wind."""
+_ROUND_ENDS: Final = 0.5  # of that: what the round ends of lanes are expected to leave out
 _WAY: Final = 1.0  # widest reach elsewhere, likewise
 _SAMPLES: Final = 9  # of a rounded corner
 _QUARTER: Final = 16  # chords of a quarter circle
@@ -245,44 +248,63 @@ class Covering:
         lost = f"; the lanes keep out of {listed(forbidden)}, as the mission asks then" if forbidden else ""
         ground, ways = _reached(region, ground, ways, place, lost)
         entry_m, exit_m = (_nearest_m(ways, there) for there in through) if through else (place_m, place_m)
-        try:
-            coverage = cover(
-                area,
-                ground,
-                ways,
-                spacing_m=spacing_m,
-                entry_m=entry_m,
-                exit_m=exit_m,
-                pace=Pace(
-                    min(flight.speed_m_s, limits.speed_m_s),
-                    # By length, turns cost nothing: as if they were flown at full speed.
-                    math.inf
-                    if self.spec.search.cost is Cost.DISTANCE
-                    else level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
-                ),
-                heading_deg=region.cover.heading_deg,
-            )
-        except GeometryError as error:
-            widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
-            message = f"{region.name} cannot be covered by {widths}: {error}{lost}"
-            raise NoPlanError(message, regions=(region.name,)) from error
-        before, after = (
-            (coverage.approach_m[:-1], coverage.leaving_m[1:]) if through is None else (coverage.line_m[:0],) * 2
-        )
+        least = region.cover.share + SHARE_TO_SPARE
+        # Where rounding takes more than expected, all is covered that can be.
+        for asked in (least + _ROUND_ENDS * SHARE_TO_SPARE, 1.0):
+            try:
+                coverage = cover(
+                    area,
+                    ground,
+                    ways,
+                    spacing_m=spacing_m,
+                    entry_m=entry_m,
+                    exit_m=exit_m,
+                    pace=Pace(
+                        min(flight.speed_m_s, limits.speed_m_s),
+                        # By length, turns cost nothing: as if they were flown at full speed.
+                        math.inf
+                        if self.spec.search.cost is Cost.DISTANCE
+                        else level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
+                    ),
+                    heading_deg=region.cover.heading_deg,
+                    share=asked,
+                )
+            except GeometryError as error:
+                widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
+                message = f"{region.name} cannot be covered by {widths}: {error}{lost}"
+                raise NoPlanError(message, regions=(region.name,)) from error
+            lanes = self._flown(region.name, region.cover, coverage, area, free, alone=through is None)
+            if lanes.share >= least or coverage.complete:
+                break
+        return lanes
+
+    def _flown(
+        self,
+        name: str,
+        asked: Cover,
+        coverage: Coverage,
+        area: shapely.Geometry,
+        free: shapely.Geometry,
+        *,
+        alone: bool,
+    ) -> _Lanes:
+        """Lanes rounded as widely as leaves enough of an area covered; alone, with the ways there and back."""
+        flight, spacing_m = self.spec.flight, coverage.spacing_m
+        before, after = (coverage.approach_m[:-1], coverage.leaving_m[1:]) if alone else (coverage.line_m[:0],) * 2
         line = np.concatenate((before, coverage.line_m, after))
         # Of each lane the first point of the line; the second is the next one.
         begins = len(before) + np.flatnonzero(coverage.on_lane)
         ends = np.stack((begins, begins + 1), axis=1)
         widest = np.full(len(line), _WAY * spacing_m)
-        for reach in _LANE_ENDS if trigger_of(region.cover, flight.altitude_m) is None else _LANE_ENDS[-1:]:
+        for reach in _LANE_ENDS if trigger_of(asked, flight.altitude_m) is None else _LANE_ENDS[-1:]:
             widest[ends] = reach * spacing_m
             curve, passed_s = rounded_within(
                 line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
             )
             share = covered_share(area, swath_along(curve, passed_s[ends], spacing_m))
-            if 1.0 - share <= 0.5 * (1.0 - region.cover.share):  # as much again is for the flight
+            if share >= asked.share + SHARE_TO_SPARE:
                 break
-        return _Lanes(region.name, region.cover, coverage, curve, passed_s[ends], share)
+        return _Lanes(name, asked, coverage, curve, passed_s[ends], share)
 
     def _visit(self, lanes: _Lanes, start_s: float) -> CoveredVisit:
         coverage = lanes.coverage

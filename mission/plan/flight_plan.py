@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
 
 import numpy as np
 import shapely
@@ -18,7 +17,7 @@ from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import UNIT, transition_weights
-from mission.plan.covering import CoveredVisit
+from mission.plan.covering import SHARE_TO_SPARE, CoveredVisit
 from mission.plan.detour import Avoidance
 from mission.plan.homeward import Homeward, ends_of_flight
 from mission.plan.landing import little_room_to_land
@@ -44,9 +43,6 @@ _NO_WAY_BACK = (
     "a region of kind `home` that can be reached would be one"
 )
 _ONE_ORDER = "the tasks that recur are too many to try every order: the loop is the best in one order of them"
-
-_SHARE_TO_SPARE: Final = 0.005
-"""Of a region, what a flight may leave out that its lanes cover: as much as is usual in wind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +206,7 @@ class FlightPlan:
             *((f"the path of the fields is flown: {self.instead}",) if self.instead else ()),
             *((self._passing_over,) if self.passed_over else ()),
             *((_ONE_ORDER,) if not self.best_in_any_order else ()),
-            *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share + _SHARE_TO_SPARE),
+            *(_too_little(visit) for visit in self.covers if visit.planned_share < visit.share + SHARE_TO_SPARE),
             *((_NO_WAY_BACK,) if self.run.recurrent and not self._returns else ()),
         )
 

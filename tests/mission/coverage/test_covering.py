@@ -290,10 +290,54 @@ def test_ways_lead_from_a_place_on_the_very_rim_and_from_none_outside() -> None:
 
 def test_turns_cost_time() -> None:
     straight = np.array([[0.0, 0.0], [100.0, 0.0]])
-    assert PACE.duration_s(straight) == pytest.approx(100.0 / 5.0 + 5.0 / 2.5)
+    assert PACE.duration_s(straight, 4.0) == pytest.approx(100.0 / 5.0 + 5.0 / 2.5)
     there_and_back = np.array([[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]])
-    assert PACE.duration_s(there_and_back) == pytest.approx(2.0 * PACE.duration_s(straight))
+    assert PACE.duration_s(there_and_back, 4.0) == pytest.approx(2.0 * PACE.duration_s(straight, 4.0))
     bent = np.array([[0.0, 0.0], [50.0, 0.0], [50.0, 50.0]])
-    assert PACE.duration_s(straight) < PACE.duration_s(bent) < PACE.duration_s(straight) + 2.0
-    assert PACE.duration_s(np.array([[0.0, 0.0], [1.0, 0.0]])) == pytest.approx(2.0 * np.sqrt(1.0 / 2.5))
-    assert PACE.duration_s(straight[:1]) == 0.0
+    # Within 4 m of the corner on either side there is an arc of 4 m, flown at the root of 10 m/s.
+    slow = np.sqrt(2.5 * 4.0)
+    lost_s = 2.0 * (4.0 / slow - 4.0 / 5.0 + (5.0 - slow) ** 2 / (2.0 * 2.5 * 5.0))
+    assert PACE.duration_s(bent, 4.0) == pytest.approx(PACE.duration_s(straight, 4.0) + lost_s)
+    assert PACE.duration_s(bent, 25.0) == pytest.approx(PACE.duration_s(straight, 25.0))
+    assert PACE.duration_s(np.array([[0.0, 0.0], [1.0, 0.0]]), 4.0) == pytest.approx(2.0 * np.sqrt(1.0 / 2.5))
+    assert PACE.duration_s(straight[:1], 4.0) == 0.0
+    by_length = Pace(speed_m_s=5.0, acceleration_m_s2=np.inf)
+    assert by_length.duration_s(np.concatenate((bent, bent[::-1])), 4.0) == pytest.approx(200.0 / 5.0)
+
+
+@tried(12)
+@given(st.integers(0, 10**6), st.floats(4.0, 15.0), st.floats(0.8, 1.0), st.none() | st.floats(0.0, 360.0))
+def test_of_a_region_as_much_is_covered_as_is_asked_for(
+    seed: int, spacing_m: float, share: float, heading_deg: float | None
+) -> None:
+    region = drawn(seed)
+    ground = shapely.buffer(region, -0.5)
+    if ground.is_empty:
+        return
+    coverage = cover(
+        region,
+        ground,
+        free_of(region, 0.25),
+        spacing_m=spacing_m,
+        entry_m=AWAY,
+        pace=PACE,
+        heading_deg=heading_deg,
+        share=share,
+    )
+    lanes = shapely.linestrings(coverage.lanes_m)
+    assert shapely.covers(ground, lanes).all()
+    missed = region.area - shapely.intersection(region, shapely.union_all(shapely.buffer(lanes, spacing_m / 2.0))).area
+    beyond = region.area - shapely.intersection(region, shapely.buffer(ground, spacing_m / 2.0)).area
+    scraps = 5e-3 * spacing_m**2
+    assert missed <= max((1.0 - share) * region.area, beyond + 2.0 * SPARED * region.area) + scraps
+
+
+def test_a_line_is_saved_where_the_share_that_is_asked_for_allows_it() -> None:
+    region = shapely.box(0.0, 0.0, 120.0, 40.5)
+    ground = shapely.buffer(region, -0.5)
+    for share, count in ((1.0, 6), (0.98, 5), (0.78, 4), (0.39, 2)):
+        coverage = cover(
+            region, ground, ground, spacing_m=8.0, entry_m=(1.0, 1.0), pace=PACE, heading_deg=90.0, share=share
+        )
+        assert len(coverage.lanes_m) == count
+        assert coverage.complete == (share == 1.0)

@@ -180,7 +180,7 @@ def test_a_part_that_cannot_be_reached_is_left_out_where_the_share_allows_it() -
 
 @pytest.mark.parametrize(("spare", "said"), [(0.0061, ""), (0.002, "hardly more than"), (-0.002, "less than the")])
 def test_a_plan_that_covers_hardly_what_is_asked_for_says_so(spare: float, said: str) -> None:
-    planned = plan_of(FIELD_WITH_A_BARN).covers[0].planned_share
+    planned = plan_of(FIELD_WITH_A_BARN.replace("spacing_m: 8", "spacing_m: 8, share: 1")).covers[0].planned_share
     plan = plan_of(FIELD_WITH_A_BARN.replace("spacing_m: 8", f"spacing_m: 8, share: {planned - spare:.9f}"))
     assert [said in warning for warning in plan.warnings if "lanes cover" in warning] == [True] * bool(said)
 
@@ -245,7 +245,7 @@ _LONG_AND_SHORT = """
 domain: {boundary: [[0, 0], [170, 0], [170, 60], [0, 60]]}
 regions:
   yard: {kind: home, polygon: [[150, 44], [166, 44], [166, 58], [150, 58]]}
-  field: {kind: survey, polygon: [[10, 14], [100, 8], [130, 20], [126, 48], [60, 46], [14, 54]], cover: {spacing_m: 20}}
+  field: {kind: survey, polygon: [[10, 14], [100, 8], [130, 20], [126, 48], [60, 46], [14, 54]], cover: {spacing_m: 16}}
 mission: {formula: F (field & F yard)}
 start: {position_m: [158, 50]}
 flight: {speed_m_s: 8, disturbance_m_s2: 1.2}
