@@ -71,10 +71,11 @@ def test_a_late_link_costs_next_to_nothing(plan: FlightPlan) -> None:
 
 @PX4
 def test_a_delay_that_comes_at_once_is_followed(plan: FlightPlan, flavour: str) -> None:
+    """Setpoints that come 0.5 s late at 4 m/s would cost 2 m; it comes to 0.7 to 1.6 m, by when it happens."""
     result = flown(plan, flavour, "link, delay_s: 0.5, at_s: 24")
     assert result.achieved, result.reason
     assert result.link_delay_s == pytest.approx(1.0, abs=0.05)
-    assert result.largest_error_m <= MOST_M
+    assert result.largest_error_m <= 0.8 * 0.5 * plan.spec.flight.speed_m_s
     assert "for the vehicle to keep up, over a link that takes 1.0 s" in result.reason
 
 
