@@ -193,7 +193,7 @@ def test_the_command_ends_with_4_when_the_vehicle_is_killed(
                 os.kill(self.process_id, signal.SIGKILL)
             return super().failure()
 
-    monkeypatch.setattr("mission.cli.vehicle_link.BundledVehicle", Watched)
+    monkeypatch.setattr("mission.fly.linking.BundledVehicle", Watched)
     assert main(arguments(mission_file)) == 4
     (folder,) = (mission_file.parent / "out").iterdir()
     record = read_record(folder)
