@@ -7,9 +7,9 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
-from mission.cli.changes import Given, changes_of, text_with
 from mission.cli.extent import extent, without
 from mission.cli.findings import print_departure
+from mission.cli.given import Given, changes_of, text_with
 from mission.cli.inputs import planned, unwritable
 from mission.cli.live import Display
 from mission.cli.report import MISSION_FILE, PLAN_FILE, later_plan_file, write_again

@@ -4,7 +4,8 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from mission.cli.changes import LAPS, Given, mission_of
+from mission.cli.changes import LAPS
+from mission.cli.given import Given, mission_of
 from mission.errors import Fault, SpecError, reason
 from mission.plan import FlightPlan, plan_from_json, plan_mission
 from mission.whole_file import write_whole

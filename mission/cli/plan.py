@@ -10,9 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from mission.cli.changes import changes_of
 from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
+from mission.cli.given import changes_of
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import out, print_warnings, reach, tube_costs
 from mission.decimals import count, decimal, measure

@@ -3,7 +3,7 @@
 from argparse import Namespace
 from pathlib import Path
 
-from mission.cli.changes import changes_of
+from mission.cli.given import changes_of
 from mission.cli.inputs import bad_file, unwritable
 from mission.cli.report import flight_in
 from mission.errors import Fault, RecordError, SpecError

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from mission.cli.changes import changes_of
+from mission.cli.given import changes_of
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import out, print_warnings
 from mission.monitor.monitor import Outcome

@@ -131,7 +131,7 @@ class FlightLegs:
         """
         before = (self._next or self.legs)[-1]
         given_up = None if fresh else before.given_up or (before if returns else None)
-        asked, laps = before.laps_asked, plan.trajectory.laps
+        asked, laps = before.laps_asked, plan.trajectory.laps if plan.run.recurrent else 0
         if amended:
             asked = None if laps is None else laps_before + laps
         self._next.append(FlightLeg(plan, at_s, laps_before, begun=begun, given_up=given_up, laps_asked=asked))

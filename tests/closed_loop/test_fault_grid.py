@@ -56,10 +56,9 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
             Rule(HOLDS, HOLDS, COMPLETES, astray=True),
         ),
         (Fault.MOTOR, FINE, FINE),
-        (Fault.BATTERY, Rule(STAYS, LANDS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES, given_up=True)),
+        (Fault.BATTERY, Rule(STAYS, LANDS, COMPLETES), Rule(STAYS, HOLDS, COMPLETES, given_up=True)),
         (Fault.FENCE, Rule(RETURNS, RETURNS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES)),
-        # As PX4 the vehicle takes off within the second in which its next heartbeat would have told of the pilot.
-        (Fault.PILOT, Rule(STAYS, HOLDS, HOLDS), Rule(COMPLETES, HOLDS, HOLDS)),
+        (Fault.PILOT, Rule(STAYS, HOLDS, HOLDS), Rule(STAYS, HOLDS, HOLDS)),
         (Fault.GROUND_STATION, Rule(STAYS, RETURNS, RETURNS), Rule(STAYS, RETURNS, RETURNS)),
         (Fault.KILLED, Rule(STAYS, HOLDS, LANDS), Rule(STAYS, HOLDS, LANDS)),
         (Fault.DISK, FINE, FINE),

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from mission.cli.arguments import build_parser, with_negative_pairs
-from mission.cli.changes import changes_of
 from mission.cli.fly import _begin_record
+from mission.cli.given import changes_of
 from mission.cli.inputs import planned
 from mission.spec.loader import load_mission
 from tests.support.commands import MISSIONS, ran

@@ -11,8 +11,8 @@ from rich.console import Console
 
 from mission.cli import fly, live
 from mission.cli.arguments import build_parser
-from mission.cli.changes import changes_of
 from mission.cli.extent import extent
+from mission.cli.given import changes_of
 from mission.cli.inputs import planned
 from mission.cli.live import Display
 from mission.fly import Progress
