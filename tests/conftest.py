@@ -42,10 +42,9 @@ def _is_campaign(config: pytest.Config) -> bool:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """What is collected stays until the end."""
+    """What is collected stays until the end; it is not frozen, for Hypothesis asks the collector who holds what."""
     gc.disable()
     try:
         return (yield)
     finally:
-        gc.freeze()
         gc.enable()

