@@ -8,7 +8,7 @@ from mission.errors import FormulaSyntaxError
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import propositions, written_name
 from mission.spec.domain import examine_domain
-from mission.spec.finding import Finding, Path, listed, nearest, shortened
+from mission.spec.finding import Finding, Path, listed, rather, shortened
 from mission.spec.model import FIELD, TRAJECTORY, Point, Region, RegionKind
 from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS, default_of
 from mission.spec.start_check import NO_TUBE, Tube
@@ -98,8 +98,7 @@ def _toward_findings(heading: Any, regions: Any) -> list[Finding]:  # noqa: ANN4
     name = heading.get("toward") if isinstance(heading, dict) else None
     if name is None or name in regions:
         return []
-    close = nearest(name, frozenset(regions))
-    hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(regions))}"
+    hint = rather(name, sorted(regions), "regions")
     return [Finding(_TOWARD, f"the nose is to look toward `{shortened(name)}`, which is no region", hint)]
 
 
@@ -139,8 +138,7 @@ def _formula_findings(formula: str, names: frozenset[str] | None) -> list[Findin
         return []
     findings = []
     for name in sorted(propositions(parsed) - names):
-        close = nearest(name, names)
-        hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(names))}"
+        hint = rather(name, sorted(names), "regions")
         hint = _unquoted(formula, names) or hint
         place = re.search(rf"(?<![A-Za-z0-9_.]){re.escape(name)}(?![A-Za-z0-9_.])", formula)
         at = place.start() if place else None

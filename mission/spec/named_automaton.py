@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from mission.errors import Fault, SpecError
 from mission.logic.hoa.text import parse_generalised
-from mission.spec.finding import Finding, Path, listed, nearest, shortened
+from mission.spec.finding import Finding, Path, rather, shortened
 from mission.spec.model import NamedAutomaton
 
 AUTOMATON: Path = ("mission", "automaton")
@@ -42,7 +42,6 @@ def _unreadable(file: str, fault: Fault) -> Finding:
 def _unknown(file: str, propositions: Iterable[str], regions: frozenset[str]) -> Iterable[Finding]:
     for name in propositions:
         if name not in regions:
-            close = nearest(name, regions)
-            hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(regions))}"
+            hint = rather(name, sorted(regions), "regions")
             message = f"the automaton in {shortened(file)} speaks of `{shortened(name)}`, which is no region"
             yield Finding(AUTOMATON, message, hint)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
-from mission.spec.finding import Finding, Path, listed, nearest, shortened
+from mission.spec.finding import Finding, Path, rather, shortened
 from mission.spec.task_schema import MOST_SOFT_TASKS
 
 _ENTERED: Final = frozenset({"until", "then", "in"})
@@ -21,8 +21,7 @@ def task_findings(number: int, task: dict[str, Any], kinds: Mapping[str, str]) -
     named = list(_named(task, ("tasks", number)))
     for path, name, entered in named:
         if name not in kinds:
-            close = nearest(name, kinds)
-            hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(kinds))}"
+            hint = rather(name, sorted(kinds), "regions")
             findings.append(Finding(path, f"the task speaks of `{shortened(name)}`, which is no region", hint))
         elif entered and kinds[name] == "restricted":
             message = f"the task asks to enter `{name}`, which is restricted and so never entered"

@@ -10,7 +10,7 @@ from typing import Any, Final
 from mission.errors import FormulaSyntaxError
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.syntax import TEMPORAL, Formula, Operator, postorder, proposition_order
-from mission.spec.finding import Finding, Path, listed, nearest, shortened
+from mission.spec.finding import Finding, Path, rather, shortened
 from mission.spec.shape_schema import mapping
 
 BY_HAND: Final = "by hand"
@@ -121,8 +121,7 @@ def _unknown_states(value: Mapping[str, Any], states: Iterable[str]) -> Iterator
     known = tuple(states)
     for path, name in named:
         if str(name) not in known:
-            close = nearest(str(name), known)
-            hint = f"did you mean `{close}`?" if close else f"the states are {listed(known)}"
+            hint = rather(str(name), known, "states")
             yield Finding((*_PATH, *path), f"`{shortened(str(name))}` is none of the automaton's states", hint)
 
 
@@ -143,8 +142,7 @@ def _guard(text: str, path: Path, names: frozenset[str] | None) -> tuple[Formula
 def _unknown_regions(guard: Formula, path: Path, names: frozenset[str]) -> Iterator[Finding]:
     for name in proposition_order(guard):
         if name not in names:
-            close = nearest(name, names)
-            hint = f"did you mean `{close}`?" if close else f"the regions are {listed(sorted(names))}"
+            hint = rather(name, sorted(names), "regions")
             yield Finding(path, f"`{shortened(name)}` is no region", hint)
 
 
