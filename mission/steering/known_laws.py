@@ -25,7 +25,7 @@ class KnownLaw(NamedTuple):
 
 def laws_of(curve: Curve, law: TimeLaw) -> tuple[KnownLaw, ...]:
     """The pieces of a curve that are flown from rest to rest by its law, without a rest in between."""
-    pieces, joints = ((curve,), [0.0, curve.duration_s]) if not isinstance(curve, JoinedCurve) else _cut(curve)
+    pieces, joints = _cut(curve)
     found = []
     for piece, begin, end in zip(pieces, joints, joints[1:], strict=False):
         rounding = _SAME * piece.duration_s
@@ -51,7 +51,7 @@ def known_law(
         limits: Those of the vehicle.
         slow: Where it is to be slow.
     """
-    pieces, joints = ((curve,), [0.0, curve.duration_s]) if not isinstance(curve, JoinedCurve) else _cut(curve)
+    pieces, joints = _cut(curve)
     piece = next((piece for piece, *ends in zip(pieces, joints, joints[1:], strict=False) if (*ends,) == span_s), None)
     law = next((each.law for each in known if each.piece is piece), None)
     if law is None or strain(law, grid_of(curve, span_s, law.knots_s, limits, slow), limits).excess > _NEARLY:
@@ -59,6 +59,9 @@ def known_law(
     return law
 
 
-def _cut(curve: JoinedCurve) -> tuple[tuple[Piece, ...], list[float]]:
+def _cut(curve: Curve) -> tuple[tuple[Piece, ...], list[float]]:
+    """The pieces of a curve, and where they join, its ends included."""
+    if not isinstance(curve, JoinedCurve):
+        return (curve,), [0.0, curve.duration_s]
     joints: list[float] = curve.joints_s.tolist()
     return curve.pieces, joints
