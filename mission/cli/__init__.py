@@ -11,10 +11,12 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 
+from mission.cli.busy import doing
 from mission.cli.signals import EndingSignals
 from mission.cli.streams import output_failure, take_streams
 
 BAD_INPUT = 2
+INTERRUPTED = 130
 READER_GONE = 141
 
 
@@ -43,6 +45,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             code = _told(failure)
         except OSError as error:
             code = _told(error)
+        except KeyboardInterrupt:
+            # What flies takes signals for itself, and has said what was interrupted.
+            code = signals.exit_code or INTERRUPTED
         except BaseException:
             # An interruption of an import may come out as something else.
             if not signals.exit_code:
@@ -63,8 +68,10 @@ def _run(arguments: Sequence[str]) -> int:
         parser.print_help(sys.stderr)
         return BAD_INPUT
     try:
-        module = getattr(options, "module", options.command)  # a keyword of Python cannot name one
-        return int(import_module(f"mission.cli.{module}").run(options))
+        name = getattr(options, "module", options.command)  # a keyword of Python cannot name one
+        with doing("loading"):
+            command = import_module(f"mission.cli.{name}")
+        return int(command.run(options))
     except MissionError as error:
         from mission.cli.screen import print_error  # noqa: PLC0415 - the terminal library is loaded when it is needed
 

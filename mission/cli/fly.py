@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
+from mission.cli.busy import doing
 from mission.cli.extent import extent, without
 from mission.cli.findings import print_departure
 from mission.cli.given import Given, changes_of, text_with
@@ -92,7 +93,8 @@ def _flown(
 ) -> _Flown:
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
-        vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
+        with doing("reaching the vehicle" if arguments.connect else "starting the vehicle"):
+            vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
         if left is None:
             folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), changes_of(arguments))
         else:

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+from mission.cli.busy import doing
 from mission.cli.changes import LAPS
 from mission.cli.given import Given, mission_of
 from mission.errors import Fault, SpecError, reason
@@ -23,7 +24,8 @@ def planned(file: str, run: int | None = None, given: Given | None = None) -> Fl
     """
     spec = mission_of(file, given or {})
     try:
-        plan = plan_mission(spec, run=run)
+        with doing(f"planning {Path(file).name}"):
+            plan = plan_mission(spec, run=run)
     except SpecError as error:
         faults = error.faults
         if run is not None:

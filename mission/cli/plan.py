@@ -10,6 +10,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.cli.busy import doing
 from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.given import changes_of
@@ -59,10 +60,11 @@ def run(arguments: Namespace) -> int:
 
 
 def _draw(plan: FlightPlan, folder: Path) -> None:
-    from mission.report.figures import save_all  # noqa: PLC0415 - drawing is loaded when it is asked for
-
     try:
-        save_all(plan, None, folder)
+        with doing("drawing"):
+            from mission.report.figures import save_all  # noqa: PLC0415 - drawing is loaded when it is asked for
+
+            save_all(plan, None, folder)
     except OSError as error:
         raise unwritable("--pictures", folder, error) from error
 

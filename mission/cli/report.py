@@ -4,6 +4,7 @@ from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
 
+from mission.cli.busy import doing
 from mission.cli.inputs import bad_file, read_plan
 from mission.cli.screen import out
 from mission.errors import RecordError, reason
@@ -36,8 +37,10 @@ def write_again(folder: Path, *, pictures: bool) -> None:
         RecordError: Its record is damaged other than by a cut last line.
         OSError: It cannot be written to.
     """
-    plan, record, mission_text = flight_in(folder)
-    write_report(plan, record, folder, pictures=pictures, mission_text=mission_text)
+    with doing("reading the flight"):
+        plan, record, mission_text = flight_in(folder)
+    with doing("drawing the report" if pictures else "writing the report"):
+        write_report(plan, record, folder, pictures=pictures, mission_text=mission_text)
 
 
 def flight_in(folder: Path) -> tuple[FlightPlan, Record, str]:

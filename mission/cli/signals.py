@@ -9,6 +9,8 @@ import sys
 from types import FrameType, TracebackType
 from typing import Any, Self
 
+from mission.cli.busy import erase
+
 _OF_SIGNALS = 128
 """A program that a signal ended has this plus the signal's number for its exit code, as shells have it."""
 
@@ -64,6 +66,7 @@ class EndingSignals:
 
     def _interrupt(self, number: int, _frame: FrameType | None) -> None:
         if self._number:
+            erase()
             os._exit(self.exit_code)
         self._number = number
         raise Signalled

@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.cli.busy import doing
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned, unwritable, write_named
 from mission.cli.screen import out, print_warnings
@@ -45,10 +46,11 @@ def run(arguments: Namespace) -> int:
 
 
 def _draw(plan: FlightPlan, simulation: Simulation, folder: Path) -> None:
-    from mission.report.figures import save_simulated  # noqa: PLC0415 - drawing is loaded when it is asked for
-
     try:
-        save_simulated(plan, simulation, folder)
+        with doing("drawing"):
+            from mission.report.figures import save_simulated  # noqa: PLC0415 - drawing is loaded when it is asked for
+
+            save_simulated(plan, simulation, folder)
     except OSError as error:
         raise unwritable("--pictures", folder, error) from error
 

@@ -33,6 +33,11 @@ class Progress:
         verdict: What is known of the word flown so far.
         behind_s: How far this computer is behind what the vehicle says, by its time; 0 while it keeps up.
         told: What has come up so far that the stages do not tell, in plain words: pilots, other plans.
+        altitude_m: How high the vehicle is by its last report, up from where the mission's zero lies; None before one.
+        speed_m_s: How fast it is over the ground; None before one.
+        error_m: How far it is from the trajectory on the axis where that is more; None where it flies none.
+        battery_percent: What is left of its charge; None where it does not tell.
+        nearest: The restricted region that is nearest, as it is drawn, and how far, m; None where there is none.
     """
 
     stage: Stage
@@ -51,6 +56,11 @@ class Progress:
     verdict: Verdict
     behind_s: float = 0.0
     told: tuple[str, ...] = ()
+    altitude_m: float | None = None
+    speed_m_s: float | None = None
+    error_m: float | None = None
+    battery_percent: float | None = None
+    nearest: tuple[str, float] | None = None
 
     @property
     def left_s(self) -> float:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mission.fly.listening import Listening
+from mission.fly.nearness import Nearness
 from mission.fly.recording import RecordWriter
 from mission.fly.result import Progress
 from mission.geometry.location import OUTSIDE
@@ -58,6 +59,7 @@ class FlightWatch:
         returning: Whether the vehicle was asked to return after the lap that it was in.
         place_m: Where the vehicle is, by its last report, ENU in the domain.
         velocity_m_s: How fast.
+        altitude_m: How high; None before a report.
     """
 
     def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
@@ -71,11 +73,13 @@ class FlightWatch:
         self.returning = False
         self.place_m = plan.start_m
         self.velocity_m_s: Point = (0.0, 0.0)
+        self.altitude_m: float | None = None
         self.gaps: list[Gap] = []
         self.cadence = CadenceWatch()
         self.pictures: list[int] = []
         self._told_s = math.inf
         self._record = record
+        self._nearness = Nearness()
         self._stage = Stage.CONNECT
         self._written = (0, 0, 0)
         """Which leg was written last, and how many of its visits and violations."""
@@ -178,6 +182,11 @@ class FlightWatch:
             returning=self.returning or 0.0 < self._trajectory.laps_end_s <= flown_s,
             verdict=self.monitor.verdict,
             behind_s=listening.behind_s if listening.is_behind else 0.0,
+            altitude_m=self.altitude_m,
+            speed_m_s=None if self.altitude_m is None else math.hypot(*self.velocity_m_s),
+            error_m=self.tracking.error_m if session.stage is Stage.FLY else None,
+            battery_percent=None if session.vehicle.battery is None else session.vehicle.battery.percent,
+            nearest=None if self.altitude_m is None else self._nearness.of(self.plan, self.place_m),
         )
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:
@@ -207,6 +216,7 @@ class FlightWatch:
         if leg is not self.legs.now:
             self.tracking.rest()
         self.place_m, self.velocity_m_s = place, (event.velocity_m_s[0], event.velocity_m_s[1])
+        self.altitude_m = event.position_m[2]
         if event.trajectory_s is None:
             self.tracking.rest()
         else:
