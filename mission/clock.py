@@ -48,3 +48,16 @@ class SteadyClock:
         self._shown_s += counted_s
         self.left_out_s += abs(passed_s - counted_s)
         return self._shown_s
+
+
+class TimeOfDay:
+    """What time of the day it is by another clock, as by a vehicle's that runs faster than the machine's."""
+
+    def __init__(self, clock: Clock, now_us: int | None = None) -> None:
+        """Let it be ``now_us`` now, microseconds since 1970; by default, what the machine says."""
+        self._clock, self._began_s = clock, clock.now_s()
+        self._began_us = time.time_ns() // 1000 if now_us is None else now_us
+
+    def us(self) -> int:
+        """Microseconds since 1970."""
+        return self._began_us + round((self._clock.now_s() - self._began_s) * 1e6)

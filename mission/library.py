@@ -4,10 +4,13 @@ import io
 from contextlib import ExitStack
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import yaml
 
+from mission.clock import Clock, TimeOfDay
 from mission.fly import FlightOptions, FlightResult, VehicleOptions, fly, home_for
+from mission.fly.folder import FlightFolder
 from mission.fly.linking import linked
 from mission.plan import FlightPlan, plan_to_json
 from mission.report.record import FlightRecord
@@ -18,6 +21,9 @@ from mission.verify.flown.reach import FASTEST_M_S
 from mission.verify.logs.reading import read_flight
 from mission.verify.plans import Claim, claims
 from mission.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from mission.fly.recording import RecordWriter
 
 
 def fly_plan(
@@ -53,21 +59,22 @@ def fly_plan(
     conducted = options or FlightOptions(land_when_stopped=address is None)
     with ExitStack() as stack:
         running, transport, clock = linked(address or started, conducted.link, stack)
-        record = stack.enter_context(_record(plan, folder))
         failure = None if running is None else running.failure
+        record: RecordWriter = FlightRecord(io.BytesIO(), mission=plan.spec.name)
+        if folder is not None:
+            kept = stack.enter_context(_folder(plan, folder, clock))
+            record, transport = kept, kept.logged(transport)
         return fly(plan, transport, clock, record, options=conducted, vehicle_failure=failure)
 
 
-def _record(plan: FlightPlan, root: Path | None) -> FlightRecord:
-    """The record of a flight, in a folder with its mission and its plan where one is wanted."""
-    if root is None:
-        return FlightRecord(io.BytesIO(), mission=plan.spec.name)
-    record = FlightRecord.in_folder(root, "flight", datetime.now(UTC).strftime("%Y%m%d-%H%M%S"))
-    folder = record.folder or root
+def _folder(plan: FlightPlan, root: Path, clock: Clock) -> FlightFolder:
+    """A flight's folder with its mission and its plan."""
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    folder = FlightFolder.begun(root, "flight", TimeOfDay(clock).us, stamp)
     document = yaml.safe_dump(document_of(plan.spec), sort_keys=False, allow_unicode=True)
-    write_whole(folder / "mission.yaml", document)
-    write_whole(folder / "plan.json", plan_to_json(plan))
-    return record
+    write_whole(folder.path / "mission.yaml", document)
+    write_whole(folder.path / "plan.json", plan_to_json(plan))
+    return folder
 
 
 def verify_plan(plan: FlightPlan) -> tuple[Claim, ...]:

@@ -3,17 +3,17 @@
 from argparse import Namespace
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
 from mission.cli.busy import doing
 from mission.cli.extent import extent, without
 from mission.cli.findings import print_departure
-from mission.cli.given import Given, changes_of, text_with
-from mission.cli.inputs import planned, unwritable
+from mission.cli.flight_folder import begin_folder
+from mission.cli.given import changes_of
+from mission.cli.inputs import planned
 from mission.cli.live import Display
-from mission.cli.report import MISSION_FILE, PLAN_FILE, later_plan_file, write_again
+from mission.cli.report import PLAN_FILE, later_plan_file, write_again
 from mission.cli.resume import left_in, reopened
 from mission.cli.screen import err, out, print_error, print_warnings, reach
 from mission.cli.signals import EndingSignals
@@ -31,14 +31,9 @@ from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
 from mission.report.reading import read_record
-from mission.report.record import FlightRecord
-from mission.spec.drawn_files import drawn_files
+from mission.report.report import PAGE_FILE
 from mission.spec.model import FIELD
-from mission.spec.structure import plain_data
-from mission.spec.yaml_tree import read_tree
 from mission.whole_file import write_whole
-
-AUTOMATON_SUFFIX = ".hoa"
 
 
 def run(arguments: Namespace) -> int:
@@ -62,10 +57,13 @@ def run(arguments: Namespace) -> int:
         hurried = stop.take() is not None
     if link.signatures is not None:
         link.signatures.end()
-    _report(flight.folder, pictures=flight.heard and not arguments.no_pictures, hurried=hurried)
-    if flight.result is not None:
-        with suppress(OSError):
+    reported = _report(flight.folder, pictures=flight.heard and not arguments.no_pictures, hurried=hurried)
+    with suppress(OSError):
+        if flight.result is not None:
             _print_verdict(flight.result, flight.folder, flight.elapsed_s)
+        else:
+            report = f", its report is {flight.folder / PAGE_FILE}" if reported else ""
+            err.print(f"the flight is kept in {flight.folder}{report}", markup=False)
     return flight.exit_code
 
 
@@ -96,10 +94,10 @@ def _flown(
         with doing("reaching the vehicle" if arguments.connect else "starting the vehicle"):
             vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
         if left is None:
-            folder, record = _begin_record(Path(arguments.out), plan, Path(arguments.file), changes_of(arguments))
+            kept = begin_folder(Path(arguments.out), plan, Path(arguments.file), clock, changes_of(arguments))
         else:
-            folder, record = Path(arguments.resume), reopened(Path(arguments.resume), left.record)
-        stack.enter_context(record)
+            kept = reopened(Path(arguments.resume), left.record, clock)
+        folder = stack.enter_context(kept).path
         replanner = _replanner(clock, stack, bundled=vehicle is not None)
         with suppress(OSError):
             err.print(f"recorded in {folder}", markup=False)
@@ -109,9 +107,9 @@ def _flown(
         try:
             result = fly(
                 plan,
-                transport,
+                kept.logged(transport),
                 clock,
-                record,
+                kept,
                 options=FlightOptions(
                     link=link,
                     land_when_stopped=vehicle is not None,
@@ -138,7 +136,6 @@ def _flown(
                 print_error(failure)
             if isinstance(failure, LinkError) and not display.heard:
                 err.print(f"    {UNHEARD}", markup=False)
-            err.print(f"the record is kept in {folder}", markup=False)
             return _Flown(folder, display.heard, failure.exit_code)
         except KeyboardInterrupt:
             _keep_pictures(folder)
@@ -158,37 +155,6 @@ def _replanner(clock: Clock, stack: ExitStack, *, bundled: bool) -> Replanner:
     return process
 
 
-def _begin_record(root: Path, plan: FlightPlan, file: Path, given: Given | None = None) -> tuple[Path, FlightRecord]:
-    """Begin the flight's folder: the record, the mission with what was given in its place, and the plan."""
-    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    try:
-        mission_text = text_with(plan.spec, file, given).encode() if given else file.read_bytes()
-        record = FlightRecord.in_folder(root, file.stem, stamp)
-        folder = record.folder or root
-        write_whole(folder / MISSION_FILE, mission_text)
-        write_whole(folder / PLAN_FILE, plan_to_json(plan))
-        _write_automaton(folder, plan)
-        _write_drawings(folder, mission_text, file.parent)
-    except OSError as error:
-        raise unwritable("--out", root, error) from error
-    return folder, record
-
-
-def _write_automaton(folder: Path, plan: FlightPlan) -> None:
-    """Lay the mission's automaton beside the copy of the mission, where that will look for it."""
-    named = plan.spec.automaton
-    if named is not None and named.file == Path(named.file).name and named.file.endswith(AUTOMATON_SUFFIX):
-        write_whole(folder / named.file, named.text)
-
-
-def _write_drawings(folder: Path, mission_text: bytes, beside: Path) -> None:
-    """Lay the files that draw regions of the mission beside its copy, too."""
-    data, _ = plain_data(read_tree(mission_text.decode("utf-8-sig"))[0])
-    for name in drawn_files(data):
-        if name == Path(name).name and not (folder / name).exists():
-            write_whole(folder / name, (beside / name).read_bytes())
-
-
 def _keep_pictures(folder: Path) -> None:
     """Write down where pictures were taken, of a flight that is left without a report."""
     with suppress(MissionError, OSError):
@@ -203,8 +169,12 @@ def _keep_plan(file: Path, text: str) -> None:
         warn(f"the plan that is flown could not be written: {reason(error)}")
 
 
-def _report(folder: Path, *, pictures: bool, hurried: bool) -> None:
-    """Write the report; a signal, or one that has come already, leaves out the pictures, a second ends the program."""
+def _report(folder: Path, *, pictures: bool, hurried: bool) -> bool:
+    """Write the report; a signal, or one that has come already, leaves out the pictures, a second ends the program.
+
+    Returns:
+        Whether it is there.
+    """
     with EndingSignals():
         try:
             try:
@@ -214,8 +184,10 @@ def _report(folder: Path, *, pictures: bool, hurried: bool) -> None:
                 write_again(folder, pictures=False)
         except (MissionError, OSError) as error:  # a flight is not lost for want of a picture of it
             err.print(f"the report could not be written: {error}; try `mission report {folder}`", markup=False)
+            return False
     if pictures and hurried:
         err.print(f"the pictures are left out; `mission report {folder}` draws them", markup=False)
+    return True
 
 
 def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None:
@@ -233,7 +205,7 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     if result.plan.run.recurrent:
         asked = result.plan.trajectory.laps
         out.print(f"laps      {result.laps}{'' if asked is None else f' of {asked}'}", markup=False)
-    out.print(f"report    {folder / 'report.html'}", markup=False)
+    out.print(f"report    {folder / PAGE_FILE}", markup=False)
     colour, name = ("green", "ACHIEVED") if result.achieved else ("red", "NOT ACHIEVED")
     out.print(f"[bold {colour}]{name}[/]  ", end="")
     out.print(f"{result.reason}{without(result.plan)}", markup=False)

@@ -6,11 +6,12 @@ from pathlib import Path
 from mission.cli.given import changes_of
 from mission.cli.inputs import bad_file, unwritable
 from mission.cli.report import flight_in
+from mission.clock import Clock, TimeOfDay
 from mission.errors import Fault, RecordError, SpecError
 from mission.fly.amendments import amended_file
+from mission.fly.folder import FlightFolder
 from mission.fly.resuming import Unfinished, unfinished
 from mission.report.reading import LEG, Record
-from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec
 
@@ -53,15 +54,15 @@ def _amended_last(folder: Path, record: Record) -> MissionSpec | None:
     return load_mission(file) if file is not None and file.is_file() else None
 
 
-def reopened(folder: Path, record: Record) -> FlightRecord:
-    """The record of a flight, to go on with.
+def reopened(folder: Path, record: Record, clock: Clock) -> FlightFolder:
+    """The folder of a flight, to go on with.
 
     Raises:
         SpecError: It cannot be written to, or another program still flies this flight.
         RecordError: Another program has flown it on since it was read.
     """
     try:
-        return FlightRecord.reopened(folder, record.mission, record.size)
+        return FlightFolder.reopened(folder, record.mission, TimeOfDay(clock).us, record.size)
     except BlockingIOError as error:
         hint = "end that program first; a flight has one"
         raise bad_file(folder, "another program still flies this flight", hint) from error

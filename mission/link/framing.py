@@ -21,6 +21,7 @@ _V1_SYSTEM: Final = 3
 _V2_SYSTEM: Final = 5
 _CHECKSUM: Final = 2
 _SIGNED: Final = 1
+LONGEST_FRAME: Final = _V2_HEADER + 255 + _CHECKSUM + TRAILER
 _EXTRA: Final = {int(number): bytes((kind.crc_extra,)) for number, kind in mavlink.mavlink_map.items()}
 
 
@@ -77,6 +78,18 @@ def split(data: bytes, *, goes_on: bool = False) -> tuple[list[Frame], int]:
             return frames, at
         at += 1
     return frames, end
+
+
+def frame_size(data: bytes, at: int) -> int | None:
+    """How long the frame is that begins there, by its own word, which no checksum vouches for; None where none does."""
+    if len(data) < at + 3:
+        return None
+    magic, length, flags = data[at : at + 3]
+    if magic == _V1:
+        return _V1_HEADER + int(length) + _CHECKSUM
+    if magic == _V2:
+        return _V2_HEADER + int(length) + _CHECKSUM + (TRAILER if flags & _SIGNED else 0)
+    return None
 
 
 def _number_and_flags(data: bytes, at: int) -> tuple[int, int]:

@@ -41,9 +41,10 @@ from enum import Enum
 from io import FileIO
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Self
 
 from mission.errors import RecordError
+from mission.growing_file import GrowingFile, Sink, whole_lines
 
 try:
     import fcntl
@@ -53,16 +54,6 @@ except ImportError:  # Windows
 SCHEMA = 1
 RECORD_FILE = "record.jsonl"
 LONGEST_FOLDER_NAME = 80
-
-
-class Sink(Protocol):
-    """Where lines go: an unbuffered binary stream, or one in memory."""
-
-    def write(self, data: bytes, /) -> int:
-        """Take the first of these bytes at once; return how many."""
-
-    def close(self) -> None:
-        """Take no more."""
 
 
 class FlightRecord:
@@ -75,8 +66,7 @@ class FlightRecord:
     def __init__(self, sink: Sink, *, mission: str, folder: Path | None = None, begins: bool = True) -> None:
         """Write a record on ``sink`` (an ``io.BytesIO`` will do), which begins with its header line."""
         self.folder = folder
-        self._sink = sink
-        self._rest = b""
+        self._file = GrowingFile(sink)
         if begins:
             self.write("header", None, schema=SCHEMA, mission=mission)
 
@@ -107,7 +97,7 @@ class FlightRecord:
         """
         file = folder / RECORD_FILE
         stream = _claimed(file.open("ab", buffering=0))
-        whole = file.read_bytes().rfind(b"\n") + 1
+        whole = whole_lines(file.read_bytes())
         if whole != size:
             stream.close()
             raise RecordError("another program has flown this flight on since it was read; try again", line=0)
@@ -123,20 +113,12 @@ class FlightRecord:
             TypeError: A value that JSON cannot hold.
             OSError: The disk is full, say; this line is lost.
         """
-        self._put(b"")
-        self._put(_line({"kind": kind, "t_s": t_s, **{name: values[name] for name in sorted(values)}}))
-
-    def _put(self, line: bytes) -> None:
-        """Write what is left of the last line, or else this one: whole, or begun, or not at all."""
-        rest = self._rest or line
-        while rest:  # an unbuffered file may take less than it was given
-            rest = rest[self._sink.write(rest) :]
-            self._rest = rest
+        self._file.add(json_line({"kind": kind, "t_s": t_s, **{name: values[name] for name in sorted(values)}}))
 
     def close(self) -> None:
         """End the record; a record in memory is left open for whoever owns its stream."""
         if self.folder is not None:
-            self._sink.close()
+            self._file.close()
 
     def __enter__(self) -> Self:
         return self
@@ -204,7 +186,12 @@ def _file_name(text: str) -> str:
     return re.sub(r"[^A-Za-z0-9._-]+", "-", text)[:LONGEST_FOLDER_NAME].strip(".-") or "mission"
 
 
-def _line(values: Mapping[str, object]) -> bytes:
+def json_line(values: Mapping[str, object]) -> bytes:
+    """Values as one line of JSON; those of numpy and numbers that are not finite, too.
+
+    Raises:
+        TypeError: A value that JSON cannot hold.
+    """
     try:
         text = _ENCODER.encode(values)
     except ValueError:  # something in it is not finite: rare, so only then is every value looked at

@@ -9,6 +9,7 @@ from typing import BinaryIO, Final
 
 from mission.errors import GeometryError
 from mission.geometry.geodesy import LatLon
+from mission.link.framing import LONGEST_FRAME, frame_size
 from mission.link.messages import AUTOPILOT_ARDUPILOT, AUTOPILOT_COMPONENT, AUTOPILOT_NONE, Codec, numbers_of
 from mission.link.values import (
     Attitude,
@@ -44,10 +45,7 @@ _TOLD: Final = numbers_of(
 _STAMP: Final = 8
 _V1: Final = 0xFE
 _V2: Final = 0xFD
-_V1_FRAME: Final = 8  # header and checksum
-_V2_FRAME: Final = 12
-_SIGNATURE: Final = 13
-_LONGEST: Final = _STAMP + _V2_FRAME + 255 + _SIGNATURE
+_LONGEST: Final = _STAMP + LONGEST_FRAME
 _MS: Final = 1e-3
 _US: Final = 1e-6
 _ACTIVE: Final = 4
@@ -162,14 +160,8 @@ def _can_follow(data: bytes, at: int) -> bool:
 
 def _record_size(data: bytes, at: int) -> int | None:
     """How long the record is that begins there; None where none does."""
-    if len(data) < at + _STAMP + 3:
-        return None
-    magic, length, flags = data[at + _STAMP : at + _STAMP + 3]
-    if magic == _V1:
-        return _STAMP + _V1_FRAME + length
-    if magic == _V2:
-        return _STAMP + _V2_FRAME + length + (_SIGNATURE if flags & 1 else 0)
-    return None
+    size = frame_size(data, at + _STAMP)
+    return None if size is None else _STAMP + size
 
 
 def _number(frame: bytes) -> int:

@@ -6,9 +6,10 @@ from pathlib import Path
 import pytest
 
 from mission.cli.arguments import build_parser, with_negative_pairs
-from mission.cli.fly import _begin_record
+from mission.cli.flight_folder import begin_folder
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned
+from mission.clock import WallClock
 from mission.spec.loader import load_mission
 from tests.support.commands import MISSIONS, ran
 from tests.support.small_missions import SMALL
@@ -44,10 +45,13 @@ def test_a_formula_takes_the_place_of_an_automaton(capsys: pytest.CaptureFixture
 def test_the_folder_of_a_flight_has_the_mission_as_it_is_flown(file: Path, tmp_path: Path) -> None:
     given = changes_of(build_parser().parse_args(["fly", str(file), "--altitude", "9", "--formula", "F goal"]))
     plan = planned(str(file), None, given)
-    folder, record = _begin_record(tmp_path / "flights", plan, file, given)
-    with record:
-        assert load_mission(folder / "mission.yaml") == plan.spec
-    assert "altitude_m: 9.0" in (folder / "mission.yaml").read_text()
+    kept = begin_folder(tmp_path / "flights", plan, file, WallClock(), given)
+    with kept:
+        assert load_mission(kept.path / "mission.yaml") == plan.spec
+    assert "altitude_m: 9.0" in (kept.path / "mission.yaml").read_text()
+    assert (kept.path / "mission-as-written.yaml").read_bytes() == file.read_bytes()
+    given_here = json.loads((kept.path / "overrides.json").read_text())
+    assert given_here == {"flight.altitude_m": 9.0, "mission.formula": "F goal"}
 
 
 @pytest.mark.parametrize(

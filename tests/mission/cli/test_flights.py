@@ -101,12 +101,13 @@ def test_a_vehicle_that_is_never_heard(unheard: tuple[Path, list[str]]) -> None:
     folder, lines = unheard
     assert lines[-3].startswith("error: no vehicle was heard")
     assert lines[-2].startswith("    check that the vehicle or its simulator runs")
-    assert lines[-1] == f"the record is kept in {folder}"
+    assert lines[-1] == f"the flight is kept in {folder}, its report is {folder / 'report.html'}"
 
 
 def test_the_folder_of_a_failed_flight_is_whole(silent: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    names = ["mission.yaml", "plan.json", "record.jsonl", "report.html", "summary.json"]
-    assert sorted(file.name for file in silent.iterdir()) == names
+    names = ["events.jsonl", "flight.tlog", "mission.yaml", "plan.json", "record.jsonl", "report.html", "summary.json"]
+    assert sorted(file.name for file in silent.iterdir()) == [*names, "verdict.json"]
+    assert json.loads((silent / "verdict.json").read_text())["achieved"] is False
     assert (silent / "mission.yaml").read_bytes() == Path(PAPER).read_bytes()
     assert ran(capsys, "verify", str(silent / "plan.json")).code == 0
 

@@ -9,12 +9,14 @@ from typing import Literal
 import pytest
 from rich.console import Console
 
-from mission.cli import fly, live
+from mission.cli import live
 from mission.cli.arguments import build_parser
 from mission.cli.extent import extent
+from mission.cli.flight_folder import begin_folder
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned
 from mission.cli.live import Display
+from mission.clock import WallClock
 from mission.fly import Progress
 from mission.monitor.laps import laps_text
 from mission.monitor.stage import Stage
@@ -61,9 +63,9 @@ def test_the_folder_of_a_flight_has_the_laps_that_were_asked_for(file: Path) -> 
     arguments = build_parser().parse_args(["fly", str(file), "--laps", "3", "--out", str(file.parent / "flights")])
     given = changes_of(arguments)
     plan = planned(arguments.file, arguments.run, given)
-    folder, record = fly._begin_record(Path(arguments.out), plan, file, given)
-    with record:
-        assert load_mission(folder / "mission.yaml") == plan.spec
+    kept = begin_folder(Path(arguments.out), plan, file, WallClock(), given)
+    with kept:
+        assert load_mission(kept.path / "mission.yaml") == plan.spec
 
 
 @pytest.mark.parametrize(
@@ -212,6 +214,6 @@ def test_the_folder_of_a_flight_has_what_draws_the_mission(tmp_path: Path) -> No
     file.write_text(mission("metres"), encoding="utf-8")
     (tmp_path / "farm.json").write_bytes(drawn(degrees=True))
     plan = planned(str(file))
-    folder, record = fly._begin_record(tmp_path / "flights", plan, file)
-    with record:
-        assert load_mission(folder / "mission.yaml").regions == plan.spec.regions
+    kept = begin_folder(tmp_path / "flights", plan, file, WallClock())
+    with kept:
+        assert load_mission(kept.path / "mission.yaml").regions == plan.spec.regions

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from mission.cli.fly import _begin_record
+from mission.cli.flight_folder import begin_folder
+from mission.clock import WallClock
 from mission.plan import plan_mission
 from mission.report.page import page
 from mission.report.summary import summary
@@ -66,9 +67,9 @@ def test_an_automaton_without_a_plan_is_a_refusal(tmp_path: Path, capsys: pytest
 
 def test_the_folder_of_a_flight_and_its_report_have_the_automaton(tmp_path: Path) -> None:
     plan = plan_mission(load_mission(PAIRS))
-    folder, record = _begin_record(tmp_path, plan, PAIRS)
-    record.close()
-    assert load_mission(folder / "mission.yaml") == plan.spec
+    kept = begin_folder(tmp_path, plan, PAIRS, WallClock())
+    kept.close()
+    assert load_mission(kept.path / "mission.yaml") == plan.spec
     shown = page(plan, None, summary(plan, None), [])
     assert "<pre>automaton pairs.hoa</pre>" in shown
     assert "<summary>Automaton pairs.hoa</summary><pre>HOA: v1\n" in shown
