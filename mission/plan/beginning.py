@@ -12,7 +12,7 @@ from mission.geometry.arrays import FloatArray
 from mission.plan.begun import LanesLeft, StayLeft
 from mission.spec.model import Point
 from mission.steering.bezier import DEGREE, BezierCurve
-from mission.steering.corridor import Pace
+from mission.steering.motion import Motion, Pace
 from mission.steering.stopping import Stopping, stopping
 
 _SLOW: Final = 0.25  # of the speed that is flown
@@ -20,7 +20,10 @@ _TINY: Final = 1e-12
 _OF_LIMITS: Final = 0.75
 """With which the vehicle brakes, in what it can do."""
 
-_THROUGH: Final = (1.0, 0.5, 0.25)
+_OF_JERK: Final = 0.5
+"""What the curve takes of it at first; the rest is left for the law to slow down."""
+
+_THROUGH: Final = (1.5, 1.0, 0.5, 0.25)
 """How far ahead a path goes straight on at first, in ways on which the vehicle comes to rest."""
 
 
@@ -36,6 +39,12 @@ class Onward(NamedTuple):
     slope_m_s: FloatArray
     bend_m_s2: FloatArray
     law: tuple[float, float]
+
+    def motion(self, pace: Pace) -> Motion:
+        """What a curve is made for: at first it is flown as fast as it is begun, and as an acceleration fades."""
+        rate, growth = self.law
+        fastest = rate + 0.5 * max(growth, 0.0) ** 2 * float(np.hypot(*self.slope_m_s)) / pace.jerk_m_s3
+        return Motion(self.slope_m_s, self.bend_m_s2, _OF_JERK * pace.jerk_m_s3 / fastest**3)
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ def way_back_in_corridor(
     for run in runs:
         goal = ends if ends[run.suffix[0]] else np.arange(partition.size) == run.suffix[0]
         try:
-            onward = np.zeros(2) if flown.onward is None else flown.onward[0]
+            onward = np.zeros(2) if flown.onward is None else flown.onward.slope
             inside = polygonal(shapely.intersection(free, grounds.inside(goal)))
             ends = room_to_land(inside, free, spec.flight.landing_m)
             ways = _taut((leaving, free), ends, end_m, onward, planner.pace.acceleration_m_s2)

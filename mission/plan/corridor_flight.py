@@ -10,8 +10,9 @@ from mission.errors import UnprovedError
 from mission.geometry.arrays import FloatArray
 from mission.plan.kept import Kept
 from mission.steering.bezier import DEGREE, BezierCurve
-from mission.steering.corridor import LONGEST, Motion, Pace, Way, estimated_s, smooth_ways
+from mission.steering.corridor import LONGEST, Way, estimated_s, smooth_ways
 from mission.steering.joined import Curve, JoinedCurve, Piece
+from mission.steering.motion import Motion, Pace
 from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
 
@@ -48,7 +49,7 @@ class Flown:
         pace: What the vehicle can do.
         to_lap: The lines that are flown once.
         lap: Those of the lap; it begins at a rest, or has none.
-        onward: What is flown before, or the first and second derivative with which the curve begins; None at rest.
+        onward: What is flown before, or the motion with which the curve begins; None at rest.
         kept: What is flown as it was in a plan before.
     """
 
@@ -57,7 +58,7 @@ class Flown:
         pace: Pace,
         to_lap: Sequence[Line],
         lap: Sequence[Line],
-        onward: BezierCurve | tuple[FloatArray, FloatArray] | None,
+        onward: BezierCurve | Motion | None,
         kept: Kept,
     ) -> None:
         self._kept = kept
@@ -144,12 +145,12 @@ class Flown:
         return JoinedCurve(tuple(_joined(part) for part in (self._pieces[:cut], self._pieces[cut:]) if part))
 
     @property
-    def onward(self) -> tuple[FloatArray, FloatArray] | None:
+    def onward(self) -> Motion | None:
         """First and second derivative with which laps end that are flown through."""
         if not self._through:
             return None
         _, slope, bend = self._pieces[-1].jet([self._pieces[-1].duration_s])
-        return slope[0], bend[0]
+        return Motion(slope[0], bend[0])
 
     @property
     def _ends_s(self) -> list[float]:
@@ -175,7 +176,7 @@ def _stands(group: Sequence[Line]) -> bool:
 def _motion(lanes: RoundedPolyline, s: float) -> Motion:
     """With which lanes are begun, or ended."""
     _, slope, bend = lanes.jet([s])
-    return slope[0], bend[0]
+    return Motion(slope[0], bend[0])
 
 
 def _standing(place_m: FloatArray) -> BezierCurve:

@@ -22,8 +22,9 @@ from mission.plan.visits import covered_visits, passage_at, visits
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, Point, Region
 from mission.steering.certificate import Certificate
-from mission.steering.corridor import Pace, Way
+from mission.steering.corridor import Way
 from mission.steering.joined import JoinedCurve
+from mission.steering.motion import Motion, Pace
 from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
 from mission.steering.taut import TautLine, taut_path
@@ -48,7 +49,7 @@ class CorridorPath:
         stops: Pairs (curve parameter, seconds) at which the vehicle loiters.
         covers: The lanes.
         margin_m: Half width of the square that has room round every place of it.
-        onward: First and second derivative with which laps end that are flown through; None where the curve ends at
+        onward: The motion with which laps end that are flown through; None where the curve ends at
             rest.
     """
 
@@ -59,7 +60,7 @@ class CorridorPath:
     stops: tuple[tuple[float, float], ...]
     covers: tuple[CoveredVisit, ...]
     margin_m: float
-    onward: tuple[FloatArray, FloatArray] | None
+    onward: Motion | None
 
 
 def pace_of(spec: MissionSpec) -> Pace:
@@ -133,7 +134,7 @@ class CorridorPlanner:
         if len(lead_m) > 1:
             to_lap.insert(0, Line(Way(lead_m, free, None)))
         before = [] if halt is None else [Line(Way(halt.position([0.0, halt.duration_s]), free, None))]
-        flown = Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward[:2]), self.kept)
+        flown = Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward.motion(self.pace)), self.kept)
         if not flown.moves:
             raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
         curve = flown.curve

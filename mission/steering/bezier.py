@@ -41,6 +41,19 @@ def derivative_points(controls_m: FloatArray, lasts_s: FloatArray, order: int) -
     return points
 
 
+def gram(order: int) -> FloatArray:
+    """G with c^T G c the integral over [0, 1] of the square of the derivative of sum_i B_i(u) c_i, shape (6, 6)."""
+    degree = DEGREE - order
+    bernstein = np.array(
+        [
+            [comb(degree, i) * comb(degree, j) / comb(2 * degree, i + j) / (2 * degree + 1) for j in range(degree + 1)]
+            for i in range(degree + 1)
+        ]
+    )
+    differences = derivative_points(np.eye(DEGREE + 1)[None], np.ones(1), order)[0]
+    return np.asarray(differences.T @ bernstein @ differences)
+
+
 @dataclass(frozen=True, eq=False)
 class BezierCurve:
     """A curve r(s), 0 <= s <= T.

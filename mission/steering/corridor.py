@@ -15,7 +15,6 @@ soonest is kept. Any of them is admissible, so that how far this goes is a matte
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import comb
 from typing import Any, Final, NamedTuple
 
 import clarabel
@@ -25,8 +24,9 @@ import shapely
 
 from mission.errors import UnprovedError
 from mission.geometry.arrays import FloatArray, IntArray
-from mission.steering.bezier import DEGREE, BezierCurve, derivative_points
+from mission.steering.bezier import DEGREE, BezierCurve, gram
 from mission.steering.cells import Cell, borders_of, cell_round
+from mission.steering.motion import Motion, Pace
 from mission.steering.pattern import Pattern
 
 _TURNS: Final = 4  # times that shape and times are improved
@@ -43,17 +43,10 @@ _POINTS: Final = DEGREE + 1
 _UPPER: Final = np.array(np.triu_indices(2 * _POINTS))  # rows and columns of a piece's own block
 
 
-Motion = tuple[FloatArray, FloatArray]
-"""First and second derivative, each (2,), with which a curve goes over into another one."""
-
-
-@dataclass(frozen=True)
-class Pace:
-    """What a vehicle can do: largest speed, acceleration and jerk, in metres and seconds."""
-
-    speed_m_s: float
-    acceleration_m_s2: float
-    jerk_m_s3: float
+_AROUND: Final = np.array([[np.cos(angle), np.sin(angle)] for angle in np.arange(8) * np.pi / 4.0])
+_THIRD: Final = np.array(
+    [[-1.0, 3.0, -3.0, 1.0, 0.0, 0.0], [0.0, -1.0, 3.0, -3.0, 1.0, 0.0], [0.0, 0.0, -1.0, 3.0, -3.0, 1.0]]
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,19 +203,6 @@ def _row(ways: Sequence[Way], pace: Pace) -> _Row:
     return row
 
 
-def _gram(order: int) -> FloatArray:
-    """G with c^T G c the integral over [0, 1] of the square of the derivative of sum_i B_i(u) c_i, shape (6, 6)."""
-    degree = DEGREE - order
-    bernstein = np.array(
-        [
-            [comb(degree, i) * comb(degree, j) / comb(2 * degree, i + j) / (2 * degree + 1) for j in range(degree + 1)]
-            for i in range(degree + 1)
-        ]
-    )
-    differences = derivative_points(np.eye(_POINTS)[None], np.ones(1), order)[0]
-    return np.asarray(differences.T @ bernstein @ differences)
-
-
 class _Programme:
     """The quadratic programme of a row of pieces; what does not depend on their durations is built once."""
 
@@ -249,6 +229,14 @@ class _Programme:
         self._sides, places = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         shift = np.tile(start_m, _POINTS * self._count)
         self._limits = np.concatenate(offsets) - sp.csc_matrix((self._sides, places), shape=(height, size)) @ shift
+        # Likewise, in eight directions, the control points of the third derivative of the first piece.
+        most = np.inf if ends.onward is None else ends.onward.jerk
+        jerks = np.einsum("pc,na->pnca", _THIRD, _AROUND).reshape(-1, 2 * _POINTS)[: None if most < np.inf else 0]
+        each, of = np.nonzero(jerks)
+        self._sides = np.append(self._sides, jerks[each, of])
+        places = np.append(places[0], height + each), np.append(places[1], of)
+        self._jerks = np.full(len(jerks), most / (DEGREE * (DEGREE - 1) * (DEGREE - 2)))
+        height += len(jerks)
         joints, joined, _, given = self._joints(np.ones(self._count), 1.0)
         self._matrix = Pattern(
             np.append(joints, places[0] + given.size), np.append(joined, places[1]), (given.size + height, size)
@@ -269,7 +257,7 @@ class _Programme:
         unit, pace = self._pace.speed_m_s, self._pace
         weights = [1.0, ease * pace.speed_m_s / pace.acceleration_m_s2, ease * pace.speed_m_s / pace.jerk_m_s3]
         blocks = sum(
-            weight**2 * lasts_s[:, None, None] ** (1 - 2 * order) * _gram(order)
+            weight**2 * lasts_s[:, None, None] ** (1 - 2 * order) * gram(order)
             for order, weight in enumerate(weights, start=1)
         )
         # The solver's tolerances are absolute: numbers about 1.
@@ -278,8 +266,9 @@ class _Programme:
         cost = self._cost.filled(np.kron(blocks, np.eye(2))[:, *_UPPER])
         _, _, entries, values = self._joints(lasts_s, unit)
         matrix = self._matrix.filled(np.append(entries, self._sides))
-        offsets = np.append(values, self._limits / unit)
-        cones = [clarabel.ZeroConeT(values.size), clarabel.NonnegativeConeT(len(self._limits))]
+        limits = np.append(self._limits, self._jerks * lasts_s[0] ** 3) / unit
+        offsets = np.append(values, limits)
+        cones = [clarabel.ZeroConeT(values.size), clarabel.NonnegativeConeT(len(limits))]
         solver = clarabel.DefaultSolver(cost, np.zeros(cost.shape[0]), matrix, offsets, cones, _settings())
         solution = solver.solve()
         if str(solution.status) not in ("Solved", "AlmostSolved"):
@@ -314,11 +303,11 @@ class _Programme:
         if self._ends.end_m is not None:
             given.append((count * _POINTS - 1, [1.0], self._ends.end_m - self._ends.start_m))
         if self._ends.onward is not None:
-            slope, bend = self._ends.onward
+            slope, bend, _ = self._ends.onward
             given.append((0, [-1.0, 1.0], slope * lasts_s[0] / DEGREE))
             given.append((0, [1.0, -2.0, 1.0], bend * lasts_s[0] ** 2 / (DEGREE * (DEGREE - 1))))
         if self._ends.into is not None:
-            slope, bend = self._ends.into
+            slope, bend, _ = self._ends.into
             given.append((count * _POINTS - 2, [-1.0, 1.0], slope * lasts_s[-1] / DEGREE))
             given.append((count * _POINTS - 3, [1.0, -2.0, 1.0], bend * lasts_s[-1] ** 2 / (DEGREE * (DEGREE - 1))))
         height = 3 * len(before)
@@ -334,13 +323,13 @@ class _Programme:
         """The same without the jumps that the solver's tolerance left: each piece ends as the next one begins."""
         controls[0, 0] = self._ends.start_m
         if self._ends.onward is not None:
-            slope, bend = self._ends.onward
+            slope, bend, _ = self._ends.onward
             controls[0, 1] = controls[0, 0] + slope * lasts_s[0] / DEGREE
             controls[0, 2] = 2.0 * controls[0, 1] - controls[0, 0] + bend * lasts_s[0] ** 2 / (DEGREE * (DEGREE - 1))
         if self._ends.end_m is not None:
             controls[-1, -1] = self._ends.end_m
         if self._ends.into is not None:
-            slope, bend = self._ends.into
+            slope, bend, _ = self._ends.into
             controls[-1, 4] = controls[-1, 5] - slope * lasts_s[-1] / DEGREE
             controls[-1, 3] = (
                 2.0 * controls[-1, 4] - controls[-1, 5] + bend * lasts_s[-1] ** 2 / (DEGREE * (DEGREE - 1))
@@ -366,7 +355,7 @@ def _settings() -> Any:  # noqa: ANN401 - the solver has no types
 
 
 def _speed_m_s(motion: Motion | None) -> float:
-    return 0.0 if motion is None else float(np.hypot(*motion[0]))
+    return 0.0 if motion is None else float(np.hypot(*motion.slope))
 
 
 def estimated_s(curve: BezierCurve, pace: Pace, onward: Motion | None, into: Motion | None) -> float:

@@ -137,6 +137,18 @@ def test_a_region_that_pops_up_is_kept_out_of() -> None:
     assert "crane" in {name for letter in left.labelling.letters for name in letter}
 
 
+def test_a_region_that_pops_up_ahead_is_flown_round_without_a_rest() -> None:
+    plan = planned(ORDERED)
+    rest = moving(plan, 3.0)
+    x, y = np.array(rest.place_m) + 11.0 * np.array(rest.velocity_m_s) / np.hypot(*rest.velocity_m_s)
+    box = PolygonShape(((x - 2.0, y - 2.0), (x + 2.0, y - 2.0), (x + 2.0, y + 2.0), (x - 2.0, y + 2.0)))
+    amended = replace(plan.spec, regions=(*plan.spec.regions, Region("crane", RegionKind.RESTRICTED, box)))
+    left = plan_rest(plan, rest, amended)
+    law = left.trajectory.legs[0].law
+    assert faults(left) == []
+    assert law.knots_t_s[law.rates == 0.0][0] > 6.0  # where a survey asks for a stay
+
+
 def test_another_origin_is_refused() -> None:
     plan = planned(ORDERED)
     placed = parse_mission(("origin: {latitude_deg: 47, longitude_deg: 8}\n" + HEAD + ORDERED + TAIL).encode())

@@ -5,7 +5,8 @@ import pytest
 import shapely
 
 from mission.steering.bezier import BezierCurve
-from mission.steering.corridor import Pace, Way, smooth_ways
+from mission.steering.corridor import Way, smooth_ways
+from mission.steering.motion import Motion, Pace
 
 PACE = Pace(8.0, 2.5, 5.0)
 HALL = (
@@ -85,7 +86,7 @@ def test_it_goes_on_as_another_curve_ends() -> None:
     middle = 0.5 * (TAUT[2:3] + TAUT[3:4])
     (first,) = smooth_ways([Way(np.concatenate((TAUT[:3], middle)), HALL, None)], PACE)
     end = [first.duration_s]
-    onward = first.derivative(end, 1)[0], first.derivative(end, 2)[0]
+    onward = Motion(first.derivative(end, 1)[0], first.derivative(end, 2)[0])
     (second,) = smooth_ways([Way(np.concatenate((middle, TAUT[3:])), HALL, None)], PACE, onward=onward)
     for order in (0, 1, 2):
         assert second.derivative([0.0], order)[0] == pytest.approx(first.derivative(end, order)[0], abs=1e-6)
@@ -94,12 +95,25 @@ def test_it_goes_on_as_another_curve_ends() -> None:
 
 def test_it_ends_as_another_curve_begins() -> None:
     """With the speed and the bend of what is flown next, from rest and from motion, and inside the corridor."""
-    into = np.array([0.0, -2.0]), np.array([0.05, 0.0])
-    onward = np.array([1.0, 0.5]), np.zeros(2)
+    into = Motion(np.array([0.0, -2.0]), np.array([0.05, 0.0]))
+    onward = Motion(np.array([1.0, 0.5]), np.zeros(2))
     for begins in (None, onward):
         (curve,) = smooth_ways([Way(TAUT, HALL, None)], PACE, onward=begins, into=into)
         end = [curve.duration_s]
         assert curve.position(end)[0] == pytest.approx(TAUT[-1], abs=1e-9)
-        for order, value in enumerate(into, start=1):
+        for order, value in enumerate((into.slope, into.bend), start=1):
             assert curve.derivative(end, order)[0] == pytest.approx(value, abs=1e-6)
         assert outside(curve, HALL) <= 1e-5
+
+
+def test_it_bends_at_first_no_more_than_who_cannot_slow_down_at_once_can_fly() -> None:
+    most, onward = 1.0, Motion(np.array([3.0, 0.0]), np.zeros(2))
+    free, bound = (
+        smooth_ways([Way(TAUT, HALL, None)], PACE, onward=onward._replace(jerk=jerk))[0] for jerk in (np.inf, most)
+    )
+    first = [
+        np.hypot(*curve.derivative(np.linspace(0.0, 0.99 * curve.knots_s[1], 20), 3).T).max() for curve in (free, bound)
+    ]
+    assert first[0] > 2.0 * most
+    assert first[1] <= most / np.cos(np.pi / 8.0) + 1e-6
+    assert outside(bound, HALL) <= 1e-5
