@@ -10,7 +10,7 @@ from typing import NoReturn
 from mission import __version__
 from mission.cli.changes import add_changes
 from mission.cli.flight_options import add_check, add_flights, add_run
-from mission.cli.option_values import offset, place, positive, positive_whole, system_id
+from mission.cli.option_values import add_format, offset, place, positive, positive_whole, system_id
 from mission.printable import printable
 
 PROGRAM = "mission"
@@ -168,6 +168,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     plan.add_argument("--out", metavar="PLAN.json", help="write the whole plan to a file")
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
+    add_format(plan)
     plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
 
     _add_simulate(
@@ -208,6 +209,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
     report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")
+    add_format(report, beside_png=True)
     return parser
 
 
@@ -236,6 +238,7 @@ def _add_simulate(simulate: argparse.ArgumentParser) -> None:
     simulate.add_argument(
         "--pictures", metavar="FOLDER", default="simulated", help="where to draw (default: %(default)s)"
     )
+    add_format(simulate)
     simulate.add_argument("--no-pictures", action="store_true", help="draw nothing")
     simulate.add_argument("--csv", metavar="FILE", help="write time, states, steering law and control, a row a sample")
     simulate.add_argument("--json", action="store_true", help="print one JSON object instead of lines")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from mission.cli.inputs import bad_file, write_named
+from mission.cli.option_values import FORMATS
 from mission.cli.screen import out
 from mission.decimals import count
 from mission.errors import AutomatonSizeError, Fault, SpecError, reason
@@ -24,7 +25,7 @@ from mission.logic.hoa.text import parse_generalised, to_hoa
 from mission.logic.hoa.tokens import MAX_LENGTH
 from mission.spec.finding import shortened
 
-_PICTURES = (".pdf", ".png", ".svg")
+_PICTURES = tuple(f".{name}" for name in sorted(FORMATS))
 _FILES = ".hoa"
 _PAIR = 2
 
@@ -163,9 +164,9 @@ def _picture_file(name: str) -> Path:
 def _draw(shown: _Named, file: Path) -> None:
     # Drawing is loaded when it is asked for.
     from mission.report.figures.automaton import automaton_of_formula  # noqa: PLC0415
-    from mission.report.figures.canvas import to_pdf, to_png, to_svg  # noqa: PLC0415
+    from mission.report.figures.canvas import WRITERS  # noqa: PLC0415
 
-    written = {".png": to_png, ".svg": to_svg, ".pdf": to_pdf}[file.suffix.lower()]
+    written = WRITERS[file.suffix.lower().removeprefix(".")]
     write_named("--picture", file, written(automaton_of_formula(shown.automaton, shown.name)))
 
 

@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Callable
 
 from mission.cli.changes import add_changes
-from mission.cli.option_values import positive, seed, system_id, whole, wind
+from mission.cli.option_values import add_format, positive, seed, system_id, whole, wind
 
 _CHECK = """\
 Report every fault of mission files, and whether each has a plan. With --connect also whether the vehicle there may fly
@@ -92,6 +92,7 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
         help="fly although this row of the check before the flight is a no-go, by its name; several times for several",
     )
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
+    add_format(fly, beside_png=True)
     fly.add_argument(
         "--fence",
         action=argparse.BooleanOptionalAction,

@@ -57,7 +57,12 @@ def run(arguments: Namespace) -> int:
         hurried = stop.take() is not None
     if link.signatures is not None:
         link.signatures.end()
-    reported = _report(flight.folder, pictures=flight.heard and not arguments.no_pictures, hurried=hurried)
+    reported = _report(
+        flight.folder,
+        pictures=flight.heard and not arguments.no_pictures,
+        form=arguments.format,
+        hurried=hurried,
+    )
     with suppress(OSError):
         if flight.result is not None:
             _print_verdict(flight.result, flight.folder, flight.elapsed_s)
@@ -169,7 +174,7 @@ def _keep_plan(file: Path, text: str) -> None:
         warn(f"the plan that is flown could not be written: {reason(error)}")
 
 
-def _report(folder: Path, *, pictures: bool, hurried: bool) -> bool:
+def _report(folder: Path, *, pictures: bool, form: str, hurried: bool) -> bool:
     """Write the report; a signal, or one that has come already, leaves out the pictures, a second ends the program.
 
     Returns:
@@ -178,7 +183,7 @@ def _report(folder: Path, *, pictures: bool, hurried: bool) -> bool:
     with EndingSignals():
         try:
             try:
-                write_again(folder, pictures=pictures and not hurried)
+                write_again(folder, pictures=pictures and not hurried, form=form)
             except KeyboardInterrupt:
                 hurried = True
                 write_again(folder, pictures=False)

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from typing import Final
 
 from mission.errors import GeometryError
 from mission.geometry.geodesy import LatLon
@@ -9,6 +10,8 @@ from mission.spec.model import MOST_LAPS, UNTIL_STOPPED
 
 _DIGITS = 18
 _MOST_ID = 255
+FORMATS: Final = ("png", "svg", "pdf")
+"""Of pictures."""
 
 
 def whole(text: str) -> int:
@@ -102,3 +105,9 @@ def wind(text: str) -> str:
         raise argparse.ArgumentTypeError(f"the speed {first} is negative")
     number(second)
     return text
+
+
+def add_format(command: argparse.ArgumentParser, *, beside_png: bool = False) -> None:
+    """Add the choice of the pictures' format; of reports, whose page shows PNG, of one more."""
+    words = "draw the pictures in this format, too; the page shows png" if beside_png else "what the pictures are"
+    command.add_argument("--format", choices=FORMATS, default="png", help=f"{words} (default: %(default)s)")

@@ -10,11 +10,11 @@ from typing import Final
 
 import numpy as np
 
-from mission.cli.busy import doing
+from mission.cli.drawing import draw
 from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.given import changes_of
-from mission.cli.inputs import planned, unwritable, write_named
+from mission.cli.inputs import planned, write_named
 from mission.cli.screen import out, print_warnings, reach, tube_costs
 from mission.decimals import count, decimal, measure
 from mission.geometry.simplices import Partition
@@ -37,7 +37,7 @@ def run(arguments: Namespace) -> int:
     if arguments.out is not None:
         write_named("--out", Path(arguments.out), plan_to_json(plan))
     if arguments.pictures is not None:
-        _draw(plan, Path(arguments.pictures))
+        draw(Path(arguments.pictures), arguments.format, plan)
     if arguments.json:
         out.out(json.dumps(_asked_for(plan, arguments)))
         return 0
@@ -57,16 +57,6 @@ def run(arguments: Namespace) -> int:
     if arguments.pictures is not None:
         _print(f"Pictures       {printable(arguments.pictures)}")
     return 0
-
-
-def _draw(plan: FlightPlan, folder: Path) -> None:
-    try:
-        with doing("drawing"):
-            from mission.report.figures import save_all  # noqa: PLC0415 - drawing is loaded when it is asked for
-
-            save_all(plan, None, folder)
-    except OSError as error:
-        raise unwritable("--pictures", folder, error) from error
 
 
 def _asked_for(plan: FlightPlan, arguments: Namespace) -> dict[str, object]:

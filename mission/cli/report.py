@@ -22,14 +22,14 @@ def run(arguments: Namespace) -> int:
     """Read a flight folder and write its report."""
     folder = Path(arguments.folder)
     try:
-        write_again(folder, pictures=True)
+        write_again(folder, pictures=True, form=arguments.format)
     except OSError as error:
         raise bad_file(folder, f"the report cannot be written: {reason(error)}", "make the folder writable") from error
     out.print(f"report    {folder / PAGE_FILE}", markup=False)
     return 0
 
 
-def write_again(folder: Path, *, pictures: bool) -> None:
+def write_again(folder: Path, *, pictures: bool, form: str = "png") -> None:
     """Write the report of a flight from its folder alone.
 
     Raises:
@@ -40,7 +40,7 @@ def write_again(folder: Path, *, pictures: bool) -> None:
     with doing("reading the flight"):
         plan, record, mission_text = flight_in(folder)
     with doing("drawing the report" if pictures else "writing the report"):
-        write_report(plan, record, folder, pictures=pictures, mission_text=mission_text)
+        write_report(plan, record, folder, pictures=pictures, form=form, mission_text=mission_text)
 
 
 def flight_in(folder: Path) -> tuple[FlightPlan, Record, str]:

@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from mission.cli.busy import doing
+from mission.cli.drawing import draw
 from mission.cli.given import changes_of
-from mission.cli.inputs import planned, unwritable, write_named
+from mission.cli.inputs import planned, write_named
 from mission.cli.screen import out, print_warnings
 from mission.monitor.monitor import Outcome
 from mission.plan import FlightPlan
@@ -32,7 +32,7 @@ def run(arguments: Namespace) -> int:
     if arguments.csv is not None:
         write_named("--csv", Path(arguments.csv), _table(simulation))
     if not arguments.no_pictures:
-        _draw(plan, simulation, Path(arguments.pictures))
+        draw(Path(arguments.pictures), arguments.format, plan, simulation)
     if arguments.json:
         out.out(json.dumps(_values(plan, simulation, outcome, monitor.word)))
         return int(not outcome.achieved)
@@ -43,16 +43,6 @@ def run(arguments: Namespace) -> int:
     if not arguments.no_pictures:
         _line("Pictures", printable(arguments.pictures))
     return int(not outcome.achieved)
-
-
-def _draw(plan: FlightPlan, simulation: Simulation, folder: Path) -> None:
-    try:
-        with doing("drawing"):
-            from mission.report.figures import save_simulated  # noqa: PLC0415 - drawing is loaded when it is asked for
-
-            save_simulated(plan, simulation, folder)
-    except OSError as error:
-        raise unwritable("--pictures", folder, error) from error
 
 
 def _table(simulation: Simulation) -> str:

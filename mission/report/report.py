@@ -17,7 +17,13 @@ SUMMARY_FILE = "summary.json"
 
 
 def write_report(
-    plan: FlightPlan, record: Record | None, folder: Path, *, pictures: bool = True, mission_text: str = ""
+    plan: FlightPlan,
+    record: Record | None,
+    folder: Path,
+    *,
+    pictures: bool = True,
+    form: str = "png",
+    mission_text: str = "",
 ) -> dict[str, Any]:
     """Write ``report.html``, ``summary.json``, the pictures, and of photographs their places; return the summary.
 
@@ -26,6 +32,7 @@ def write_report(
         record: The record of its flight, or None for a plan that was not flown.
         folder: Made if it is not there. Files of an earlier report are replaced, each as a whole.
         pictures: Whether to draw the pictures; the page shows only those.
+        form: ``svg`` or ``pdf`` to draw each picture in that format, too.
         mission_text: The mission file as the user wrote it, shown on the page.
 
     Raises:
@@ -37,7 +44,7 @@ def write_report(
         write_pictures(record.pictures, folder)
     # The numbers first: they are there even if the drawing is interrupted.
     write_whole(folder / SUMMARY_FILE, json.dumps(numbers, indent=2, allow_nan=False) + "\n")
-    drawn = save_all(plan, record, folder) if pictures else ()
+    drawn = save_all(plan, record, folder, tuple(dict.fromkeys(("png", form)))) if pictures else ()
     # A vehicle may send half of a surrogate pair, which no page can hold.
     html = page(plan, record, numbers, drawn, mission_text=mission_text).encode(errors="replace")
     write_whole(folder / PAGE_FILE, html)

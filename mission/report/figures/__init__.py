@@ -1,6 +1,6 @@
 """The pictures of a plan and of its flight: the paper's Figures 2 to 10, for any mission."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from mission.plan import FlightPlan
 from mission.report.figures.automaton import automaton
-from mission.report.figures.canvas import to_png
+from mission.report.figures.canvas import WRITERS
 from mission.report.figures.coverage import coverage
 from mission.report.figures.histories import control_signals, time_histories, tracked_states
 from mission.report.figures.partition import annotated_partition
@@ -27,7 +27,7 @@ class Picture:
     """A picture in a folder.
 
     Attributes:
-        file: Its name there.
+        file: Its name there, as PNG.
         title: What it is.
         caption: What is seen in it.
         by_field: What is, of a flight that is led by the field; empty where that is the same.
@@ -154,8 +154,16 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
 )
 
 
-def save_all(plan: FlightPlan, record: Record | None, folder: Path) -> tuple[Picture, ...]:
+def save_all(
+    plan: FlightPlan, record: Record | None, folder: Path, formats: Sequence[str] = ("png",)
+) -> tuple[Picture, ...]:
     """Draw the pictures of a plan, and of its flight where there is a record, into a folder; return what was drawn.
+
+    Args:
+        plan: The plan.
+        record: The record of its flight, or None for a plan that was not flown.
+        folder: Made if it is not there.
+        formats: Of ``png``, ``svg``, ``pdf``; each picture is written in each.
 
     Raises:
         OSError: The folder cannot be written to.
@@ -173,7 +181,7 @@ def save_all(plan: FlightPlan, record: Record | None, folder: Path) -> tuple[Pic
             figure = entry.draw(plan, record)
         else:
             continue
-        write_whole(folder / entry.picture.file, to_png(figure))
+        _write(figure, folder / entry.picture.file, formats)
         drawn.append(entry.picture)
     if plan.spec.flight.guidance == FIELD:
         drawn = [replace(picture, caption=picture.by_field or picture.caption) for picture in drawn]
@@ -187,13 +195,22 @@ _SIMULATED: Final = {
 }
 
 
-def save_simulated(plan: FlightPlan, simulation: Simulation, folder: Path) -> tuple[Path, ...]:
-    """Draw Figures 8 to 10 of a simulated flight into a folder; return what was drawn.
+def save_simulated(
+    plan: FlightPlan, simulation: Simulation, folder: Path, formats: Sequence[str] = ("png",)
+) -> tuple[Path, ...]:
+    """Draw Figures 8 to 10 of a simulated flight into a folder, in each of these formats; return what was drawn.
 
     Raises:
         OSError: The folder cannot be written to.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    for name, draw in _SIMULATED.items():
-        write_whole(folder / name, to_png(draw(plan, simulation)))
-    return tuple(folder / name for name in _SIMULATED)
+    files = [_write(draw(plan, simulation), folder / name, formats) for name, draw in _SIMULATED.items()]
+    return tuple(file for written in files for file in written)
+
+
+def _write(figure: Figure, file: Path, formats: Sequence[str]) -> list[Path]:
+    """Write a picture in each format, beside each other."""
+    files = [file.with_suffix(f".{name}") for name in formats]
+    for name, each in zip(formats, files, strict=True):
+        write_whole(each, WRITERS[name](figure))
+    return files

@@ -12,7 +12,17 @@ from mission.logic.automata.automaton import BuchiAutomaton, Edge
 from mission.plan import FlightPlan
 from mission.report.figures.arrows import draw_arrows
 from mission.report.figures.automaton_layout import DISC_PT, Arrangement, Part, arranged
-from mission.report.figures.canvas import NOTE_PT, POINTS_PER_INCH, TITLE_PT, drawing, new_figure, text_size_em, titled
+from mission.report.figures.canvas import (
+    NOTE_PT,
+    POINTS_PER_INCH,
+    TITLE_PT,
+    about,
+    drawing,
+    head_pt,
+    new_figure,
+    text_size_em,
+    titled,
+)
 from mission.report.figures.guard_text import in_lines, keyed, shortened, written
 from mission.report.palette import BLACK, BLUE, QUIET, WHITE
 from mission.spec.model import RegionKind, Semantics
@@ -42,7 +52,7 @@ def automaton(plan: FlightPlan) -> Figure:
     part, arrangement = _first_that_fits(machine, _parts(plan))
     name = "Automaton" if plan.shown_parts == 1 else f"Automata of {plan.shown_parts} parts"
     title = f"{name}: {machine.size} states, {machine.edge_count} edges"
-    return _drawn(machine, part, arrangement, title)
+    return _drawn(machine, part, arrangement, title, plan)
 
 
 def automaton_of_formula(machine: BuchiAutomaton, formula: str) -> Figure:
@@ -94,10 +104,12 @@ def _whole(machine: BuchiAutomaton, formula: str) -> Iterator[Part]:
     yield Part(states, machine.edges, frozenset(), tuple(names), tuple(key), note)
 
 
-def _drawn(machine: BuchiAutomaton, part: Part, arrangement: Arrangement, title: str) -> Figure:
+def _drawn(
+    machine: BuchiAutomaton, part: Part, arrangement: Arrangement, title: str, plan: FlightPlan | None = None
+) -> Figure:
     with drawing():
         corners = [arrangement.labels + 0.5 * sign * np.array(arrangement.sizes).reshape(-1, 2) for sign in (-1, 1)]
-        figure, axes = _canvas([arrangement.nodes, *arrangement.curves, *corners], title, part)
+        figure, axes = _canvas([arrangement.nodes, *arrangement.curves, *corners], title, part, plan)
         for idle, colour in ((False, BLACK), (True, QUIET)):
             chosen = [curve for k, curve in enumerate(arrangement.curves) if (k in part.idle) is idle]
             draw_arrows(axes, chosen, colour=colour, width=1.0, head=8.0, dashed=idle)
@@ -177,7 +189,7 @@ def states_along(plan: FlightPlan) -> list[int]:
     return list(dict.fromkeys(state for states in kept[::-1] for state in sorted(states)))
 
 
-def _canvas(content: Sequence[FloatArray], title: str, part: Part) -> tuple[Figure, Axes]:
+def _canvas(content: Sequence[FloatArray], title: str, part: Part, plan: FlightPlan | None) -> tuple[Figure, Axes]:
     """A figure as large as what it shows, with axes in points that cover it."""
     points = np.concatenate([part for part in content if len(part)])
     (west, south), (east, north) = points.min(axis=0) - DISC_PT, points.max(axis=0) + DISC_PT
@@ -188,12 +200,13 @@ def _canvas(content: Sequence[FloatArray], title: str, part: Part) -> tuple[Figu
     west = 0.5 * (west + east - width)
     rows = _key_rows(part.key, width - 2 * TEXT_MARGIN_PT, key_width)
     below = 30.0 + KEY_LINE_PT * rows + 13.0 * part.note.count("\n") + (8.0 if part.key else 0.0)
-    north, south = north + 38.0, south - below
+    about_it = about(plan, width) if plan else ""
+    north, south = north + head_pt(about_it) + 12.0, south - below
     figure = new_figure(width, north - south)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set(xlim=(west, west + width), ylim=(south, north))
     axes.set_axis_off()
-    titled(figure, title, part.note)
+    titled(figure, title, part.note, about_it)
     for k, line in enumerate(part.key):
         x = west + TEXT_MARGIN_PT + (key_width + KEY_GAP_PT) * (k // rows)
         y = south + below - KEY_LINE_PT * (k % rows + 1)

@@ -1,9 +1,11 @@
 """From an empty figure to the bytes of a file, with no state that outlives a call and no window system."""
 
 import io
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
+from typing import Final
 
 from matplotlib import rc_context, style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -12,6 +14,7 @@ from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.ft2font import FT2Font
 from matplotlib.textpath import text_to_path
 
+from mission.plan import FlightPlan
 from mission.printable import shows
 from mission.report.palette import BLACK, QUIET, STYLE
 
@@ -19,6 +22,9 @@ DPI = 150
 POINTS_PER_INCH = 72.0
 LINE_HEIGHT_EM = 1.17
 TITLE_PT, NOTE_PT = 12.5, 9.0
+LEAST_PT = 8.0
+"""The least size of a text: what would have to be smaller is left out, and the picture says so."""
+SIDE_PT, TITLE_LINE_PT, ABOUT_LINE_PT, MOST_ABOUT_LINES = 12.0, 26.0, 12.0, 2
 
 
 @contextmanager
@@ -35,11 +41,26 @@ def new_figure(width_pt: float, height_pt: float) -> Figure:
     return figure
 
 
-def titled(figure: Figure, title: str, note: str = "") -> None:
-    """Put what the picture shows at its top left, and a small note under it at the bottom."""
+def about(plan: FlightPlan, width_pt: float) -> str:
+    """The mission's name and what it asks for, in at most two lines that fit a picture of this width."""
+    asked = ", ".join(text for _, text in plan.written)
+    words = plain(" ".join(f"{plan.spec.name}: {asked}".split()))
+    return abridged(words, (width_pt - 2 * SIDE_PT) / NOTE_PT, MOST_ABOUT_LINES)
+
+
+def head_pt(about_it: str) -> float:
+    """Height of what stands at the top of a picture: its title, and the lines about its mission."""
+    return TITLE_LINE_PT + ABOUT_LINE_PT * (about_it.count("\n") + 1 if about_it else 0)
+
+
+def titled(figure: Figure, title: str, note: str = "", about_it: str = "") -> None:
+    """Put what the picture shows at its top left, over its mission, and a small note under it at the bottom."""
     height_pt = figure.get_figheight() * POINTS_PER_INCH
-    left = 12.0 / (figure.get_figwidth() * POINTS_PER_INCH)
+    left = SIDE_PT / (figure.get_figwidth() * POINTS_PER_INCH)
     figure.text(left, 1 - 8 / height_pt, plain(title), fontsize=TITLE_PT, fontweight="bold", color=BLACK, va="top")
+    if about_it:
+        top = 1 - TITLE_LINE_PT / height_pt
+        figure.text(left, top, about_it, fontsize=NOTE_PT, color=QUIET, va="top", gid="about")
     if note:
         figure.text(left, 7 / height_pt, plain(note), fontsize=NOTE_PT, color=QUIET, va="bottom")
 
@@ -66,6 +87,10 @@ def to_pdf(figure: Figure) -> bytes:
     with drawing():
         figure.savefig(stream, format="pdf", metadata={"CreationDate": None, "Creator": None, "Producer": None})
     return stream.getvalue()
+
+
+WRITERS: Final[Mapping[str, Callable[[Figure], bytes]]] = {"png": to_png, "svg": to_svg, "pdf": to_pdf}
+"""The formats of pictures, by the endings of their files."""
 
 
 def plain(text: str) -> str:
@@ -107,3 +132,21 @@ def in_width(text: str, most_em: float) -> str:
         else:
             lines.append(word)
     return "\n".join(lines)
+
+
+def abridged(text: str, most_em: float, most_lines: int) -> str:
+    """The text in at most so many lines of at most this width; what has no room is cut off and an ellipsis says so."""
+    lines = in_width(text, most_em).split("\n")
+    kept = lines[:most_lines]
+    for k, line in enumerate(kept):
+        cut = len(lines) > most_lines and k == most_lines - 1
+        if cut or text_size_em(line)[0] > most_em:
+            kept[k] = _cut(line, most_em)
+    return "\n".join(kept)
+
+
+def _cut(line: str, most_em: float) -> str:
+    """The longest beginning of a line that has room before an ellipsis."""
+    begins = range(1, len(line) + 1)
+    end = bisect_right(begins, most_em, key=lambda end: text_size_em(f"{line[:end]} …")[0])
+    return f"{line[:end].rstrip()} …"

@@ -19,7 +19,17 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.shapes import polygonal
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
-from mission.report.figures.canvas import NOTE_PT, in_width, new_figure, plain, text_size_em, titled
+from mission.report.figures.canvas import (
+    NOTE_PT,
+    SIDE_PT,
+    about,
+    head_pt,
+    in_width,
+    new_figure,
+    plain,
+    text_size_em,
+    titled,
+)
 from mission.report.figures.fitting import Placed
 from mission.report.palette import (
     BLACK,
@@ -38,7 +48,7 @@ from mission.spec.model import BoundaryDomain, RegionKind
 WIDTH_PT = 620.0
 SMALLEST_WIDTH_PT = 430.0
 LARGEST_MAP_HEIGHT_PT = 560.0
-LEFT_PT, RIGHT_PT, BOTTOM_PT, TOP_PT = 54.0, 14.0, 58.0, 32.0
+LEFT_PT, RIGHT_PT, BOTTOM_PT, ABOVE_MAP_PT = 54.0, 14.0, 58.0, 6.0
 NOTE_LINE_PT = 11.0
 LEGEND_ROW_PT = 17.0
 PAD_PT = 14.0
@@ -51,18 +61,26 @@ class Chart:
     """A domain with what is drawn of it on every map.
 
     Attributes:
-        partition: The mesh.
-        labelling: Which regions each triangle belongs to.
+        plan: Whose mesh and labels are drawn.
         kinds: What each region is for, by name, in the order of the mission file.
         fence: Where the vehicle may fly; None where the mesh alone says that.
         grounds: The areas of regions that have one, by name.
     """
 
-    partition: Partition
-    labelling: Labelling
+    plan: FlightPlan
     kinds: dict[str, RegionKind]
     fence: Ground | None = None
     grounds: dict[str, Ground] = field(default_factory=dict)
+
+    @property
+    def partition(self) -> Partition:
+        """The mesh."""
+        return self.plan.partition
+
+    @property
+    def labelling(self) -> Labelling:
+        """Which regions each triangle belongs to."""
+        return self.plan.labelling
 
     @cached_property
     def land(self) -> BaseGeometry:
@@ -133,14 +151,16 @@ class Chart:
         return shapely.box(west, south + SCALE_STRIP_PT * self.em_m, east, north)
 
     def figure(self, title: str, *, legend: list[Artist], note: str = "") -> tuple[Figure, Axes]:
-        """An empty map: axes, scale bar, title, and a legend of the region kinds and of the artists given."""
+        """An empty map: axes, scale bar, title, mission, and a legend of the region kinds and of the artists given."""
         west, south, east, north = self.limits_m
         handles = self._kind_handles() + legend
         map_width, map_height = (east - west) / self.em_m, (north - south) / self.em_m
         width = LEFT_PT + map_width + RIGHT_PT
         rows = _rows(handles, width - 20)
-        top = TOP_PT + LEGEND_ROW_PT * len(rows)
-        note = in_width(note, (width - 24) / NOTE_PT)
+        about_it = about(self.plan, width)
+        head = head_pt(about_it)
+        top = head + ABOVE_MAP_PT + LEGEND_ROW_PT * len(rows)
+        note = in_width(note, (width - 2 * SIDE_PT) / NOTE_PT)
         bottom = BOTTOM_PT + NOTE_LINE_PT * note.count("\n") if note else BOTTOM_PT - 14
         height = bottom + map_height + top
         figure = new_figure(width, height)
@@ -148,9 +168,9 @@ class Chart:
         axes.set(xlim=(west, east), ylim=(south, north), xlabel="east, m", ylabel="north, m")
         axes.set_aspect("equal", adjustable="box")
         axes.locator_params(nbins=8)
-        titled(figure, title, note)
+        titled(figure, title, note, about_it)
         for index, row in enumerate(rows):
-            at = (12 / width, 1 - (TOP_PT - 4 + LEGEND_ROW_PT * index) / height)
+            at = (SIDE_PT / width, 1 - (head + 2 + LEGEND_ROW_PT * index) / height)
             figure.legend(
                 handles=row,
                 loc="upper left",
@@ -246,8 +266,7 @@ def chart_of(plan: FlightPlan) -> Chart:
     domain, regions = plan.spec.domain, plan.spec.regions
     grounds = {region.name: region_ground(region, domain) for region in regions}
     return Chart(
-        plan.partition,
-        plan.labelling,
+        plan,
         {region.name: region.kind for region in regions},
         boundary_ground(domain) if isinstance(domain, BoundaryDomain) else None,
         {name: ground for name, ground in grounds.items() if ground is not None},

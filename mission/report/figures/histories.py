@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from mission.monitor.attitude import horizontal_acceleration, tilt
 from mission.plan import FlightPlan
-from mission.report.figures.canvas import drawing, new_figure, titled
+from mission.report.figures.canvas import SIDE_PT, about, drawing, head_pt, new_figure, titled
 from mission.report.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
 from mission.report.reading import Record
 from mission.report.tracking import Tracking, led_by_field, tracking_of
@@ -37,7 +37,9 @@ def time_histories(plan: FlightPlan) -> Figure:
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
         ]
         note = "Time of the curve, before the time law that keeps the vehicle's limits."
-        figure, grid = grid_of("Planned and smoothed path over time", 2, legend, note, "time of the curve, s")
+        figure, grid = grid_of(
+            plan, "Planned and smoothed path over time", 2, legend, note=note, time="time of the curve, s"
+        )
         for column in range(2):
             for row, name in enumerate(("position, m", "velocity, m/s")):
                 axes = grid[row][column]
@@ -69,7 +71,7 @@ def tracked_states(plan: FlightPlan, record: Record) -> Figure:
             legend.append(Line2D([], [], color=VERMILLION, lw=1.0, label="error"))
             legend.append(Line2D([], [], color=QUIET, lw=1.2, ls="--", label=tube))
         title, note = ("Flown states", _BY_FIELD) if by_field else ("Tracked states", "")
-        figure, grid = grid_of(title, 2 if by_field else 3, legend, note, _time(plan))
+        figure, grid = grid_of(plan, title, 2 if by_field else 3, legend, note=note, time=_time(plan))
         for column in range(2):
             for row, (name, flown, asked) in enumerate(rows):
                 axes = grid[row][column]
@@ -101,7 +103,9 @@ def control_signals(plan: FlightPlan, record: Record) -> Figure:
             Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"limit of the tilt, {limit_deg:.3g}°"),
         ]
         note = "In hover, an attitude tilted by α accelerates by g tan α."
-        figure, grid = grid_of("Control signals", 2, legend, note, _time(plan), wide_last=True, own_times=True)
+        figure, grid = grid_of(
+            plan, "Control signals", 2, legend, note=note, time=_time(plan), wide_last=True, own_times=True
+        )
         for column in range(2):
             axes = grid[0][column]
             axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
@@ -129,12 +133,13 @@ def _time(plan: FlightPlan) -> str:
 
 
 def grid_of(
+    plan: FlightPlan,
     title: str,
     rows: int,
     legend: Sequence[Artist],
+    *,
     note: str,
     time: str,
-    *,
     wide_last: bool = False,
     own_times: bool = False,
 ) -> tuple[Figure, list[list[Axes]]]:
@@ -142,8 +147,10 @@ def grid_of(
 
     They have a common time, numbered at the bottom, or their own.
     """
+    about_it = about(plan, WIDTH_PT)
+    head = head_pt(about_it)
     top, bottom, left, right, between, above = (
-        62.0,
+        head + 38.0,
         60.0 if note else 46.0,
         58.0,
         16.0,
@@ -152,11 +159,11 @@ def grid_of(
     )
     height = top + rows * ROW_PT + (rows - 1) * above + bottom
     figure = new_figure(WIDTH_PT, height)
-    titled(figure, title, note)
+    titled(figure, title, note, about_it)
     figure.legend(
         handles=list(legend),
         loc="upper left",
-        bbox_to_anchor=(12 / WIDTH_PT, 1 - 28 / height),
+        bbox_to_anchor=(SIDE_PT / WIDTH_PT, 1 - (head + 2) / height),
         ncols=len(legend),
         borderpad=0,
         borderaxespad=0,

@@ -28,8 +28,8 @@ def true_states(plan: FlightPlan, simulation: Simulation) -> Figure:
     early_step = max(1, int(early.sum()) // MOST_DRAWN)
     with drawing():
         note = f"Below: the error over the first {shown_s:.3g} s, tau being {simulation.time_constant_s:g} s."
-        title = f"{plan.spec.name}: steering law and true states"
-        figure, grid = grid_of(title, 3, _legend(), note, _TIME, own_times=True)
+        title = "Steering law and true states"
+        figure, grid = grid_of(plan, title, 3, _legend(), note=note, time=_TIME, own_times=True)
         for column in range(2):
             for row, (name, true, asked) in enumerate(rows):
                 axes = grid[row][column]
@@ -53,7 +53,7 @@ def true_control(plan: FlightPlan, simulation: Simulation) -> Figure:
             Line2D([], [], color=FLOWN, lw=2.0, label="control, u = -K e + v'"),
             Line2D([], [], color=PLANNED, lw=1.0, label="v', what the steering law asks for"),
         ]
-        figure, grid = grid_of(f"{plan.spec.name}: control signals", 2, legend, note, _TIME, own_times=True)
+        figure, grid = grid_of(plan, "Control signals", 2, legend, note=note, time=_TIME, own_times=True)
         for column in range(2):
             for row, step, end in ((0, _step(simulation), len(early)), (1, 1, int(early.sum()))):
                 axes, t_s = grid[row][column], simulation.t_s[:end:step]
@@ -70,8 +70,7 @@ def true_path(plan: FlightPlan, simulation: Simulation) -> Figure:
     step = _step(simulation)
     true, planned = simulation.position_m[::step], simulation.asked_position_m[::step]
     with drawing():
-        title = f"{plan.spec.name}: planned path and true trajectory"
-        figure, axes = chart.figure(title, legend=_legend() + end_handles())
+        figure, axes = chart.figure("Planned path and true trajectory", legend=_legend() + end_handles())
         chart.draw_domain(axes)
         axes.plot(*true.T, color=FLOWN, lw=3.2, zorder=3, gid="true")
         axes.plot(*planned.T, color=PLANNED, lw=1.0, zorder=3.2, gid="planned")
