@@ -27,13 +27,12 @@ from mission.report.figures.guard_text import in_lines, keyed, shortened, writte
 from mission.report.palette import BLACK, BLUE, QUIET, WHITE
 from mission.spec.model import RegionKind, Semantics
 
-MOST_STATES = 30
+MOST_STATES, MOST_EDGES = 30, 80
 MOST_STATES_IN_FULL = 8
 MOST_EDGES_IN_FULL = 24
 GUARD_PT, SMALL_GUARD_PT = 10.0, 8.5
 LEAST_WIDTH_PT = 470.0
 MARGIN_PT = 26.0
-INITIAL_ARROW_PT = 24.0
 TEXT_MARGIN_PT = 12.0
 KEY_PT, KEY_LINE_PT, KEY_GAP_PT = 9.0, 14.0, 18.0
 ON_PIXELS = 1.05  # how much wider long lines become when each letter starts on a pixel
@@ -63,9 +62,11 @@ def automaton_of_formula(machine: BuchiAutomaton, formula: str) -> Figure:
     """
     if machine.size > MOST_STATES:
         raise _unreadable(f"an automaton of {machine.size} states cannot be read in a picture, {MOST_STATES} can be")
+    if machine.edge_count > MOST_EDGES:
+        raise _unreadable(
+            f"an automaton of {machine.edge_count} edges cannot be read in a picture, {MOST_EDGES} can be"
+        )
     part, arrangement = _first_that_fits(machine, _whole(machine, formula))
-    if arrangement.clashes:
-        raise _unreadable(f"the guards of {machine.edge_count} edges find no room in a picture")
     kind = "deterministic" if machine.deterministic else "nondeterministic"
     numbers = f"{_count(machine.size, 'state')}, {_count(machine.edge_count, 'edge')}"
     figure = _drawn(machine, part, arrangement, f"Automaton: {numbers}, {kind}")
@@ -89,7 +90,7 @@ def _first_that_fits(machine: BuchiAutomaton, parts: Iterable[Part]) -> tuple[Pa
         roots = [part.states.index(state) for state in machine.initial if state in part.states]
         size_pt = GUARD_PT if len(part.states) <= MOST_STATES_IN_FULL else SMALL_GUARD_PT
         arrangement = arranged(part, roots, size_pt)
-        if arrangement.clashes == 0:
+        if np.all(arrangement.corners[1] - arrangement.corners[0] <= (WIDEST_PT, HIGHEST_PT)):
             break
     return part, arrangement
 
@@ -108,8 +109,7 @@ def _drawn(
     machine: BuchiAutomaton, part: Part, arrangement: Arrangement, title: str, plan: FlightPlan | None = None
 ) -> Figure:
     with drawing():
-        corners = [arrangement.labels + 0.5 * sign * np.array(arrangement.sizes).reshape(-1, 2) for sign in (-1, 1)]
-        figure, axes = _canvas([arrangement.nodes, *arrangement.curves, *corners], title, part, plan)
+        figure, axes = _canvas(arrangement.corners, title, part, plan)
         for idle, colour in ((False, BLACK), (True, QUIET)):
             chosen = [curve for k, curve in enumerate(arrangement.curves) if (k in part.idle) is idle]
             draw_arrows(axes, chosen, colour=colour, width=1.0, head=8.0, dashed=idle)
@@ -147,15 +147,32 @@ def _parts(plan: FlightPlan) -> Iterator[Part]:
     restricted = {region.name for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED}
     met = [letter for letter in plan.labelling.letters if not letter & restricted]
     taken = [edge for edge in edges if _takes_any(edge, met)]
+    reached = _reached(machine.initial, taken)
+    unreached = [state for state in states if state not in reached]
+    states = tuple(state for state in states if state in reached)
+    left_out = len(edges) - len(taken)
+    taken = [edge for edge in taken if edge.source in reached]
     guards = [shortened(edge.guard, met) for edge in taken]
     if any(guard != edge.guard for guard, edge in zip(guards, taken, strict=True)):
         notes.append("Guards are cut to what tells the labels outside restricted regions apart.")
-    if len(taken) < len(edges):
-        notes.append(f"{len(edges) - len(taken)} edges that none of these labels can take are left out.")
+    if left_out:
+        lost = f", and {_count(len(unreached), 'state')} that nothing else leads to" if unreached else ""
+        notes.append(f"{_count(left_out, 'edge')} that none of these labels can take are left out{lost}.")
     note = "\n".join(notes)
     yield Part(states, tuple(taken), frozenset(), tuple(map(written, guards)), (), note)
     names, key = keyed(guards)
     yield Part(states, tuple(taken), frozenset(), tuple(names), tuple(key), note)
+
+
+def _reached(initial: Iterable[int], edges: Sequence[Edge]) -> set[int]:
+    """The states that edges lead to from the initial ones."""
+    reached, waiting = set(initial), list(initial)
+    while waiting:
+        source = waiting.pop()
+        found = {edge.target for edge in edges if edge.source == source} - reached
+        reached |= found
+        waiting += sorted(found)
+    return reached
 
 
 def _takes_any(edge: Edge, letters: Sequence[frozenset[str]]) -> bool:
@@ -189,11 +206,9 @@ def states_along(plan: FlightPlan) -> list[int]:
     return list(dict.fromkeys(state for states in kept[::-1] for state in sorted(states)))
 
 
-def _canvas(content: Sequence[FloatArray], title: str, part: Part, plan: FlightPlan | None) -> tuple[Figure, Axes]:
+def _canvas(corners: FloatArray, title: str, part: Part, plan: FlightPlan | None) -> tuple[Figure, Axes]:
     """A figure as large as what it shows, with axes in points that cover it."""
-    points = np.concatenate([part for part in content if len(part)])
-    (west, south), (east, north) = points.min(axis=0) - DISC_PT, points.max(axis=0) + DISC_PT
-    west -= INITIAL_ARROW_PT
+    (west, south), (east, north) = corners
     key_width = KEY_PT * max((text_size_em(line)[0] for line in part.key), default=0.0)
     words = max(key_width, NOTE_PT * text_size_em(part.note)[0], TITLE_PT * text_size_em(title, "bold")[0])
     width = max(LEAST_WIDTH_PT, east - west + 2 * MARGIN_PT, ON_PIXELS * words + 2 * TEXT_MARGIN_PT)
@@ -256,8 +271,4 @@ def _draw_states(axes: Axes, machine: BuchiAutomaton, states: Sequence[int], arr
             zorder=4,
             gid="state",
         )
-    starts = [
-        np.array([node - (DISC_PT + INITIAL_ARROW_PT, 0.0), node - (DISC_PT, 0.0)])
-        for node in nodes[list(arrangement.roots)]
-    ]
-    draw_arrows(axes, starts, colour=BLACK, width=1.8, head=9.0)
+    draw_arrows(axes, arrangement.starts, colour=BLACK, width=1.8, head=9.0)

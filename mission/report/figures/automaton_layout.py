@@ -1,27 +1,27 @@
-"""Where states, arrows and guards stand in the picture of an automaton: in layers, and no guard on another."""
+"""Where states, arrows and guards stand in the picture of an automaton: in layers, and no arrow over what it passes."""
 
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from mission.geometry.arrays import FloatArray
 from mission.logic.automata.automaton import Edge
-from mission.report.figures.arrows import between_discs, bowed
 from mission.report.figures.canvas import text_size_em
-from mission.report.figures.fitting import boxes_at
 from mission.report.figures.layering import Layers, layered
 
-CLASH = 100.0
 DISC_PT = 15.0
-LOOP_PT = 40.0
-ROW_PT = 74.0
-WIDEST_PT = 900.0
-APART_PT = 5.0  # between guards side by side
+LOOP_PT = 28.0  # from the rim of its state to the top of a loop
+INITIAL_ARROW_PT = 24.0
+RUN_UP_PT = 13.0  # of an arrow, level before its state: its head is seen
+BESIDE_PT = 3.0  # between a guard and the bends of its arrow
+PORTS_PT = 9.0  # between arrows at a state, where they have room
+LAST_PORT_PT = 10.0  # from the middle of a state
+SLOPE = 0.35  # of the arrow that changes its height most between two layers
+LEAST_CHANNEL_PT, WIDEST_CHANNEL_PT = 16.0, 75.0
+SAMPLES = 21
 Pair = tuple[int, int]
-PLACES_ON_ARROW = (0.5, 0.42, 0.58, 0.34, 0.66, 0.26, 0.74, 0.19, 0.81)
 
 
 @dataclass(frozen=True)
@@ -57,114 +57,133 @@ class Arrangement:
 
     Attributes:
         size_pt: Size of the guards.
-        roots: Nodes with an arrow from outside.
         nodes: Centres of the states, (N, 2).
+        starts: An arrow from outside for each initial state, (2, 2) each.
         curves: One polyline an edge.
         labels: Centre of the guard of each edge, (E, 2).
         sizes: Width and height of each guard.
-        clashes: Number of guards that hide a state or another guard.
     """
 
     size_pt: float
-    roots: tuple[int, ...]
     nodes: FloatArray
+    starts: list[FloatArray]
     curves: list[FloatArray]
     labels: FloatArray
     sizes: list[tuple[float, float]]
-    clashes: int
+
+    @property
+    def corners(self) -> FloatArray:
+        """South-west and north-east of all that is drawn, shape (2, 2)."""
+        half = 0.5 * np.array(self.sizes).reshape(-1, 2)
+        points = (*self.curves, *self.starts, self.labels - half, self.labels + half, self.nodes - DISC_PT)
+        drawn = np.concatenate([*points, self.nodes + DISC_PT])
+        return np.stack((drawn.min(axis=0), drawn.max(axis=0)))
 
 
 def arranged(part: Part, roots: Sequence[int], size_pt: float) -> Arrangement:
     """Find a place for everything in ``part``, with guards of the given size."""
     pairs = part.pairs
     sizes = [(size_pt * width, size_pt * height) for width, height in map(text_size_em, part.texts)]
-    layers = layered(len(part.states), roots, pairs)
-    columns, row_pt = _spacing(layers, pairs, sizes)
-    nodes = np.stack((columns[list(layers.layer)], -row_pt * np.array(layers.row)), axis=-1)
-    curves = [
-        _loop(nodes[source]) if source == target else _way(layers, (source, target), pairs, columns, row_pt)
-        for source, target in pairs
+    loops = {pair[0]: k for k, pair in enumerate(pairs) if pair[0] == pair[1]}
+    ways = [k for k, pair in enumerate(pairs) if pair[0] != pair[1]]
+    extents = [
+        (
+            DISC_PT + (LOOP_PT + sizes[loops[node]][1] if node in loops else 0.0),
+            DISC_PT + INITIAL_ARROW_PT * (node in roots),
+        )
+        for node in range(len(part.states))
     ]
-    labels, clashes = _label_places(curves, pairs, sizes, nodes)
-    return Arrangement(size_pt, tuple(roots), nodes, curves, labels, sizes, clashes)
+    layers = layered(extents, roots, [pairs[k] for k in ways], [sizes[k][1] for k in ways])
+    columns = _columns(layers, {node: sizes[k][0] for node, k in loops.items()}, [sizes[k][0] for k in ways])
+    nodes = np.array([(columns.middle[level], -y) for level, y in zip(layers.layer, layers.y, strict=True)])
+    ports = _ports(layers, [pairs[k] for k in ways])
+    curves = [np.zeros((0, 2))] * len(pairs)
+    labels = np.zeros((len(pairs), 2))
+    for node, k in loops.items():
+        curves[k] = _loop(nodes[node])
+        labels[k] = nodes[node] + (0.0, DISC_PT + LOOP_PT + 0.5 * sizes[k][1])
+    for index, k in enumerate(ways):
+        way = layers.ways[index]
+        curves[k] = _curve(way, columns, ports[index])
+        level, y = way[layers.labels[index]]
+        labels[k] = columns.middle[level], -y
+    return Arrangement(size_pt, nodes, [_start(nodes[k], layers.layer[k]) for k in roots], curves, labels, sizes)
 
 
-def _spacing(layers: Layers, pairs: Sequence[Pair], sizes: Sequence[tuple[float, float]]) -> tuple[FloatArray, float]:
-    """Where each layer stands, shape (layers,), and the height of a row, in points: as wide as the guards need."""
+@dataclass(frozen=True, eq=False)
+class _Columns:
+    """Where each layer stands: its middle, and how far it reaches to either side, points; shape (layers,)."""
+
+    middle: FloatArray
+    half: FloatArray
+
+
+def _columns(layers: Layers, loops: dict[int, float], widths: Sequence[float]) -> _Columns:
+    """Layers as wide as what stands in them, and apart so that arrows between them are not too steep."""
     count = max(layers.layer) + 1
-    gaps, loops = np.full(count, 60.0), np.zeros(count)
-    for (source, target), (width, _) in zip(pairs, sizes, strict=True):
-        first, last = sorted((layers.layer[source], layers.layer[target]))
-        if source == target:
-            loops[first] = max(loops[first], 0.5 * width)
-        else:
-            gaps[first:last] = np.maximum(gaps[first:last], (width if last - first == 1 else 0.5 * width) + 34.0)
-    steps = np.maximum(2 * DISC_PT + gaps[:-1], loops[:-1] + loops[1:] + 12.0)
-    columns = np.concatenate(([0.0], np.cumsum(steps)))
-    columns *= min(1.0, WIDEST_PT / max(float(columns[-1]), 1.0))
-    tallest = max((height for _, height in sizes), default=0.0)
-    return columns, max(ROW_PT, LOOP_PT + DISC_PT + tallest + 8.0)
+    half = np.where(np.arange(count) % 2 == 0, DISC_PT + RUN_UP_PT, 0.0)
+    steepest = np.zeros(count)
+    for node, width in loops.items():
+        half[layers.layer[node]] = max(half[layers.layer[node]], 0.5 * width + BESIDE_PT)
+    for way, label, width in zip(layers.ways, layers.labels, widths, strict=True):
+        level = way[label][0]
+        half[level] = max(half[level], 0.5 * width + BESIDE_PT)
+        for here, there in itertools.pairwise(way):
+            channel = min(here[0], there[0])
+            steepest[channel] = max(steepest[channel], abs(here[1] - there[1]))
+    channels = np.clip(SLOPE * steepest[:-1], LEAST_CHANNEL_PT, WIDEST_CHANNEL_PT)
+    return _Columns(np.concatenate(([0.0], np.cumsum(half[:-1] + channels + half[1:]))), half)
+
+
+def _ports(layers: Layers, pairs: Sequence[Pair]) -> list[tuple[float, float]]:
+    """How far below the middle of its source and its target each edge ends: those of one side fanned out in order."""
+    sides: dict[tuple[int, bool], list[tuple[float, int, int]]] = {}
+    for k, (pair, way) in enumerate(zip(pairs, layers.ways, strict=True)):
+        for end, (here, there) in enumerate(((way[0], way[1]), (way[-1], way[-2]))):
+            sides.setdefault((pair[end], there[0] > here[0]), []).append((there[1], k, end))
+    ports = np.zeros((len(pairs), 2))
+    for ends in sides.values():
+        last = min(LAST_PORT_PT, 0.5 * PORTS_PT * (len(ends) - 1))
+        for place, (_, k, end) in zip(np.linspace(-last, last, len(ends)), sorted(ends), strict=True):
+            ports[k, end] = place
+    return [(float(first), float(second)) for first, second in ports]
+
+
+def _curve(way: Sequence[tuple[int, float]], columns: _Columns, ports: tuple[float, float]) -> FloatArray:
+    """An arrow from rim to rim: level in each layer, bent between them."""
+    ahead = 1.0 if way[-1][0] > way[0][0] else -1.0
+    x = [columns.middle[level] for level, _ in way]
+    half = [ahead * columns.half[level] for level, _ in way]
+    y = [-each for _, each in way]
+    y[0], y[-1] = y[0] - ports[0], y[-1] - ports[1]
+    rims = [ahead * float(np.sqrt(DISC_PT**2 - port**2)) for port in ports]
+    t = np.linspace(0.0, 1.0, SAMPLES)[:, None]
+    pieces = [np.array([[x[0] + rims[0], y[0]]])]
+    for k in range(len(way) - 1):
+        start, end = np.array([x[k] + half[k], y[k]]), np.array([x[k + 1] - half[k + 1], y[k + 1]])
+        middle = 0.5 * (start[0] + end[0])
+        pieces.append(_bezier(t, start, np.array([middle, start[1]]), np.array([middle, end[1]]), end))
+    pieces.append(np.array([[x[-1] - rims[1], y[-1]]]))
+    return np.concatenate(pieces)
 
 
 def _loop(node: FloatArray) -> FloatArray:
     """An arrow from a node round to itself, above it."""
     t = np.linspace(0.0, 1.0, 33)[:, None]
-    left, right = np.array([-24.0, LOOP_PT + 12.0]), np.array([24.0, LOOP_PT + 12.0])
+    left, right = np.array([-24.0, DISC_PT + LOOP_PT + 10.0]), np.array([24.0, DISC_PT + LOOP_PT + 10.0])
     start = DISC_PT * np.array([-np.sin(0.5), np.cos(0.5)])
     end = start * (-1.0, 1.0)
     curve: FloatArray = node + _bezier(t, start, left, right, end)
     return curve
 
 
-def _way(layers: Layers, pair: Pair, pairs: Sequence[Pair], columns: FloatArray, row_pt: float) -> FloatArray:
-    """An arrow between two nodes through its way points, level at each; apart from one that goes the other way."""
-    points = np.array([(columns[level], -row_pt * row) for level, row in layers.ways[pair]])
-    both_ways = pair[::-1] in pairs
-    if both_ways and len(points) == 2:  # noqa: PLR2004 - nothing in between
-        return between_discs(bowed(points[0], points[1], 0.14), DISC_PT, DISC_PT)
-    if both_ways:
-        points[1:-1, 1] += 9.0 if pair[0] < pair[1] else -9.0
-    t = np.linspace(0.0, 1.0, 25)[:, None]
-    pieces = []
-    for start, end in itertools.pairwise(points):
-        middle = 0.5 * (start[0] + end[0])
-        pieces.append(_bezier(t, start, np.array([middle, start[1]]), np.array([middle, end[1]]), end))
-    return between_discs(np.concatenate(pieces), DISC_PT, DISC_PT)
+def _start(node: FloatArray, layer: int) -> FloatArray:
+    """An arrow to an initial state from outside: from the left where nothing else comes from there, else from below."""
+    towards = np.array([1.0, 0.0]) if layer == 0 else np.array([0.0, 1.0])
+    arrow: FloatArray = node - np.array([[DISC_PT + INITIAL_ARROW_PT], [DISC_PT]]) * towards
+    return arrow
 
 
 def _bezier(t: FloatArray, a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> FloatArray:
     curve: FloatArray = (1 - t) ** 3 * a + 3 * t * (1 - t) ** 2 * b + 3 * t**2 * (1 - t) * c + t**3 * d
     return curve
-
-
-def _label_places(
-    curves: Sequence[FloatArray], pairs: Sequence[Pair], sizes: Sequence[tuple[float, float]], nodes: FloatArray
-) -> tuple[FloatArray, int]:
-    """The centre of each guard, and how many hide a state or another guard.
-
-    Guards stand over their loops, or on their arrows where they hide no state, no other guard and few arrows.
-    """
-    discs = shapely.buffer(shapely.points(nodes), DISC_PT + 1.0)
-    lines = np.array([shapely.LineString(curve) for curve in curves], dtype=object)
-    clashes = 0
-    taken: list[shapely.Geometry] = []
-    places = np.zeros((len(curves), 2))
-    loops_first = sorted(range(len(curves)), key=lambda k: (pairs[k][0] != pairs[k][1], k))
-    for k in loops_first:
-        curve, (width, height) = curves[k], sizes[k]
-        if pairs[k][0] == pairs[k][1]:
-            spots = np.array([[curve[:, 0].mean(), curve[:, 1].max() + 0.5 * height + 1.0]])
-        else:
-            along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(curve, axis=0).T))))
-            at = along[-1] * np.array(PLACES_ON_ARROW)
-            spots = np.stack((np.interp(at, along, curve[:, 0]), np.interp(at, along, curve[:, 1])), axis=-1)
-        boxes = boxes_at(spots[:, 0], spots[:, 1], (width + APART_PT, height), 1.0)
-        cost = 3.0 * CLASH * shapely.intersects(boxes[:, None], discs[None]).sum(axis=1)
-        if taken:
-            cost += CLASH * shapely.intersects(boxes[:, None], np.array(taken)[None]).sum(axis=1)
-        cost += shapely.intersects(boxes[:, None], np.delete(lines, k)[None]).sum(axis=1)
-        best = int(np.argmin(cost))
-        places[k] = spots[best]
-        clashes += bool(cost[best] >= CLASH)
-        taken.append(boxes[best])
-    return places, clashes

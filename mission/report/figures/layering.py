@@ -1,12 +1,14 @@
-"""Layered drawing of a directed graph: left to right, long edges through way points, few crossings.
+"""Layered drawing of a directed graph whose edges are labelled: left to right, no edge over a node or a label.
 
 The classic four steps of Sugiyama: edges that go back are reversed, layers are longest paths, way points are put on
 edges that skip layers and the order in each layer is improved by sweeping barycentres, and coordinates are evened out.
+Between two layers of nodes lies one of labels: a label is a way point that takes room. In a layer each edge keeps its
+height, so that it passes what stands there; between layers there is nothing that it could cross but other edges.
 Every choice has a fixed order, so the same graph gives the same drawing.
 """
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,43 +16,63 @@ import numpy as np
 from mission.geometry.arrays import FloatArray
 
 Edge = tuple[int, int]
-SWEEPS = 12
-EVENINGS = 40
-BESIDE_A_WAY = 0.6  # rows between a node and the way point of an edge that passes by
-BETWEEN_WAYS = 0.4  # rows between two such way points
+Extent = tuple[float, float]
+SWEEPS = 24
+EVENINGS = 60
+APART_PT = 7.0  # between what stands, or passes, in a layer
+STIFFNESS = 6.0  # of edges that pass, against nodes: how much more straight they are
 
 
 @dataclass(frozen=True)
 class Layers:
-    """A layered drawing, in units of one layer (x) and one row (y).
+    """A layered drawing: whole numbers of layers, and heights in points, downwards.
 
     Attributes:
-        layer: The layer of each node, from 0.
-        row: The row of each node; nodes of one layer are at least one row apart, and less so the edges that pass by.
-        ways: The way points of each edge, as pairs (layer, row), from its source to its target, both included.
+        layer: The layer of each node, even, from 0.
+        y: The height of each node.
+        ways: The way points of each edge, as pairs (layer, y), from its source to its target, both included.
+        labels: Which of its way points is the label of each edge.
     """
 
     layer: tuple[int, ...]
-    row: tuple[float, ...]
-    ways: Mapping[Edge, tuple[tuple[int, float], ...]]
+    y: tuple[float, ...]
+    ways: tuple[tuple[tuple[int, float], ...], ...]
+    labels: tuple[int, ...]
 
 
-def layered(size: int, roots: Sequence[int], edges: Sequence[Edge]) -> Layers:
-    """Lay out nodes 0 to ``size`` - 1; edges from a node to itself are left to the caller."""
-    distinct = sorted({edge for edge in edges if edge[0] != edge[1]})
-    forward = _acyclic(size, roots, distinct)
-    layer = _longest_paths(size, sorted(set(forward.values())))
-    chains, height = _with_way_points(size, layer, sorted(set(forward.values())))
-    levels = [*layer, *(height[k] for k in range(size, len(height)))]
-    order = _ordered(levels, chains)
-    loops = {source for source, target in edges if source == target}
-    rows = _evened(order, chains, _Gaps(size, loops))
-    ways: dict[Edge, tuple[tuple[int, float], ...]] = {}
-    for edge in distinct:
-        chain = chains[forward[edge]]
-        points = tuple((levels[node], rows[node]) for node in chain)
-        ways[edge] = points if forward[edge] == edge else points[::-1]
-    return Layers(tuple(layer), tuple(rows[node] for node in range(size)), ways)
+def layered(extents: Sequence[Extent], roots: Sequence[int], edges: Sequence[Edge], heights: Sequence[float]) -> Layers:
+    """Lay out nodes and the labels of the edges between them.
+
+    Args:
+        extents: How far each node reaches above and below its centre, points.
+        roots: Nodes that stand to the left, where no edge that is not reversed leads to them.
+        edges: Between two different nodes each; there may be several between the same.
+        heights: Of the label of each edge, points.
+    """
+    size = len(extents)
+    forward = _acyclic(size, roots, sorted(set(edges)))
+    layer = [2 * each for each in _longest_paths(size, sorted(set(forward.values())))]
+    levels, reach = list(layer), list(extents)
+    chains, labels, load = [], [], dict[int, float]()
+    for edge, height in zip(edges, heights, strict=True):
+        low, high = forward[edge]
+        inner = range(layer[low] + 1, layer[high])
+        middle = 0.5 * (layer[low] + layer[high])
+        label = min(inner[::2], key=lambda level: (load.get(level, 0.0), abs(level - middle)))
+        load[label] = load.get(label, 0.0) + height + APART_PT
+        first = len(levels)
+        levels += inner
+        reach += [(0.5 * height, 0.5 * height) if level == label else (0.0, 0.0) for level in inner]
+        chains.append((low, *range(first, len(levels)), high))
+        labels.append(1 + inner.index(label))
+    y = _evened(_ordered(levels, chains), chains, reach, size)
+    ways = []
+    for k, (edge, chain) in enumerate(zip(edges, chains, strict=True)):
+        points = tuple((levels[node], y[node]) for node in chain)
+        if forward[edge] != edge:
+            points, labels[k] = points[::-1], len(points) - 1 - labels[k]
+        ways.append(points)
+    return Layers(tuple(layer), tuple(y[:size]), tuple(ways), tuple(labels))
 
 
 def _acyclic(size: int, roots: Sequence[int], edges: Sequence[Edge]) -> dict[Edge, Edge]:
@@ -99,27 +121,12 @@ def _longest_paths(size: int, edges: Sequence[Edge]) -> list[int]:
     return layer
 
 
-def _with_way_points(
-    size: int, layer: Sequence[int], edges: Sequence[Edge]
-) -> tuple[dict[Edge, tuple[int, ...]], dict[int, int]]:
-    """Each edge as a chain of nodes, one in each layer that it passes; and the layers of the nodes added for that."""
-    chains: dict[Edge, tuple[int, ...]] = {}
-    added: dict[int, int] = {}
-    for source, target in edges:
-        inner = []
-        for level in range(layer[source] + 1, layer[target]):
-            inner.append(size + len(added))
-            added[inner[-1]] = level
-        chains[source, target] = (source, *inner, target)
-    return chains, {node: added.get(node, 0) for node in range(size + len(added))}
-
-
-def _ordered(levels: Sequence[int], chains: Mapping[Edge, tuple[int, ...]]) -> list[list[int]]:
+def _ordered(levels: Sequence[int], chains: Sequence[tuple[int, ...]]) -> list[list[int]]:
     """The nodes of each layer in an order with few crossings."""
     order: list[list[int]] = [[] for _ in range(max(levels) + 1)]
     for node, level in enumerate(levels):
         order[level].append(node)
-    links = [pair for chain in chains.values() for pair in itertools.pairwise(chain)]
+    links = [pair for chain in chains for pair in itertools.pairwise(chain)]
     before: list[list[int]] = [[] for _ in levels]
     after: list[list[int]] = [[] for _ in levels]
     for source, target in links:
@@ -152,49 +159,42 @@ def _crossings(order: Sequence[Sequence[int]], after: Sequence[Sequence[int]]) -
     return total
 
 
-@dataclass(frozen=True)
-class _Gaps:
-    """Rows between neighbours in a layer; nodes are numbers below ``size``, and ``loops`` are drawn above theirs."""
-
-    size: int
-    loops: set[int]
-
-    def between(self, upper: int, lower: int) -> float:
-        if lower in self.loops or max(upper, lower) < self.size:
-            return 1.0
-        return BESIDE_A_WAY if min(upper, lower) < self.size else BETWEEN_WAYS
-
-
-def _evened(order: Sequence[Sequence[int]], chains: Mapping[Edge, tuple[int, ...]], gaps: _Gaps) -> list[float]:
-    """Rows near the mean of the neighbours' rows, in the given order and far enough apart."""
+def _evened(
+    order: Sequence[Sequence[int]], chains: Sequence[tuple[int, ...]], reach: Sequence[Extent], size: int
+) -> list[float]:
+    """Heights near the mean of the neighbours' heights, in the given order and far enough apart; from 0."""
     count = sum(len(nodes) for nodes in order)
     near: list[list[int]] = [[] for _ in range(count)]
-    for chain in chains.values():
+    for chain in chains:
         for source, target in itertools.pairwise(chain):
             near[source].append(target)
             near[target].append(source)
+    weights = np.where(np.arange(count) < size, 1.0, STIFFNESS)
     offsets = []
-    rows = np.zeros(count)
+    y = np.zeros(count)
     for nodes in order:
-        offsets.append(np.cumsum([0.0, *(gaps.between(*pair) for pair in itertools.pairwise(nodes))]))
-        rows[list(nodes)] = offsets[-1] - 0.5 * offsets[-1][-1]
+        gaps = (reach[upper][1] + APART_PT + reach[lower][0] for upper, lower in itertools.pairwise(nodes))
+        offsets.append(np.cumsum([0.0, *gaps]))
+        y[list(nodes)] = offsets[-1] - 0.5 * offsets[-1][-1]
     for turn in range(EVENINGS):
         layers = list(zip(order, offsets, strict=True))
         for nodes, places in layers if turn % 2 == 0 else layers[::-1]:
-            wished = np.array([rows[near[node]].mean() if near[node] else rows[node] for node in nodes])
-            rows[list(nodes)] = _spaced(wished, places)
-    return [float(row) for row in rows - rows.min()]
+            wished = np.array([y[near[node]].mean() if near[node] else y[node] for node in nodes])
+            y[list(nodes)] = _spaced(wished, places, weights[list(nodes)])
+    tops = [y[node] - reach[node][0] for node in range(count)]
+    return [float(each) for each in y - min(tops)]
 
 
-def _spaced(wished: FloatArray, offsets: FloatArray) -> FloatArray:
+def _spaced(wished: FloatArray, offsets: FloatArray, weights: FloatArray) -> FloatArray:
     """The places nearest to those wished for (least squares) that are as far apart as ``offsets``, or farther."""
     # With the offsets taken off, this is an isotonic regression: blocks that clash are merged to their mean.
-    blocks: list[tuple[float, int]] = []
-    for value in wished - offsets:
-        mean, weight = float(value), 1
+    blocks: list[tuple[float, float, int]] = []
+    for value, own in zip((wished - offsets).tolist(), weights.tolist(), strict=True):
+        mean, weight, count = value, own, 1
         while blocks and blocks[-1][0] > mean:
-            other, size = blocks.pop()
-            mean, weight = (mean * weight + other * size) / (weight + size), weight + size
-        blocks.append((mean, weight))
-    places: FloatArray = np.concatenate([np.full(weight, mean) for mean, weight in blocks]) + offsets
+            other, heavy, more = blocks.pop()
+            mean = (mean * weight + other * heavy) / (weight + heavy)
+            weight, count = weight + heavy, count + more
+        blocks.append((mean, weight, count))
+    places: FloatArray = np.concatenate([np.full(count, mean) for mean, _, count in blocks]) + offsets
     return places

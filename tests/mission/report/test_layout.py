@@ -12,7 +12,7 @@ from mission.logic.automata.guards import Guard
 from mission.report.figures.arrows import between_discs, bowed
 from mission.report.figures.fitting import largest_boxes, place_names, towards_incentres
 from mission.report.figures.guard_text import keyed, shortened, written
-from mission.report.figures.layering import layered
+from mission.report.figures.layering import APART_PT, layered
 from tests.support.drawn_cases import tried
 
 coordinate = st.floats(-10, 10)
@@ -84,24 +84,30 @@ def test_an_arrow_ends_on_the_rims_of_its_discs() -> None:
     assert len(between_discs(bowed(start, end, 0.1), 20.0, 20.0)) == 0
 
 
-@tried(80)
-@given(st.integers(1, 14), st.lists(st.tuples(st.integers(0, 13), st.integers(0, 13)), max_size=40))
-def test_layers_keep_nodes_apart_and_lead_each_edge_from_end_to_end(size: int, edges: list[tuple[int, int]]) -> None:
-    edges = [(a % size, b % size) for a, b in edges]
-    layers = layered(size, [0], edges)
-    assert layers == layered(size, [0], list(reversed(edges)))
-    for level in set(layers.layer):
-        rows = sorted(row for row, own in zip(layers.row, layers.layer, strict=True) if own == level)
-        assert all(b - a >= 1 - 1e-9 for a, b in itertools.pairwise(rows))
-    assert set(layers.ways) == {edge for edge in edges if edge[0] != edge[1]}
-    for (source, target), way in layers.ways.items():
-        assert way[0] == (layers.layer[source], layers.row[source])
-        assert way[-1] == (layers.layer[target], layers.row[target])
+@tried(60)
+@given(st.integers(2, 12), st.lists(st.tuples(st.integers(0, 11), st.integers(0, 11)), max_size=30), st.integers(0, 99))
+def test_layers_keep_apart_what_stands_in_them_and_lead_each_edge_from_end_to_end(
+    size: int, edges: list[tuple[int, int]], seed: int
+) -> None:
+    edges = [(a % size, b % size) for a, b in edges if a % size != b % size]
+    rng = np.random.default_rng(seed)
+    extents = [(float(up), float(down)) for up, down in rng.uniform(10.0, 60.0, (size, 2))]
+    heights = rng.uniform(5.0, 30.0, len(edges)).tolist()
+    layers = layered(extents, [0], edges, heights)
+    assert layers == layered(extents, [0], edges, heights)
+    assert all(level % 2 == 0 for level in layers.layer)
+    standing = [(level, y - up, y + down) for level, y, (up, down) in zip(layers.layer, layers.y, extents, strict=True)]
+    for (source, target), way, label, height in zip(edges, layers.ways, layers.labels, heights, strict=True):
+        assert way[0] == (layers.layer[source], layers.y[source])
+        assert way[-1] == (layers.layer[target], layers.y[target])
         assert all(abs(b[0] - a[0]) == 1 for a, b in itertools.pairwise(way))
-    back = sum(layers.layer[a] >= layers.layer[b] for a, b in layers.ways)
-    cyclic = any((b, a) in layers.ways for a, b in layers.ways)
-    if not cyclic and all(a < b for a, b in layers.ways):
-        assert back == 0
+        assert way[label][0] % 2 == 1
+        reach = [0.5 * height if k == label else 0.0 for k in range(len(way))]
+        standing += [(level, y - r, y + r) for (level, y), r in zip(way[1:-1], reach[1:-1], strict=True)]
+    for (level, _, bottom), (below, top, _) in itertools.pairwise(sorted(standing)):
+        assert level != below or top - bottom >= APART_PT - 1e-6
+    if all(a < b for a, b in edges):
+        assert all(layers.layer[a] < layers.layer[b] for a, b in edges)
 
 
 PROPOSITIONS = ("a", "b", "c", "d")
