@@ -71,10 +71,14 @@ def _run(arguments: Sequence[str]) -> int:
         name = getattr(options, "module", options.command)  # a keyword of Python cannot name one
         with doing("loading"):
             command = import_module(f"mission.cli.{name}")
+            from mission.cli.screen import speak  # noqa: PLC0415 - the terminal library is loaded when it is needed
+        speak(options)
         return int(command.run(options))
     except MissionError as error:
-        from mission.cli.screen import print_error  # noqa: PLC0415 - the terminal library is loaded when it is needed
+        from mission.cli.screen import error_values, print_error, print_json  # noqa: PLC0415 - see above
 
+        if getattr(options, "document", False) and options.json:
+            print_json(error_values(error))
         # A refusal to plan is about the mission file; a failure of the link is not.
         print_error(error, getattr(options, "file", "") if isinstance(error, NoPlanError) else "")
         return error.exit_code

@@ -5,12 +5,14 @@ import re
 import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from mission import __version__
 from mission.cli.changes import add_changes
+from mission.cli.examples import EXAMPLES, examples_of
 from mission.cli.flight_options import add_check, add_flights, add_run
 from mission.cli.option_values import add_format, offset, place, positive, positive_whole, system_id
+from mission.cli.voice import add_voice
 from mission.printable import printable
 
 PROGRAM = "mission"
@@ -28,6 +30,9 @@ first steps:
   mission check missions/survey.yaml
   mission plan missions/survey.yaml --pictures pictures
   mission fly missions/survey.yaml
+
+completion, in this shell and, written into ~/.bashrc or ~/.zshrc, in all to come:
+  eval "$(mission --completion bash)"
 """
 _SCHEMA = """\
 Print the JSON Schema of mission files. With it, editors complete and check a mission while it is written:
@@ -82,7 +87,13 @@ mission like the path itself.
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says of a word that is none of those to choose from which one is like it."""
+    """Says of a word that is none of those to choose from which one is like it, and shows examples at its end."""
+
+    def __init__(self, **options: Any) -> None:  # noqa: ANN401 - argparse's own
+        super().__init__(**{"formatter_class": argparse.RawDescriptionHelpFormatter, **options})
+        command = self.prog.rpartition(" ")[2]
+        if command in EXAMPLES:
+            self.epilog = "\n".join(part for part in (self.epilog, examples_of(command)) if part)
 
     def error(self, message: str) -> NoReturn:
         wrong = _INVALID.search(message)
@@ -96,15 +107,25 @@ class _Version(argparse.Action):
         parser.exit()
 
 
+class _Completion(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, _: object, values: object, *__: object) -> NoReturn:
+        from mission.cli.completion import completion  # noqa: PLC0415 - a library that this alone needs
+
+        sys.stdout.write(f"{completion(parser, str(values))}\n")
+        parser.exit()
+
+
 def build_parser() -> argparse.ArgumentParser:
     """Build the parser of the whole program."""
     parser = _Parser(
         prog=PROGRAM,
         description="Plan drone missions written in linear temporal logic, prove the plan, and fly it over MAVLink.",
         epilog=_EXIT_CODES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
+    parser.add_argument(
+        "--completion", action=_Completion, choices=("bash", "zsh"), help="print what makes a shell complete commands"
+    )
     commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND")
 
     add_check(commands.add_parser)
@@ -113,7 +134,6 @@ def build_parser() -> argparse.ArgumentParser:
         "schema",
         help="print the JSON Schema of mission files, for editors",
         description=_SCHEMA,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
 
     automaton = commands.add_parser(
@@ -143,7 +163,6 @@ def build_parser() -> argparse.ArgumentParser:
         "import",
         help="write a mission file from areas that other programs have drawn",
         description=_IMPORT,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     draft.add_argument("files", nargs="+", metavar="FILE", help="one file or several, all for one mission")
     draft.add_argument("--out", metavar="MISSION.yaml", help="where to write it (default: standard output)")
@@ -176,7 +195,6 @@ def build_parser() -> argparse.ArgumentParser:
             "simulate",
             help="fly a plan with the paper's vehicle: two integrators, no sensors, no MAVLink",
             description=_SIMULATE,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
         )
     )
 
@@ -185,7 +203,6 @@ def build_parser() -> argparse.ArgumentParser:
             "verify",
             help="judge a written plan, or any flight of which there is a log",
             description=_VERIFY,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
         )
     )
 
@@ -197,7 +214,6 @@ def build_parser() -> argparse.ArgumentParser:
         "amend",
         help="change the mission of a flight that is under way",
         description=_AMEND,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     amend.add_argument("folder", metavar="FOLDER", help="the folder of a flight that is under way")
     amend.add_argument(
@@ -210,6 +226,11 @@ def build_parser() -> argparse.ArgumentParser:
     report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
     report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")
     add_format(report, beside_png=True)
+    add_voice(
+        report,
+        "each file with its size",
+        "folder, report, and what the report shows: mission, formula, planned, certificate, flown, verdict and more",
+    )
     return parser
 
 
@@ -275,7 +296,13 @@ def _add_verify(verify: argparse.ArgumentParser) -> None:
         default=20.0,
         help="no vehicle was faster: bounds where it may have been in gaps, m/s (default: %(default)g)",
     )
-    flight.add_argument("--json", action="store_true", help="print one JSON object instead of lines")
+    add_voice(
+        verify,
+        "what `mission plan` shows of a plan, and all that a log leaves open, not the first ten times only",
+        "of a plan plan, proved, guidance and claims; of a flight achieved, reason, specification, log, word, "
+        "violations, not_told, restricted, covered, wishes, laps, pictures and deviation, or parts with these where it "
+        "was amended",
+    )
 
 
 def _add_export(export: argparse.ArgumentParser) -> None:

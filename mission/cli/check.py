@@ -1,19 +1,19 @@
 """``mission check``: report every fault of mission files, whether each has a plan, and whether a vehicle may fly it."""
 
-import json
 from argparse import Namespace
 from contextlib import ExitStack
 
 from mission.cli.extent import extent
 from mission.cli.findings import print_table
 from mission.cli.inputs import planned
-from mission.cli.screen import err, out, print_error, print_warnings, tube_text
+from mission.cli.plan import print_plan, summary
+from mission.cli.screen import err, error_values, out, print_error, print_json, print_warnings, tube_text
 from mission.cli.vehicle_link import UNHEARD, link_options
 from mission.clock import WallClock
 from mission.decimals import count, decimal
 from mission.errors import Fault, LinkError, MissionError, SpecError
 from mission.fly.linking import open_link
-from mission.fly.preflight import NoGoError, inspect
+from mission.fly.preflight import Findings, NoGoError, inspect
 from mission.link.address import parse_address
 from mission.plan import FlightPlan
 from mission.printable import printable
@@ -23,23 +23,34 @@ from mission.spec.model import FIELD
 def run(arguments: Namespace) -> int:
     """Check each file; the exit code is that of the worst of them."""
     _check_options(arguments)
-    codes = []
+    codes: list[int] = []
+    found: list[dict[str, object]] = []
+    vehicle: dict[str, object] = {}
     for name in arguments.files:
         try:
             plan = planned(name)
         except MissionError as error:
             print_error(error, source=name)
             codes.append(error.exit_code)
+            found.append({"file": name, **error_values(error)})
             continue
         codes.append(0)
-        if not arguments.json:
-            _print_plan(plan, name)
-        print_warnings(plan.warnings, source=name)
+        found.append({"file": name, "exit_code": 0, "warnings": list(plan.warnings), "plan": summary(plan)})
+        _print_plan(plan, name)
+        if arguments.verbose:
+            print_plan(plan)
+        else:
+            print_warnings(plan.warnings, source=name)
         if arguments.connect is not None:
-            codes.append(_look(arguments, plan))
+            findings = _look(arguments, plan)
+            print_table(findings, out)
+            vehicle = {"mission": plan.spec.name, **findings.values()}
+            codes.append(0 if findings.go else NoGoError(findings).exit_code)
     bad = sum(code > 0 for code in codes)
     if bad and len(codes) > 1 and arguments.connect is None:
         err.print(f"[bold red]{bad:,} of {count(len(codes), 'file')} cannot be flown[/]")
+    if arguments.json:
+        print_json({"exit_code": max(codes), "missions": found, **vehicle})
     return max(codes)
 
 
@@ -54,29 +65,23 @@ def _check_options(arguments: Namespace) -> None:
         if len(arguments.files) > 1:
             raise SpecError((Fault(0, 0, "--connect", "looks at a vehicle for one mission", "name one file"),))
         return
-    for option, given in (("--json", arguments.json), ("--system-id", arguments.system_id is not None)):
-        if given:
-            raise SpecError((Fault(0, 0, option, "is for a vehicle", "say with --connect where it is"),))
+    if arguments.system_id is not None:
+        raise SpecError((Fault(0, 0, "--system-id", "is for a vehicle", "say with --connect where it is"),))
 
 
-def _look(arguments: Namespace, plan: FlightPlan) -> int:
-    """Look at the vehicle, and say go or no-go."""
+def _look(arguments: Namespace, plan: FlightPlan) -> Findings:
+    """Look at the vehicle: go or no-go."""
     link = link_options(arguments)
     with ExitStack() as stack:
         transport = open_link(arguments.connect, link)
         stack.callback(transport.close)
         try:
-            findings = inspect(plan, transport, WallClock(), link=link)
+            return inspect(plan, transport, WallClock(), link=link)
         except LinkError as error:
             raise LinkError(f"{error}; {UNHEARD}") from error
         finally:
             if link.signatures is not None:
                 link.signatures.end()
-    if arguments.json:
-        out.out(json.dumps({"mission": plan.spec.name, **findings.values()}, indent=2, ensure_ascii=False))
-    else:
-        print_table(findings, out)
-    return 0 if findings.go else NoGoError(findings).exit_code
 
 
 def _print_plan(plan: FlightPlan, name: str) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 from mission.cli.changes import add_changes
 from mission.cli.option_values import add_format, positive, seed, system_id, whole, wind
+from mission.cli.voice import add_voice
 
 _CHECK = """\
 Report every fault of mission files, and whether each has a plan. With --connect also whether the vehicle there may fly
@@ -44,7 +45,6 @@ def add_flights(add_parser: Callable[..., argparse.ArgumentParser]) -> None:
                 help=brief,
                 description=description,
                 epilog=ADDRESSES,
-                formatter_class=argparse.RawDescriptionHelpFormatter,
             )
         )
 
@@ -56,11 +56,15 @@ def add_check(add_parser: Callable[..., argparse.ArgumentParser]) -> None:
         help="report every fault of mission files, without flying; with --connect, go or no-go",
         description=_CHECK,
         epilog=ADDRESSES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     check.add_argument("files", nargs="+", metavar="FILE", help="mission file (YAML)")
     add_link(check, "look at")
-    check.add_argument("--json", action="store_true", help="with --connect: print one JSON object instead of a table")
+    add_voice(
+        check,
+        "what `mission plan` shows of each",
+        "missions (of each file, exit_code, warnings, and plan as of `mission plan --json`, or error and faults); with "
+        "--connect mission, go and rows of the check",
+    )
 
 
 def add_run(command: argparse.ArgumentParser) -> None:
@@ -102,6 +106,12 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
     fly.add_argument("--keep-fence", action="store_true", help="leave it there; else what was there before is put back")
     add_changes(fly, speed=False)
     _add_vehicle(fly)
+    add_voice(
+        fly,
+        "each command, answer and word of the vehicle as it comes",
+        "mission, folder, report, vehicle, duration_s, elapsed_s, tube_m, and the verdict of the record: achieved, "
+        "reason, ending, word, laps, largest_error_m and more",
+    )
 
 
 def _add_calibration(calibrate: argparse.ArgumentParser) -> None:

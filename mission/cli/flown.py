@@ -1,6 +1,5 @@
 """``mission verify --flight``: the verdict on a flight of which there is a log, whoever flew it."""
 
-import json
 import math
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
@@ -11,7 +10,7 @@ from typing import Any, Final
 
 from mission.cli.inputs import bad_file, read_plan
 from mission.cli.report import with_later_plans
-from mission.cli.screen import out
+from mission.cli.screen import out, print_json
 from mission.decimals import count
 from mission.errors import Fault, RecordError, SpecError, reason
 from mission.monitor.pictures import missing
@@ -61,12 +60,11 @@ def run(arguments: Namespace) -> int:
     ]
     if arguments.json:
         values = [_values(part.flight, each) for part, each in zip(parts, found, strict=True)]
-        out.out(json.dumps(values[0] if len(values) == 1 else {"parts": values}, indent=2, allow_nan=False))
-        return _exit_code(found)
+        print_json({"exit_code": _exit_code(found), **(values[0] if len(values) == 1 else {"parts": values})})
     for number, (part, each) in enumerate(zip(parts, found, strict=True), 1):
         if len(parts) > 1:
             out.print(f"part      {number} of {len(parts)}, between changes of the mission", markup=False)
-        for name, words in _lines(part.flight, each, part.spec):
+        for name, words in _lines(part.flight, each, part.spec, None if arguments.verbose else _MOST_DOUBTS):
             out.print(f"{name:<10}{words}", markup=False)
     return _exit_code(found)
 
@@ -127,8 +125,8 @@ def _asked(arguments: Namespace, file: Path) -> tuple[MissionSpec, FlightPlan | 
     return spec, plan
 
 
-def _lines(flight: LoggedFlight, found: Judged, spec: MissionSpec) -> Iterator[tuple[str, str]]:
-    """What was found, as names and words."""
+def _lines(flight: LoggedFlight, found: Judged, spec: MissionSpec, most: int | None) -> Iterator[tuple[str, str]]:
+    """What was found, as names and words; of what is not told, so many times at most."""
     clock = flight.track.clock
     yield from _log_lines(flight, found)
     yield "mission", found.specification
@@ -140,10 +138,10 @@ def _lines(flight: LoggedFlight, found: Judged, spec: MissionSpec) -> Iterator[t
         yield "violation", f"{violation.kind}{named} at {clock.text(violation.time_s)}, at ({east:.1f}, {north:.1f})"
     # Of a verdict that is known, what does not bear on it is no news.
     doubts = [doubt for doubt in found.doubts if found.achieved is None or doubt.violates]
-    for doubt in doubts[:_MOST_DOUBTS]:
+    for doubt in doubts[:most]:
         yield "not told", f"{_when(doubt, clock)}: {_what(doubt)}"
-    if len(doubts) > _MOST_DOUBTS:
-        yield "not told", f"and {count(len(doubts) - _MOST_DOUBTS, 'time')} more (--json lists all)"
+    if most is not None and len(doubts) > most:
+        yield "not told", f"and {count(len(doubts) - most, 'time')} more (-v and --json list all)"
     when = "" if found.at_s is None else f" at {clock.text(found.at_s)}"
     yield "verdict", f"{_SAID[found.achieved]}: {found.reason}{when}"
 

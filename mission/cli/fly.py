@@ -13,9 +13,10 @@ from mission.cli.flight_folder import begin_folder
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned
 from mission.cli.live import Display
+from mission.cli.narration import Narrated
 from mission.cli.report import PLAN_FILE, later_plan_file, write_again
 from mission.cli.resume import left_in, reopened
-from mission.cli.screen import err, out, print_error, print_warnings, reach
+from mission.cli.screen import err, error_values, out, print_error, print_json, print_warnings, reach
 from mission.cli.signals import EndingSignals
 from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_options, link_to, warn
 from mission.clock import Clock, WallClock
@@ -63,6 +64,8 @@ def run(arguments: Namespace) -> int:
         form=arguments.format,
         hurried=hurried,
     )
+    if arguments.json:
+        print_json(_document(flight, plan))
     with suppress(OSError):
         if flight.result is not None:
             _print_verdict(flight.result, flight.folder, flight.elapsed_s)
@@ -70,6 +73,28 @@ def run(arguments: Namespace) -> int:
             report = f", its report is {flight.folder / PAGE_FILE}" if reported else ""
             err.print(f"the flight is kept in {flight.folder}{report}", markup=False)
     return flight.exit_code
+
+
+def _document(flight: "_Flown", plan: FlightPlan) -> dict[str, object]:
+    """What came of a flight, for programs."""
+    document = {
+        "mission": plan.spec.name,
+        "folder": str(flight.folder),
+        "report": str(flight.folder / PAGE_FILE),
+        **({"exit_code": 0} if flight.failure is None else error_values(flight.failure)),
+    }
+    result = flight.result
+    if result is None:
+        return {**document, "achieved": False, "exit_code": flight.exit_code}
+    return {
+        **document,
+        "exit_code": flight.exit_code,
+        "vehicle": result.vehicle,
+        "duration_s": _duration_s(result),
+        "elapsed_s": flight.elapsed_s,
+        "tube_m": result.plan.certificate.tube_m,
+        **result.values(),
+    }
 
 
 @dataclass(frozen=True)
@@ -80,6 +105,7 @@ class _Flown:
         folder: Of its files.
         heard: Whether there is a flight to draw.
         exit_code: What the program says of it.
+        failure: Why it failed; None where it came to an end.
         result: What it came to; None where it failed, which was told.
         elapsed_s: How long it took on the wall clock; 0 where it failed.
     """
@@ -87,6 +113,7 @@ class _Flown:
     folder: Path
     heard: bool
     exit_code: int
+    failure: MissionError | None = None
     result: FlightResult | None = None
     elapsed_s: float = 0.0
 
@@ -114,7 +141,7 @@ def _flown(
                 plan,
                 kept.logged(transport),
                 clock,
-                kept,
+                Narrated(kept) if arguments.verbose else kept,
                 options=FlightOptions(
                     link=link,
                     land_when_stopped=vehicle is not None,
@@ -135,13 +162,13 @@ def _flown(
             )
         except MissionError as failure:
             stack.close()
-            if isinstance(failure, NoGoError):
+            if isinstance(failure, NoGoError) and not err.quiet:
                 err.print("[bold red]no-go:[/] nothing was armed; `--force ROW` overrides a row by its name")
             else:
                 print_error(failure)
             if isinstance(failure, LinkError) and not display.heard:
                 err.print(f"    {UNHEARD}", markup=False)
-            return _Flown(folder, display.heard, failure.exit_code)
+            return _Flown(folder, display.heard, failure.exit_code, failure)
         except KeyboardInterrupt:
             _keep_pictures(folder)
             err.print(f"interrupted; the record is kept in {folder}", markup=False)
@@ -196,9 +223,8 @@ def _report(folder: Path, *, pictures: bool, form: str, hurried: bool) -> bool:
 
 
 def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None:
-    flown = 0.0 if result.began_s is None or result.ended_s is None else result.ended_s - result.began_s
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for i, letter in enumerate(result.word) if _new(result, i))
-    out.print(f"flown     {flown:.0f} s of vehicle time in {elapsed_s:.1f} s", markup=False)
+    out.print(f"flown     {_duration_s(result):.0f} s of vehicle time in {elapsed_s:.1f} s", markup=False)
     out.print(f"word      {word}", markup=False)
     out.print(f"tracking  {tracked(result)}", markup=False)
     out.print(f"link      {result.cadence.text}", markup=False)
@@ -214,6 +240,11 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     colour, name = ("green", "ACHIEVED") if result.achieved else ("red", "NOT ACHIEVED")
     out.print(f"[bold {colour}]{name}[/]  ", end="")
     out.print(f"{result.reason}{without(result.plan)}", markup=False)
+
+
+def _duration_s(result: FlightResult) -> float:
+    """How long the trajectory was flown, by the vehicle's clock."""
+    return 0.0 if result.began_s is None or result.ended_s is None else result.ended_s - result.began_s
 
 
 def tracked(result: FlightResult) -> str:

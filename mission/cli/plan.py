@@ -1,6 +1,5 @@
 """``mission plan``: plan a mission, show the plan, write it, draw it."""
 
-import json
 import math
 from argparse import Namespace
 from dataclasses import asdict
@@ -15,7 +14,7 @@ from mission.cli.equations import equations, print_equations, print_product
 from mission.cli.extent import extent, length_m
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned, write_named
-from mission.cli.screen import out, print_warnings, reach, tube_costs
+from mission.cli.screen import out, print_json, print_warnings, reach, tube_costs
 from mission.decimals import count, decimal, measure
 from mission.geometry.simplices import Partition
 from mission.plan import CoveredVisit, FlightPlan, plan_to_json, shortest_runs
@@ -39,9 +38,9 @@ def run(arguments: Namespace) -> int:
     if arguments.pictures is not None:
         draw(Path(arguments.pictures), arguments.format, plan)
     if arguments.json:
-        out.out(json.dumps(_asked_for(plan, arguments)))
+        print_json(_asked_for(plan, arguments))
         return 0
-    _print_plan(plan)
+    print_plan(plan)
     if arguments.transitions:
         _print_tables(plan)
         _print_transitions(plan)
@@ -154,7 +153,7 @@ def _print_mission(plan: FlightPlan) -> None:
         _print(f"  {kind:<11}{text}")
 
 
-def _print_plan(plan: FlightPlan) -> None:
+def print_plan(plan: FlightPlan) -> None:
     """What is flown and what is proved of it; then what was searched."""
     _print(printable(plan.spec.name))
     _print_mission(plan)

@@ -6,12 +6,13 @@ from pathlib import Path
 
 from mission.cli.busy import doing
 from mission.cli.inputs import bad_file, read_plan
-from mission.cli.screen import out
+from mission.cli.screen import out, print_json
 from mission.errors import RecordError, reason
 from mission.plan import FlightPlan, plan_mission
 from mission.report.reading import LaterPlan, Record, read_record
 from mission.report.record import RECORD_FILE
 from mission.report.report import PAGE_FILE, write_report
+from mission.report.summary import summary
 
 MISSION_FILE = "mission.yaml"
 PLAN_FILE = "plan.json"
@@ -25,7 +26,13 @@ def run(arguments: Namespace) -> int:
         write_again(folder, pictures=True, form=arguments.format)
     except OSError as error:
         raise bad_file(folder, f"the report cannot be written: {reason(error)}", "make the folder writable") from error
+    if arguments.json:
+        plan, record, _ = flight_in(folder)
+        page = str(folder / PAGE_FILE)
+        print_json({"exit_code": 0, "folder": str(folder), "report": page, **summary(plan, record)})
     out.print(f"report    {folder / PAGE_FILE}", markup=False)
+    for file in sorted(folder.iterdir()) if arguments.verbose else ():
+        out.print(f"{file.stat().st_size:>12,}  {file.name}", markup=False)
     return 0
 
 

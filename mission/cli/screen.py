@@ -1,6 +1,10 @@
-"""What commands share on the terminal: one console for results, one for errors, and how faults look."""
+"""What commands share on the terminal: consoles for results, for asides and for what is wrong, and how faults look."""
 
+import json
 import math
+import sys
+from argparse import Namespace
+from dataclasses import asdict
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -40,6 +44,28 @@ def _shown(content: object) -> object:
 
 out = _Console(highlight=False, soft_wrap=True, emoji=False)
 err = _Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
+_wrong = _Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
+
+
+def speak(options: Namespace) -> None:
+    """Say as much as the options of a command ask for.
+
+    With ``quiet``, only what is wrong. With ``json`` nothing but what ``print_json`` prints is a result.
+    """
+    err.quiet = getattr(options, "quiet", False)
+    out.quiet = err.quiet or getattr(options, "json", False)
+
+
+def print_json(document: object) -> None:
+    """Print the one document of a command, on a line; a number that is not finite is null in it."""
+    finite = json.loads(json.dumps(document), parse_constant=lambda _: None)
+    sys.stdout.write(json.dumps(finite) + "\n")
+
+
+def error_values(error: MissionError) -> dict[str, object]:
+    """A failure for programs."""
+    faults = error.faults if isinstance(error, SpecError) else ()
+    return {"exit_code": error.exit_code, "error": str(error), "faults": [asdict(fault) for fault in faults]}
 
 
 def reach(tube_m: float) -> str:
@@ -74,15 +100,15 @@ def print_error(error: MissionError, source: str = "") -> None:
         for fault in error.faults:
             _print_fault(fault, error.source or source)
         if len(error.faults) > 1:
-            err.print(f"[bold red]{count(len(error.faults), 'fault')}[/]")
+            _wrong.print(f"[bold red]{count(len(error.faults), 'fault')}[/]")
     elif isinstance(error, FormulaSyntaxError):
-        err.print(f"[bold red]error:[/] {escape(str(error))}")
+        _wrong.print(f"[bold red]error:[/] {escape(str(error))}")
         _print_pointed(error.text, error.column)
         if error.hint:
-            err.print(f"    {escape(error.hint)}")
+            _wrong.print(f"    {escape(error.hint)}")
     else:
         place = f"[bold]{escape(printable(source))}:[/] " if source else ""
-        err.print(f"{place}[bold red]error:[/] {escape(str(error))}")
+        _wrong.print(f"{place}[bold red]error:[/] {escape(str(error))}")
 
 
 def print_warnings(warnings: tuple[str, ...], source: str = "") -> None:
@@ -95,11 +121,11 @@ def print_warnings(warnings: tuple[str, ...], source: str = "") -> None:
 def _print_fault(fault: Fault, source: str) -> None:
     place = ":".join(str(part) for part in (source, fault.line, fault.column) if part)
     where = printable(" ".join(f"{part}:" for part in (place, fault.path) if part))
-    err.print(f"[bold]{escape(where)}[/] {escape(fault.message)}" if where else f"error: {escape(fault.message)}")
+    _wrong.print(f"[bold]{escape(where)}[/] {escape(fault.message)}" if where else f"error: {escape(fault.message)}")
     if fault.line and fault.column:
         _print_excerpt(Path(source), fault.line, fault.column)
     if fault.hint:
-        err.print(f"    {escape(fault.hint)}")
+        _wrong.print(f"    {escape(fault.hint)}")
 
 
 def _print_excerpt(file: Path, line: int, column: int) -> None:
@@ -117,5 +143,5 @@ def _print_pointed(text: str, column: int) -> None:
     begin = max(0, column - 1 - _BEFORE)
     # A file may hold what would move the cursor or colour the terminal.
     shown = "".join(c if shows(c) else " " if c in "\t\r\n" else "?" for c in text[begin : begin + _EXCERPT])
-    err.print(f"    [dim]|[/] {escape(shown.rstrip())}")
-    err.print(f"    [dim]|[/] {' ' * cell_len(shown[: column - 1 - begin])}[bold red]^[/]")
+    _wrong.print(f"    [dim]|[/] {escape(shown.rstrip())}")
+    _wrong.print(f"    [dim]|[/] {' ' * cell_len(shown[: column - 1 - begin])}[bold red]^[/]")

@@ -1,7 +1,6 @@
 """``mission simulate``: fly a plan with the paper's vehicle and tracking law, and draw its Figures 8 to 10."""
 
 import io
-import json
 import math
 from argparse import Namespace
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from mission.cli.drawing import draw
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned, write_named
-from mission.cli.screen import out, print_warnings
+from mission.cli.screen import out, print_json, print_warnings
 from mission.monitor.monitor import Outcome
 from mission.plan import FlightPlan
 from mission.printable import printable
@@ -34,7 +33,7 @@ def run(arguments: Namespace) -> int:
     if not arguments.no_pictures:
         draw(Path(arguments.pictures), arguments.format, plan, simulation)
     if arguments.json:
-        out.out(json.dumps(_values(plan, simulation, outcome, monitor.word)))
+        print_json(_values(plan, simulation, outcome, monitor.word))
         return int(not outcome.achieved)
     print_warnings(plan.warnings)
     _print(plan, simulation, outcome, monitor.word)

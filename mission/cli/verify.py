@@ -7,7 +7,8 @@ from typing import Any, Final
 
 from mission.cli import flown
 from mission.cli.inputs import read_plan
-from mission.cli.screen import out
+from mission.cli.plan import print_plan
+from mission.cli.screen import out, print_json
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.plan import FlightPlan, difference, plan_mission, plan_to_json
 from mission.printable import printable
@@ -34,13 +35,13 @@ def run(arguments: Namespace) -> int:
     fault = next((claim for claim in judged if claim.fault), None)
     if arguments.json:
         document = {
+            "exit_code": int(fault is not None),
             "plan": arguments.plan,
             "proved": fault is None,
             "guidance": plan.spec.flight.guidance,
             "claims": [claim._asdict() for claim in judged],
         }
-        out.out(json.dumps(document, ensure_ascii=False))
-        return int(fault is not None)
+        print_json(document)
     if fault:
         out.print(f"{printable(arguments.plan)}: not proved: {fault.fault}", markup=False)
     else:
@@ -55,6 +56,8 @@ def run(arguments: Namespace) -> int:
     for claim in judged:
         said = f"wrong: {claim.fault}" if claim.fault else f"ok     {claim.figure}"
         out.print(f"  {claim.name:<12}  {said.rstrip()}", markup=False)
+    if arguments.verbose:
+        print_plan(plan)
     return int(fault is not None)
 
 

@@ -66,7 +66,6 @@ def test_a_flight_is_refused_before_it_arms(address: str, file: Path, capsys: py
     [
         (("fly", SURVEY, "--force", "batery"), "--force: there is no row 'batery'"),
         (("check", SURVEY, SURVEY, "--connect", "udpin:127.0.0.1:0"), "--connect: looks at a vehicle for one mission"),
-        (("check", SURVEY, "--json"), "--json: is for a vehicle"),
         (("check", SURVEY, "--system-id", "3"), "--system-id: is for a vehicle"),
         (("check", SURVEY, "--connect", "nonsense"), "it names no kind of link"),
     ],
