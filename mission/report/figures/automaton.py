@@ -36,7 +36,7 @@ MARGIN_PT = 26.0
 TEXT_MARGIN_PT = 12.0
 KEY_PT, KEY_LINE_PT, KEY_GAP_PT = 9.0, 14.0, 18.0
 ON_PIXELS = 1.05  # how much wider long lines become when each letter starts on a pixel
-WIDEST_PT, HIGHEST_PT = 1000.0, 1300.0  # of a picture that is still read when it is printed on a page
+WIDEST_PT, HIGHEST_PT = 1100.0, 1300.0  # of a picture that is still read when it is printed on a page
 ACCEPTING_FILL = "#CCEBE3"  # GREEN at a fifth
 
 
