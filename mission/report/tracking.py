@@ -1,7 +1,7 @@
 """What follows from a record: how well the trajectory was tracked, and how close to restricted regions it came."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -57,11 +57,6 @@ class Tracking:
         """Horizontal distance from where it should be, shape (N,)."""
         distance: FloatArray = np.hypot(*self.error_m.T)
         return distance
-
-    def thinned(self, most: int) -> "Tracking":
-        """The same with at most ``most`` rows, evenly chosen, for drawing."""
-        step = max(1, -(-len(self.t_s) // most))
-        return replace(self, **{name: values[::step] for name, values in vars(self).items()})
 
 
 def tracking_of(record: Record) -> Tracking:

@@ -21,7 +21,7 @@ from mission.report.palette import BLACK, QUIET, STYLE
 DPI = 150
 POINTS_PER_INCH = 72.0
 LINE_HEIGHT_EM = 1.17
-TITLE_PT, NOTE_PT = 12.5, 9.0
+TITLE_PT, NOTE_PT, NOTE_LINE_PT = 12.5, 9.0, 11.0
 LEAST_PT = 8.0
 """The least size of a text: what would have to be smaller is left out, and the picture says so."""
 SIDE_PT, TITLE_LINE_PT, ABOUT_LINE_PT, MOST_ABOUT_LINES = 12.0, 26.0, 12.0, 2

@@ -20,6 +20,7 @@ from mission.geometry.shapes import polygonal
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
 from mission.report.figures.canvas import (
+    NOTE_LINE_PT,
     NOTE_PT,
     SIDE_PT,
     about,
@@ -30,6 +31,7 @@ from mission.report.figures.canvas import (
     text_size_em,
     titled,
 )
+from mission.report.figures.filtering import round_number
 from mission.report.figures.fitting import Placed
 from mission.report.palette import (
     BLACK,
@@ -49,7 +51,6 @@ WIDTH_PT = 620.0
 SMALLEST_WIDTH_PT = 430.0
 LARGEST_MAP_HEIGHT_PT = 560.0
 LEFT_PT, RIGHT_PT, BOTTOM_PT, ABOVE_MAP_PT = 54.0, 14.0, 58.0, 6.0
-NOTE_LINE_PT = 11.0
 LEGEND_ROW_PT = 17.0
 PAD_PT = 14.0
 SCALE_STRIP_PT = 26.0
@@ -243,7 +244,7 @@ class Chart:
 
     def _scale_bar(self, axes: Axes) -> None:
         west, south, east, _ = self.limits_m
-        length = _round_length(0.22 * (east - west))
+        length = round_number(0.22 * (east - west))
         x, y, tick = west + PAD_PT * self.em_m, south + 11 * self.em_m, 3 * self.em_m
         axes.add_collection(
             LineCollection(
@@ -320,12 +321,6 @@ def _rows(handles: list[Artist], width_pt: float) -> list[list[Artist]]:
         rows[-1].append(handle)
         used += own
     return rows
-
-
-def _round_length(longest_m: float) -> float:
-    """The largest of 1, 2, 5, 10, ... (and their tenths) that is not longer."""
-    power = 10.0 ** np.floor(np.log10(longest_m))
-    return float(power * max(digit for digit in (1, 2, 5) if digit * power <= longest_m))
 
 
 def outline_of(shape: BaseGeometry) -> Path:

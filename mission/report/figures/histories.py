@@ -7,11 +7,24 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from mission.geometry.arrays import FloatArray
 from mission.monitor.attitude import horizontal_acceleration, tilt
 from mission.plan import FlightPlan
-from mission.report.figures.canvas import SIDE_PT, about, drawing, head_pt, new_figure, titled
+from mission.report.figures.canvas import (
+    NOTE_LINE_PT,
+    NOTE_PT,
+    SIDE_PT,
+    about,
+    drawing,
+    head_pt,
+    in_width,
+    new_figure,
+    titled,
+)
+from mission.report.figures.filtering import Filtered, filtered, time_constant
 from mission.report.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
 from mission.report.reading import Record
 from mission.report.tracking import Tracking, led_by_field, tracking_of
@@ -21,6 +34,8 @@ WIDTH_PT, ROW_PT = 700.0, 135.0
 SAMPLES = 2000
 MOST_DRAWN = 4000
 AXIS_NAMES = ("east", "north")
+BAND_ALPHA = 0.28
+NO_TUBE = "No tube is proved: the mission counts on no disturbance."
 
 
 def time_histories(plan: FlightPlan) -> Figure:
@@ -56,33 +71,32 @@ def tracked_states(plan: FlightPlan, record: Record) -> Figure:
     """
     by_field = plan.spec.flight.guidance == FIELD
     tracking = _tracking(plan, record)
+    t_s, constant_s = _since(tracking), time_constant(tracking.t_s)
     half_m = plan.certificate.tube_m
-    rows = (
-        ("position, m", tracking.position_m, tracking.asked_position_m),
-        ("velocity, m/s", tracking.velocity_m_s, tracking.asked_velocity_m_s),
-    )
     with drawing():
-        legend: list[Artist] = [
-            Line2D([], [], color=FLOWN, lw=2.4, label="reported"),
-            Line2D([], [], color=PLANNED, lw=1.0, label="setpoint"),
-        ]
+        legend = [*_reported("reported", constant_s), Line2D([], [], color=PLANNED, lw=1.0, label="setpoint")]
         if not by_field:
+            legend.append(Line2D([], [], color=VERMILLION, lw=1.6, label="error"))
+        if not by_field and half_m > 0.0:
             tube = f"tube of the certificate, ±{half_m:.3g} m"
-            legend.append(Line2D([], [], color=VERMILLION, lw=1.0, label="error"))
             legend.append(Line2D([], [], color=QUIET, lw=1.2, ls="--", label=tube))
-        title, note = ("Flown states", _BY_FIELD) if by_field else ("Tracked states", "")
+        notes = [_BY_FIELD] if by_field else [NO_TUBE] if half_m == 0.0 else []
+        title, note = "Flown states" if by_field else "Tracked states", " ".join([*notes, _filter(constant_s)])
         figure, grid = grid_of(plan, title, 2 if by_field else 3, legend, note=note, time=_time(plan))
         for column in range(2):
-            for row, (name, flown, asked) in enumerate(rows):
-                axes = grid[row][column]
-                axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
-                axes.plot(tracking.trajectory_s, asked[:, column], color=PLANNED, lw=1.0, gid="asked")
-                name_quantity(axes, AXIS_NAMES[column], name)
+            axes = grid[0][column]
+            axes.plot(t_s, tracking.position_m[:, column], color=FLOWN, lw=2.4, gid="flown")
+            axes.plot(t_s, tracking.asked_position_m[:, column], color=PLANNED, lw=0.8, gid="asked")
+            name_quantity(axes, AXIS_NAMES[column], "position, m")
+            axes = grid[1][column]
+            _draw_noisy(axes, filtered(t_s, tracking.velocity_m_s[:, column], constant_s), FLOWN, "flown")
+            axes.plot(t_s, tracking.asked_velocity_m_s[:, column], color=PLANNED, lw=0.8, gid="asked")
+            name_quantity(axes, AXIS_NAMES[column], "velocity, m/s")
             if by_field:
                 continue
             axes = grid[2][column]
-            axes.plot(tracking.trajectory_s, tracking.error_m[:, column], color=VERMILLION, lw=1.0, gid="error")
-            for bound in (-half_m, half_m):
+            _draw_noisy(axes, filtered(t_s, tracking.error_m[:, column], constant_s), VERMILLION, "error")
+            for bound in (-half_m, half_m) if half_m > 0.0 else ():
                 axes.axhline(bound, color=QUIET, lw=1.2, ls="--", gid="tube")
             name_quantity(axes, AXIS_NAMES[column], "error, m")
     return figure
@@ -91,45 +105,63 @@ def tracked_states(plan: FlightPlan, record: Record) -> Figure:
 def control_signals(plan: FlightPlan, record: Record) -> Figure:
     """Figure 9: acceleration asked for and the one that the reported attitude gives; the tilt against its limit."""
     tracking = _tracking(plan, record)
+    t_s, constant_s = _since(tracking), time_constant(tracking.t_s)
     flown = horizontal_acceleration(tracking.attitude_rad)
     limit_deg = float(np.rad2deg(plan.spec.limits.tilt_rad))
     with drawing():
-        setpoint = (
-            [] if plan.spec.flight.guidance == FIELD else [Line2D([], [], color=PLANNED, lw=1.0, label="setpoint")]
-        )
-        legend: list[Artist] = [
-            Line2D([], [], color=FLOWN, lw=2.4, label="from the reported attitude"),
-            *(setpoint if plan.spec.flight.guidance != FIELD else []),
-            Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"limit of the tilt, {limit_deg:.3g}°"),
-        ]
-        note = "In hover, an attitude tilted by α accelerates by g tan α."
-        figure, grid = grid_of(
-            plan, "Control signals", 2, legend, note=note, time=_time(plan), wide_last=True, own_times=True
-        )
+        legend = _reported("from the reported attitude", constant_s)
+        if plan.spec.flight.guidance != FIELD:
+            legend.append(Line2D([], [], color=PLANNED, lw=1.0, label="setpoint"))
+        legend.append(Line2D([], [], color=QUIET, lw=1.2, ls="--", label=f"limit of the tilt, {limit_deg:.3g}°"))
+        note = f"In hover, an attitude tilted by α accelerates by g tan α. {_filter(constant_s)}"
+        time = _time(plan)
+        figure, grid = grid_of(plan, "Control signals", 2, legend, note=note, time=time, wide_last=True, own_times=True)
         for column in range(2):
             axes = grid[0][column]
-            axes.plot(tracking.trajectory_s, flown[:, column], color=FLOWN, lw=2.4, gid="flown")
-            asked = tracking.asked_acceleration_m_s2[:, column]
-            axes.plot(tracking.trajectory_s, asked, color=PLANNED, lw=1.0, gid="asked")
+            _draw_noisy(axes, filtered(t_s, flown[:, column], constant_s), FLOWN, "flown")
+            axes.plot(t_s, tracking.asked_acceleration_m_s2[:, column], color=PLANNED, lw=0.8, gid="asked")
             name_quantity(axes, AXIS_NAMES[column], "acceleration, m/s²")
         axes = grid[1][0]
-        axes.plot(tracking.trajectory_s, np.rad2deg(tilt(tracking.attitude_rad)), color=FLOWN, lw=2.0, gid="tilt")
+        _draw_noisy(axes, filtered(t_s, np.rad2deg(tilt(tracking.attitude_rad)), constant_s), FLOWN, "tilt")
         axes.axhline(limit_deg, color=QUIET, lw=1.2, ls="--", gid="limit")
         name_quantity(axes, "", "tilt, °")
         axes.set_ylim(bottom=0.0)
     return figure
 
 
+def _reported(name: str, constant_s: float) -> list[Artist]:
+    """The entries of a legend for a line and its band."""
+    return [
+        Line2D([], [], color=FLOWN, lw=2.0, label=f"{name}, low-pass τ = {constant_s:g} s"),
+        Patch(facecolor=(FLOWN, BAND_ALPHA), label="least to greatest"),
+    ]
+
+
+def _filter(constant_s: float) -> str:
+    low_pass = f"a first-order low-pass of {constant_s:g} s, run forward and back"
+    return f"Lines on bands: {low_pass}; bands: least to greatest value within {0.5 * constant_s:g} s."
+
+
+def _draw_noisy(axes: Axes, seen: Filtered, colour: str, gid: str) -> None:
+    axes.fill_between(seen.t_s, seen.low, seen.high, color=colour, alpha=BAND_ALPHA, lw=0, gid=f"{gid} band")
+    axes.plot(seen.t_s, seen.line, color=colour, lw=2.0, gid=gid)
+
+
 _BY_FIELD = "Led by the field: at each moment a velocity is asked for, and no position."
 
 
 def _tracking(plan: FlightPlan, record: Record) -> Tracking:
-    tracking = led_by_field(record) if plan.spec.flight.guidance == FIELD else tracking_of(record)
-    return tracking.thinned(MOST_DRAWN)
+    return led_by_field(record) if plan.spec.flight.guidance == FIELD else tracking_of(record)
+
+
+def _since(tracking: Tracking) -> FloatArray:
+    return tracking.t_s - tracking.t_s[0] if len(tracking.t_s) else tracking.t_s
 
 
 def _time(plan: FlightPlan) -> str:
-    return "time since the flight began, s" if plan.spec.flight.guidance == FIELD else "time on the trajectory, s"
+    return (
+        "time since the flight began, s" if plan.spec.flight.guidance == FIELD else "time since the trajectory began, s"
+    )
 
 
 def grid_of(
@@ -148,10 +180,11 @@ def grid_of(
     They have a common time, numbered at the bottom, or their own.
     """
     about_it = about(plan, WIDTH_PT)
+    note = in_width(note, (WIDTH_PT - 2 * SIDE_PT) / NOTE_PT)
     head = head_pt(about_it)
     top, bottom, left, right, between, above = (
         head + 38.0,
-        60.0 if note else 46.0,
+        60.0 + NOTE_LINE_PT * note.count("\n") if note else 46.0,
         58.0,
         16.0,
         56.0,
