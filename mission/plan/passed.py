@@ -4,7 +4,6 @@ The search knows a run through which there is a short way. What is flown is a cu
 lap may begin elsewhere, and which passes other triangles where the letters are the same.
 """
 
-import math
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Final
@@ -41,9 +40,12 @@ def _points(leg: Curve, fine_m: float) -> FloatArray:
     """Points of a curve (K, 2), between which it is nearly straight: by its second derivative."""
     found = []
     for piece in leg.pieces if isinstance(leg, JoinedCurve) else (leg,):
-        bend_m_s2 = float(np.abs(piece.sampled(_FEWEST).bends_m_s2).max())
-        enough = math.ceil(piece.duration_s * math.sqrt(bend_m_s2 / (4.0 * fine_m)))
-        found.append(piece.sampled(max(_FEWEST, enough)).points_m)
+        knots = piece.sampled(_FEWEST).knots_s
+        lasts = np.diff(knots)
+        parts = np.ceil(lasts * np.sqrt(piece.norm_bounds(knots, 2) / (4.0 * fine_m))).astype(np.int64).clip(1)
+        cell = np.repeat(np.arange(len(parts)), parts)
+        within = (np.arange(len(cell)) - (np.cumsum(parts) - parts)[cell]) / parts[cell]
+        found.append(piece.position(np.append(knots[cell] + within * lasts[cell], knots[-1])))
     return np.concatenate(found)
 
 

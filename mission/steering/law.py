@@ -144,13 +144,13 @@ def law_from_growths(
     inner = np.ones(len(times))
     inner[[0, -1]] = 0.0
     shapes = inner, inner * (2.0 * times / max(float(times[-1]), _TINY) - 1.0)
-    speeds, places = _integrated(times, growths, rates[0])
+    speeds, places = integrated(times, growths, rates[0])
     off = np.array([rates[1] - speeds[-1], ends_s[1] - ends_s[0] - places[-1]])
     largest = np.array([1.0 + float(np.abs(speeds).max()), 1.0 + ends_s[1] - ends_s[0]])
     if len(times) > len(rates) + len(ends_s) and (np.abs(off) <= _ROUNDING * largest).all():
-        moved = np.array([[each[-1] for each in _integrated(times, shape, 0.0)] for shape in shapes]).T
+        moved = np.array([[each[-1] for each in integrated(times, shape, 0.0)] for shape in shapes]).T
         growths = growths + np.linalg.lstsq(moved, off, rcond=None)[0] @ np.array(shapes)
-        speeds, places = _integrated(times, growths, rates[0])
+        speeds, places = integrated(times, growths, rates[0])
     speeds = np.maximum(speeds, 0.0)
     speeds[-1] = rates[1]
     places = np.minimum(ends_s[0] + np.maximum.accumulate(places), ends_s[1])
@@ -158,7 +158,7 @@ def law_from_growths(
     return TimeLaw(times, places, speeds, growths)
 
 
-def _integrated(times: FloatArray, growths: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
+def integrated(times: FloatArray, growths: FloatArray, rate: float) -> tuple[FloatArray, FloatArray]:
     """The rates and places, from 0, that growths lead to."""
     steps = np.diff(times)
     rates = rate + np.concatenate(([0.0], np.cumsum(steps * 0.5 * (growths[:-1] + growths[1:]))))

@@ -10,19 +10,19 @@ Between two stops it is found in three steps:
    by flying from stop to stop more slowly: with t -> q t, speed, acceleration and jerk shrink by q, q^2 and q^3. What
    is flown into or out of while moving cannot be slowed down: there the limits are a little lower from the beginning.
 
-So the bounds are proved; nothing rests on samples. A way of so many knots that the second step would take too long, a
-field of a hundred lanes, goes without it: the first guess is made again with lower rates where it asks for too much.
+So the bounds are proved; nothing rests on samples. Of a way of so many knots that the second step would take too long,
+a field of a hundred lanes, it is done for what is not alike (``mission.steering.excerpt``).
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from mission.geometry.arrays import FloatArray
+from mission.steering.excerpt import excerpt_of
 from mission.steering.grid import Grid, Limits, Slow, beside, grid_of
 from mission.steering.joined import Curve, JoinedCurve
 from mission.steering.known_laws import KnownLaw, known_law
@@ -50,14 +50,8 @@ _NEXT: Final = 0.98
 _BEFORE: Final = 1e-3  # of the first cell
 _GENTLE: Final = 0.35  # of the limits: where a first guess must not be slowed down
 _SPARE: Final = 0.96  # of the limits, where what exceeds them cannot be slowed down
-_STRAIGHT: Final = 1e-12
-_EVEN_S: Final = 2.0
-"""How far from the ends of a straight part knots are as close as elsewhere, steering time."""
-_GROWTH: Final = 0.3
-"""How much longer each cell is than the one before, farther on."""
 _MOST_KNOTS: Final = 3_000
-"""For which the interior-point method is fast enough."""
-_EASINGS: Final = 3
+"""For which the interior-point method is fast enough, whatever the way is like."""
 
 
 def level_acceleration(acceleration_m_s2: float, tilt_rad: float) -> float:
@@ -139,25 +133,6 @@ def even_rate(curve: Curve, limits: Limits, fastest: float) -> float:
     return _EVEN * float(most)
 
 
-def _thinned(curve: Curve, knots: FloatArray) -> FloatArray:
-    """Knots without those in the middle of straight parts: there cells grow with the distance from the nearer end.
-
-    Where nothing bends, the fastest law changes near the ends of a part only, and is steady far from them.
-    """
-    straight = curve.norm_bounds(knots, 2) <= _STRAIGHT
-    ends = np.flatnonzero(np.diff(straight, prepend=False, append=False))
-    kept = np.ones(len(knots), dtype=np.bool_)
-    for first, last in ends.reshape(-1, 2).tolist():
-        inner = np.arange(first + 1, last)
-        away_s = np.minimum(knots[inner] - knots[first], knots[last] - knots[inner])
-        # One knot of each step of the logarithm, on either side of the middle.
-        step = np.floor(np.log(np.maximum(away_s, _EVEN_S) / _EVEN_S) / math.log1p(_GROWTH)).astype(np.int64)
-        early = knots[inner] - knots[first] <= knots[last] - knots[inner]
-        fresh = (np.diff(step, prepend=-1) != 0) | (np.diff(early, prepend=True) != 0)
-        kept[inner] = fresh | (away_s < _EVEN_S)
-    return knots[kept]
-
-
 def _with_holds(laws: list[TimeLaw], places: list[float], holds_s: list[float]) -> TimeLaw:
     """Laws one after the other, from place to place, standing still at each place for so long."""
     parts = [(np.zeros(1), np.array(places[:1]), laws[0].rates[:1], laws[0].growths[:1])]
@@ -184,14 +159,27 @@ def _between_stops(
     Raises:
         ValueError: None was found with these rates.
     """
-    if len(knots) > _MOST_KNOTS and not any(ends):
-        return _eased(curve, knots, limits, slow)
-    span_s, moving = (float(knots[0]), float(knots[-1])), any(ends)
+    span_s = float(knots[0]), float(knots[-1])
+
+    def grid_at(places: FloatArray) -> Grid:
+        return grid_of(curve, span_s, places, limits, slow)
+
+    if len(knots) <= _MOST_KNOTS or any(ends):
+        return _fastest(grid_at, knots - span_s[0], limits, ends, _MORE_TURNS if any(ends) else _TURNS)[0]
+    excerpt = excerpt_of(curve, knots, limits, slow)
+    law, places = excerpt.whole(*_fastest(excerpt.grid, excerpt.knots_s, limits, ends, _MORE_TURNS))
+    return _at_most(law, strain(law, grid_at(places), limits).excess)
+
+
+def _fastest(
+    grid_at: Callable[[FloatArray], Grid], knots: FloatArray, limits: Limits, ends: tuple[float, float], turns: int
+) -> tuple[TimeLaw, FloatArray]:
+    """The law of ``_between_stops`` from grids at knots (n + 1,), after some turns, and the knots of its last grid."""
+    moving = any(ends)
     gently = limits._replace(acceleration_m_s2=_GENTLE * limits.acceleration_m_s2, jerk_m_s3=_GENTLE * limits.jerk_m_s3)
-    rough = grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits)
-    guess, places = guessed(rough, gently if moving else limits, ends)
-    grid = grid_of(curve, span_s, places, limits, slow)
-    firm = grid.firm(limits)
+    guess, places = guessed(grid_at(knots).firm(limits), gently if moving else limits, ends)
+    grid = grid_at(places)
+    places, firm = grid.knots_s, grid.firm(limits)
     spare = _SPARE if moving else 1.0
     ceilings = ceilings_of(grid) * (_NEARLY**-2 if moving else 1.0)
     _slow_at_rests(ceilings, firm, spare * limits.jerk_m_s3, ends)
@@ -204,7 +192,7 @@ def _between_stops(
     # A guess that moves at an end is slow all over: to stop there is better.
     laws = [] if moving else [_slowed(guess, strain(guess, grid, limits), moving=False)]
     sharply, beyond = (2.0, 1.005) if moving else (1.0, 1.0)
-    for turn in range(_MORE_TURNS if moving else _TURNS):
+    for turn in range(turns):
         problem = PacingProblem(
             places, firm.slopes, firm.bends, beside(grid.third), squares_at_ends, ceilings, accelerations, jerks
         )
@@ -226,7 +214,7 @@ def _between_stops(
     kept = [law for law in laws if law is not None]
     if not kept:
         raise ValueError(f"no law begins and ends at the rates {ends[0]:.3g} and {ends[1]:.3g}")
-    return min(kept, key=lambda law: law.duration_s)
+    return min(kept, key=lambda law: law.duration_s), places
 
 
 def _slow_at_rests(ceilings: FloatArray, firm: Grid, jerk_m_s3: float, ends: tuple[float, float]) -> None:
@@ -307,30 +295,6 @@ def _rolling(
             return law
         lower = _lowered(lower, found, 1.005, 2.0)
     raise ValueError(f"no law begins at the rate {ends[0]:.3g} with a growth of {growth:.3g}")
-
-
-def _eased(curve: Curve, knots: FloatArray, limits: Limits, slow: tuple[Slow, ...]) -> TimeLaw:
-    """The first guess of a long way, with lower rates where it asks for too much, and so on: linear in its length."""
-    span_s, knots = (float(knots[0]), float(knots[-1])), _thinned(curve, knots)
-    firm = grid_of(curve, span_s, knots - span_s[0], limits, slow).firm(limits)
-    middles = 0.5 * (firm.knots_s[1:] + firm.knots_s[:-1])
-    laws: list[TimeLaw] = []
-    for _ in range(_EASINGS):
-        guess, places = guessed(firm, limits, (0.0, 0.0))
-        found = strain(guess, grid_of(curve, span_s, places, limits, slow), limits)
-        laws.append(_at_most(guess, found.excess))
-        if found.excess <= _NEARLY:
-            break
-        asked = np.append(np.maximum(found.speed, np.maximum(np.sqrt(found.acceleration), np.cbrt(found.jerk))), 0.0)
-        # What is asked for within each cell of the coarser grid, and next to it.
-        first = np.clip(np.searchsorted(places, firm.knots_s[:-1], side="right") - 1, 0, len(asked) - 2)
-        last = np.maximum(np.searchsorted(places, firm.knots_s[1:]), first + 1)
-        within = np.maximum.reduceat(asked, np.stack((first, np.minimum(last, len(asked) - 1)), axis=1).ravel())[::2]
-        too_much = _near(within)[:-1]
-        flown = guess.jet(guess.time_at(middles))[1]
-        lower = np.where(too_much > 1.0, np.minimum(firm.rates, flown / np.maximum(too_much, 1.0)), firm.rates)
-        firm = replace(firm, rates=lower)
-    return min(laws, key=lambda law: law.duration_s)
 
 
 def _slowed(law: TimeLaw, found: Strain, *, moving: bool) -> TimeLaw | None:
