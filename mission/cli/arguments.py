@@ -9,6 +9,7 @@ from typing import Any, NoReturn
 
 from mission import __version__
 from mission.cli.changes import add_changes
+from mission.cli.drafting_options import add_drafting
 from mission.cli.examples import EXAMPLES, examples_of
 from mission.cli.flight_options import add_check, add_flights, add_run
 from mission.cli.option_values import add_format, offset, place, positive, positive_whole, system_id
@@ -54,11 +55,6 @@ each line of standard input is a change:
   formula FORMULA                          this from now on
   laps N                                   so many laps in all
   go on                                    where the vehicle holds after a refusal: fly the old plan on
-"""
-_IMPORT = """\
-Write a mission file from what other programs have drawn: GeoJSON, KML and KMZ, GPX, plans of QGroundControl, waypoint
-and fence files of ArduPilot's ground stations. It is planned before it is written, and where there is no plan, that is
-said here and in its first lines (exit code 3); its comments ask what the drawing does not tell.
 """
 _SIMULATE = """\
 Run the paper's own closed loop: two integrators an axis (Eq. 5) track the smoothed path under the law of Eq. 12,
@@ -159,16 +155,7 @@ def build_parser() -> argparse.ArgumentParser:
     automaton.set_defaults(form="table")
     automaton.add_argument("--picture", metavar="FILE", help="draw it into a file (.png, .svg, .pdf), too")
 
-    draft = commands.add_parser(
-        "import",
-        help="write a mission file from areas that other programs have drawn",
-        description=_IMPORT,
-    )
-    draft.add_argument("files", nargs="+", metavar="FILE", help="one file or several, all for one mission")
-    draft.add_argument("--out", metavar="MISSION.yaml", help="where to write it (default: standard output)")
-    draft.add_argument("--force", action="store_true", help="write over a file that is there already")
-    draft.add_argument("--metres", action="store_true", help="coordinates of GeoJSON are metres, whatever it says")
-    draft.set_defaults(module="importing")
+    add_drafting(commands.add_parser)
 
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
     plan.add_argument("file", metavar="FILE", help="mission file (YAML)")

@@ -14,6 +14,14 @@ EXAMPLES: Final[dict[str, tuple[tuple[str, str], ...]]] = {
         ("mission automaton 'F (a & F b)' --hoa", "for other tools"),
         ("mission automaton 'F G a' '! G F ! a'", "the same language?"),
     ),
+    "new": (
+        ("mission new", "asks for all it needs"),
+        (
+            "mission new --from area.kml --visit all --avoid house --out area.yaml",
+            "what is drawn, and what it is for",
+        ),
+        ("mission new --extent 200,150 --altitude 25", "a rectangle to begin with"),
+    ),
     "import": (("mission import farm.kml --out farm.yaml", "then answer the questions in farm.yaml"),),
     "plan": (
         ("mission plan survey.yaml --pictures pictures", "the plan, drawn"),

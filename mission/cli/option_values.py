@@ -96,6 +96,14 @@ def offset(text: str) -> tuple[float, float]:
     return number(east), number(north)
 
 
+def extent(text: str) -> tuple[float, float]:
+    """EAST,NORTH in metres, both above 0."""
+    east, separator, north = text.partition(",")
+    if not separator:
+        raise argparse.ArgumentTypeError(f"write EAST,NORTH in metres, not {text!r}")
+    return positive(east), positive(north)
+
+
 def wind(text: str) -> str:
     """NORTH,EAST or SPEED@FROM_DEGREES in m/s, as it was written."""
     first, separator, second = text.partition("@" if "@" in text else ",")

@@ -24,7 +24,7 @@ from mission.spec.schema import default_of
 
 _WIDTH: Final = 118
 _LONGEST_STAY_S: Final = 86_400.0
-_SPEED_M_S: Final = 5.0
+SPEED_M_S: Final = 5.0
 _NEVER: Final = "restricted ones are never entered, whatever the formula says"
 _MOST_VISITED: Final = 90
 """A formula of more in a row would be nested too deeply."""
@@ -213,7 +213,7 @@ def _flight(altitude: float | None, speed: float | None, layout: Layout) -> Iter
     asked = [what for what, value in (("high", altitude), ("fast", speed)) if value is None]
     if asked:
         yield from _comment(f"How {' and how '.join(asked)} is it to be flown?")
-    speed_m_s = min(max(speed or _SPEED_M_S, 0.5), 20.0)
+    speed_m_s = min(max(speed or SPEED_M_S, 0.5), 20.0)
     yield "flight:"
     yield f"  speed_m_s: {decimal(speed_m_s)}"
     yield f"  altitude_m: {decimal(min(max(altitude or ALTITUDE_M, 2.0), 500.0))}"
