@@ -18,7 +18,7 @@ from mission.decimals import decimal
 from mission.draft.cameras import ALTITUDE_M
 from mission.draft.drafting import SPEED_M_S
 from mission.draft.trials import draft_that_plans
-from mission.draft.wishes import ALL, Drawings, Wishes, names_in, plain_field, wished
+from mission.draft.wishes import ALL, ROLES, VISIT, Drawings, Wishes, names_in, plain_field, wished
 from mission.errors import Fault, MissionError, SpecError
 from mission.interchange.features import Drawing
 from mission.printable import printable
@@ -81,7 +81,7 @@ def _drawing(file: str) -> tuple[str, Drawing]:
 def _wishes(arguments: Namespace, drawings: Drawings, *, asks: bool) -> Wishes:
     """What is wanted of them, by options or by answers."""
     wishes = Wishes(
-        *(tuple(getattr(arguments, wish)) for wish in ("visit", "avoid", "home", "boundary")),
+        {wish: tuple(getattr(arguments, wish)) for wish in ROLES},
         altitude_m=arguments.altitude,
         speed_m_s=arguments.speed,
     )
@@ -93,19 +93,18 @@ def _wishes(arguments: Namespace, drawings: Drawings, *, asks: bool) -> Wishes:
     for wish, words, default in (
         ("avoid", "Which are never to be entered? (names with commas between; Enter: those that are restricted)", ""),
         ("home", "In which does the flight begin and end? (Enter: as drawn, or a place with room around it)", ""),
-        ("visit", "Which are to be visited? (all: what is for nothing else)", ALL),
+        (VISIT, "Which are to be visited? (all: what is for nothing else)", ALL),
     ):
-        if not getattr(wishes, wish):
+        if not wishes.names[wish]:
             wishes = _asked(words, default, _wanting(wishes, wish, drawings))
     drawn = [drawing for _, drawing in drawings]
-    usual = {
-        "altitude_m": max((each.altitude_m for each in drawn if each.altitude_m), default=ALTITUDE_M),
-        "speed_m_s": max((each.speed_m_s for each in drawn if each.speed_m_s), default=SPEED_M_S),
-    }
-    for key, words in (("altitude_m", "How high, in metres?"), ("speed_m_s", "How fast, in m/s?")):
-        if getattr(wishes, key) is None:
-            wishes = replace(wishes, **{key: _asked(words, decimal(usual[key]), positive)})
-    return wishes
+    altitude_m = max((each.altitude_m for each in drawn if each.altitude_m), default=ALTITUDE_M)
+    speed_m_s = max((each.speed_m_s for each in drawn if each.speed_m_s), default=SPEED_M_S)
+    return replace(
+        wishes,
+        altitude_m=wishes.altitude_m or _asked("How high, in metres?", decimal(altitude_m), positive),
+        speed_m_s=wishes.speed_m_s or _asked("How fast, in m/s?", decimal(speed_m_s), positive),
+    )
 
 
 def _wanting(wishes: Wishes, wish: str, drawings: Drawings) -> Callable[[str], Wishes]:
@@ -113,7 +112,7 @@ def _wanting(wishes: Wishes, wish: str, drawings: Drawings) -> Callable[[str], W
 
     def read(text: str) -> Wishes:
         names = tuple(name.strip() for name in text.split(",") if name.strip())
-        wanted = replace(wishes, **{wish: names})
+        wanted = replace(wishes, names={**wishes.names, wish: names})
         wished(drawings, wanted)
         return wanted
 

@@ -10,7 +10,11 @@ from mission.errors import Fault, SpecError
 from mission.interchange.features import Drawing, Feature, Polygon, Role, points_of
 from mission.spec.finding import rather
 
+VISIT: Final = "visit"
 ALL: Final = "all"
+ROLES: Final = {VISIT: Role.SURVEY, "avoid": Role.RESTRICTED, "home": Role.HOME, "boundary": Role.BOUNDARY}
+"""What something drawn can be wanted for, and its role then."""
+
 _INSET: Final = 0.25
 
 Drawings = Sequence[tuple[str, Drawing]]
@@ -22,26 +26,25 @@ class Wishes:
     """What is wanted. Capital letters of names do not matter.
 
     Attributes:
-        visit: Names of what is to be visited; ``all`` is whatever is for nothing else.
-        avoid: Names of what is never to be entered.
-        home: Names of where the flight may end; it begins in the first.
-        boundary: Names of what the vehicle may fly in.
+        names: Of what is drawn, by what it is wanted for, a key of ``ROLES``. To be visited, ``all`` is whatever is for
+            nothing else.
         altitude_m: How high; None as the drawing tells.
         speed_m_s: How fast, likewise.
     """
 
-    visit: tuple[str, ...] = ()
-    avoid: tuple[str, ...] = ()
-    home: tuple[str, ...] = ()
-    boundary: tuple[str, ...] = ()
+    names: Mapping[str, tuple[str, ...]]
     altitude_m: float | None = None
     speed_m_s: float | None = None
 
-    def roles(self) -> Iterator[tuple[str, str, Role]]:
-        """Each name with the wish that it stands in, and the role that this gives."""
-        named = (("visit", Role.SURVEY), ("avoid", Role.RESTRICTED), ("home", Role.HOME), ("boundary", Role.BOUNDARY))
-        for wish, role in named:
-            yield from ((name, wish, role) for name in getattr(self, wish) if (wish, name) != ("visit", ALL))
+    @property
+    def visits_all(self) -> bool:
+        """Whether whatever is for nothing else is to be visited."""
+        return ALL in self.names.get(VISIT, ())
+
+    def named(self) -> Iterator[tuple[str, str]]:
+        """What each name is wanted for, and the name."""
+        for wish, names in self.names.items():
+            yield from ((wish, name) for name in names if (wish, name) != (VISIT, ALL))
 
 
 def plain_field(east_m: float, north_m: float) -> Drawing:
@@ -77,7 +80,8 @@ def wished(drawings: Drawings, wishes: Wishes) -> list[tuple[str, Drawing]]:
         if feature.role in (None, Role.AREA) and _name(feature, file) not in roles
     ]
     bounded = Role.BOUNDARY in {*roles.values(), *names_in(drawings).values()}
-    visited = [each for each in left if bounded or each is not _around(drawings, left)] if ALL in wishes.visit else []
+    around = None if bounded else _around(drawings, left)
+    visited = [each for each in left if each is not around] if wishes.visits_all else []
     return [
         (
             file,
@@ -98,12 +102,12 @@ def wished(drawings: Drawings, wishes: Wishes) -> list[tuple[str, Drawing]]:
 def _roles(drawn: Sequence[str], wishes: Wishes) -> Mapping[str, Role]:
     roles: dict[str, Role] = {}
     faults = []
-    for name, wish, role in wishes.roles():
+    for wish, name in wishes.named():
         found = next((each for each in drawn if each.casefold() == name.casefold()), None)
         if found is None:
             hint = rather(name, drawn, "names")
             faults.append(Fault(0, 0, f"--{wish}", f"nothing is drawn by the name of {name}", hint))
-        elif roles.setdefault(found, role) is not role:
+        elif roles.setdefault(found, ROLES[wish]) is not ROLES[wish]:
             faults.append(Fault(0, 0, f"--{wish}", f"{found} is to be something else, too", "name it once"))
     if faults:
         raise SpecError(tuple(faults))

@@ -24,7 +24,7 @@ LAND, FIELD, PEN = (
 
 
 def roles(drawings: list[tuple[str, Drawing]], **wishes: tuple[str, ...]) -> dict[str, Role | None]:
-    return names_in(wished(drawings, Wishes(**wishes)))
+    return names_in(wished(drawings, Wishes(wishes)))
 
 
 @pytest.mark.parametrize(
@@ -73,6 +73,6 @@ def test_each_name_that_cannot_be_is_told() -> None:
 
 
 def test_figures_go_before_those_of_the_file() -> None:
-    ((_, drawn),) = wished([("plain", plain_field(60.0, 40.0))], Wishes(altitude_m=25.0))
+    ((_, drawn),) = wished([("plain", plain_field(60.0, 40.0))], Wishes({}, altitude_m=25.0))
     assert (drawn.altitude_m, drawn.speed_m_s) == (25.0, None)
     assert names_in([("plain", drawn)]) == {"boundary": Role.BOUNDARY, "field": Role.SURVEY}
