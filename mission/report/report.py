@@ -6,6 +6,7 @@ from typing import Any
 
 from mission.plan import FlightPlan
 from mission.report.figures import save_all
+from mission.report.inlined import address_of
 from mission.report.page import page
 from mission.report.pictures import write_pictures
 from mission.report.reading import Record
@@ -14,6 +15,15 @@ from mission.whole_file import write_whole
 
 PAGE_FILE = "report.html"
 SUMMARY_FILE = "summary.json"
+
+
+def figures_of(plan: FlightPlan, record: Record | None) -> str:
+    """The map and the histories of a plan and its flight, as markup with what it runs."""
+    # Loaded here, for it takes as long as much of the rest.
+    from mission.report.interactive.embedding import figures, scripts  # noqa: PLC0415
+    from mission.report.interactive.of_flight import flown_of, scene_of  # noqa: PLC0415
+
+    return scripts() + figures(scene_of(plan, record), None if record is None else flown_of(plan, record))
 
 
 def write_report(
@@ -45,7 +55,8 @@ def write_report(
     # The numbers first: they are there even if the drawing is interrupted.
     write_whole(folder / SUMMARY_FILE, json.dumps(numbers, indent=2, allow_nan=False) + "\n")
     drawn = save_all(plan, record, folder, tuple(dict.fromkeys(("png", form)))) if pictures else ()
+    shown = [(picture, address_of(folder / picture.file)) for picture in drawn]
+    html = page(plan, record, numbers, shown, figures=figures_of(plan, record), mission_text=mission_text)
     # A vehicle may send half of a surrogate pair, which no page can hold.
-    html = page(plan, record, numbers, drawn, mission_text=mission_text).encode(errors="replace")
-    write_whole(folder / PAGE_FILE, html)
+    write_whole(folder / PAGE_FILE, html.encode(errors="replace"))
     return numbers
