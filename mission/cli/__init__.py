@@ -57,6 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str]) -> int:
+    import shlex  # noqa: PLC0415 - see above
     from importlib import import_module  # noqa: PLC0415 - see above
 
     from mission.cli.arguments import build_parser, with_negative_pairs  # noqa: PLC0415
@@ -64,6 +65,7 @@ def _run(arguments: Sequence[str]) -> int:
 
     parser = build_parser()
     options = parser.parse_args(with_negative_pairs(arguments))
+    options.command_line = shlex.join(["mission", *arguments])
     if options.command is None:
         parser.print_help(sys.stderr)
         return BAD_INPUT

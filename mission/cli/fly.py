@@ -31,6 +31,7 @@ from mission.link.identity import LinkOptions
 from mission.plan import FlightPlan, plan_to_json
 from mission.printable import printable
 from mission.report.pictures import IMAGES_FILE, write_pictures
+from mission.report.provenance import note_run
 from mission.report.reading import read_record
 from mission.report.report import PAGE_FILE
 from mission.spec.model import FIELD
@@ -130,6 +131,7 @@ def _flown(
         else:
             kept = reopened(Path(arguments.resume), left.record, clock)
         folder = stack.enter_context(kept).path
+        _note_run(arguments, folder)
         replanner = _replanner(clock, stack, bundled=vehicle is not None)
         with suppress(OSError):
             err.print(f"recorded in {folder}", markup=False)
@@ -176,6 +178,15 @@ def _flown(
         elapsed_s = wall.now_s() - began_s
     _keep_plan(folder / PLAN_FILE, plan_to_json(result.plans[0]))
     return _Flown(folder, heard=True, exit_code=result.exit_code, result=result, elapsed_s=elapsed_s)
+
+
+def _note_run(arguments: Namespace, folder: Path) -> None:
+    """Write down by what the flight is flown; without that it is still flown."""
+    seed = "1, by default" if arguments.seed is None else str(arguments.seed)
+    try:
+        note_run(folder, arguments.command_line, None if arguments.connect else seed)
+    except OSError as error:
+        warn(f"what flies could not be written down: {reason(error)}")
 
 
 def _replanner(clock: Clock, stack: ExitStack, *, bundled: bool) -> Replanner:

@@ -9,6 +9,7 @@ from mission.report.figures import save_all
 from mission.report.inlined import address_of
 from mission.report.page import page
 from mission.report.pictures import write_pictures
+from mission.report.provenance import provenance_rows
 from mission.report.reading import Record
 from mission.report.summary import summary
 from mission.whole_file import write_whole
@@ -56,7 +57,15 @@ def write_report(
     write_whole(folder / SUMMARY_FILE, json.dumps(numbers, indent=2, allow_nan=False) + "\n")
     drawn = save_all(plan, record, folder, tuple(dict.fromkeys(("png", form)))) if pictures else ()
     shown = [(picture, address_of(folder / picture.file)) for picture in drawn]
-    html = page(plan, record, numbers, shown, figures=figures_of(plan, record), mission_text=mission_text)
+    html = page(
+        plan,
+        record,
+        numbers,
+        shown,
+        figures=figures_of(plan, record),
+        made=provenance_rows(folder),
+        mission_text=mission_text,
+    )
     # A vehicle may send half of a surrogate pair, which no page can hold.
     write_whole(folder / PAGE_FILE, html.encode(errors="replace"))
     return numbers

@@ -105,8 +105,8 @@ def test_a_vehicle_that_is_never_heard(unheard: tuple[Path, list[str]]) -> None:
 
 
 def test_the_folder_of_a_failed_flight_is_whole(silent: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    names = ["events.jsonl", "flight.tlog", "mission.yaml", "plan.json", "record.jsonl", "report.html", "summary.json"]
-    assert sorted(file.name for file in silent.iterdir()) == [*names, "verdict.json"]
+    names = ["events.jsonl", "flight.tlog", "mission.yaml", "plan.json", "provenance.json", "record.jsonl"]
+    assert sorted(file.name for file in silent.iterdir()) == [*names, "report.html", "summary.json", "verdict.json"]
     assert json.loads((silent / "verdict.json").read_text())["achieved"] is False
     assert (silent / "mission.yaml").read_bytes() == Path(PAPER).read_bytes()
     assert ran(capsys, "verify", str(silent / "plan.json")).code == 0
