@@ -77,12 +77,13 @@ def _run(arguments: Sequence[str]) -> int:
         speak(options)
         return int(command.run(options))
     except MissionError as error:
+        from mission.cli.mission_input import shown  # noqa: PLC0415 - see above
         from mission.cli.screen import error_values, print_error, print_json  # noqa: PLC0415 - see above
 
         if getattr(options, "document", False) and options.json:
             print_json(error_values(error))
         # A refusal to plan is about the mission file; a failure of the link is not.
-        print_error(error, getattr(options, "file", "") if isinstance(error, NoPlanError) else "")
+        print_error(error, shown(getattr(options, "file", None) or "") if isinstance(error, NoPlanError) else "")
         return error.exit_code
 
 

@@ -158,7 +158,7 @@ def build_parser() -> argparse.ArgumentParser:
     add_drafting(commands.add_parser)
 
     plan = commands.add_parser("plan", help="plan a mission and show the plan")
-    plan.add_argument("file", metavar="FILE", help="mission file (YAML)")
+    plan.add_argument("file", metavar="FILE", help="mission file (YAML), - for standard input")
     add_run(plan)
     add_changes(plan, speed=True)
     plan.add_argument("--runs", type=positive_whole, metavar="N", help="list the first N of the shortest runs")
@@ -233,7 +233,7 @@ def with_negative_pairs(arguments: Sequence[str]) -> list[str]:
 
 
 def _add_simulate(simulate: argparse.ArgumentParser) -> None:
-    simulate.add_argument("file", metavar="FILE", help="mission file (YAML)")
+    simulate.add_argument("file", metavar="FILE", help="mission file (YAML), - for standard input")
     add_run(simulate)
     add_changes(simulate, speed=True)
     simulate.add_argument(

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from mission.cli.inputs import write_named
+from mission.cli.mission_input import mission_in
 from mission.cli.screen import err, out, tube_costs
 from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_options, link_to, warn
 from mission.decimals import measure
@@ -16,7 +17,7 @@ from mission.fly.calibration import Calibration, Spread, calibrate
 from mission.monitor.stage import Stage
 from mission.plan.figure_of_eight import figure_of_eight
 from mission.printable import printable
-from mission.spec.loader import load_mission, parse_mission
+from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
 
 _OPEN_FIELD = """\
@@ -35,7 +36,7 @@ def run(arguments: Namespace) -> int:
     if target is not None and target.exists() and not arguments.force:
         hint = "choose another name, or say --force to write over it"
         raise SpecError((Fault(0, 0, "--out", f"{target} is there already", hint),))
-    spec = parse_mission(_OPEN_FIELD.encode()) if arguments.file is None else load_mission(arguments.file)
+    spec = parse_mission(_OPEN_FIELD.encode()) if arguments.file is None else mission_in(arguments.file)
     figure_of_eight(spec)  # there may be no room; then nothing takes off
     heard = _Heard()
     link = link_options(arguments)

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from mission.cli.extent import extent
 from mission.cli.findings import print_table
 from mission.cli.inputs import planned
+from mission.cli.mission_input import shown
 from mission.cli.plan import print_plan, summary
 from mission.cli.screen import err, error_values, out, print_error, print_json, print_warnings, tube_text
 from mission.cli.vehicle_link import UNHEARD, link_options
@@ -30,17 +31,17 @@ def run(arguments: Namespace) -> int:
         try:
             plan = planned(name)
         except MissionError as error:
-            print_error(error, source=name)
+            print_error(error, source=shown(name))
             codes.append(error.exit_code)
             found.append({"file": name, **error_values(error)})
             continue
         codes.append(0)
         found.append({"file": name, "exit_code": 0, "warnings": list(plan.warnings), "plan": summary(plan)})
-        _print_plan(plan, name)
+        _print_plan(plan, shown(name))
         if arguments.verbose:
             print_plan(plan)
         else:
-            print_warnings(plan.warnings, source=name)
+            print_warnings(plan.warnings, source=shown(name))
         if arguments.connect is not None:
             findings = _look(arguments, plan)
             print_table(findings, out)

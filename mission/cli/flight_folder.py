@@ -7,6 +7,7 @@ from typing import Final
 
 from mission.cli.given import Given, text_with
 from mission.cli.inputs import unwritable
+from mission.cli.mission_input import content_of, stem_of
 from mission.cli.report import MISSION_FILE, PLAN_FILE
 from mission.clock import Clock, TimeOfDay
 from mission.fly.folder import FlightFolder
@@ -30,9 +31,9 @@ def begin_folder(root: Path, plan: FlightPlan, file: Path, clock: Clock, given: 
         SpecError: The folder cannot be written to.
     """
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    written = file.read_bytes()
+    written = content_of(file)
     try:
-        folder = FlightFolder.begun(root, file.stem, TimeOfDay(clock).us, stamp)
+        folder = FlightFolder.begun(root, stem_of(file), TimeOfDay(clock).us, stamp)
         mission_text = text_with(plan.spec, file, given).encode() if given else written
         write_whole(folder.path / MISSION_FILE, mission_text)
         if given:

@@ -57,7 +57,7 @@ def add_check(add_parser: Callable[..., argparse.ArgumentParser]) -> None:
         description=_CHECK,
         epilog=ADDRESSES,
     )
-    check.add_argument("files", nargs="+", metavar="FILE", help="mission file (YAML)")
+    check.add_argument("files", nargs="+", metavar="FILE", help="mission file (YAML), - for standard input")
     add_link(check, "look at")
     add_voice(
         check,
@@ -75,7 +75,7 @@ def add_run(command: argparse.ArgumentParser) -> None:
 
 
 def _add_flight(fly: argparse.ArgumentParser) -> None:
-    fly.add_argument("file", nargs="?", metavar="FILE", help="mission file (YAML)")
+    fly.add_argument("file", nargs="?", metavar="FILE", help="mission file (YAML), - for standard input")
     add_run(fly)
     fly.add_argument(
         "--resume",

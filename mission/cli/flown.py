@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from mission.cli.inputs import bad_file, read_plan
+from mission.cli.mission_input import mission_in
 from mission.cli.report import with_later_plans
 from mission.cli.screen import out, print_json
 from mission.decimals import count
@@ -18,7 +19,6 @@ from mission.plan import FlightPlan, plan_mission
 from mission.report.reading import LEG, LaterPlan, read_record
 from mission.report.record import RECORD_FILE
 from mission.spec.areas import clearance_of
-from mission.spec.loader import load_mission
 from mission.spec.model import MissionSpec
 from mission.verify.flown.judging import ALL as _ALL
 from mission.verify.flown.judging import Judged, judged
@@ -119,7 +119,7 @@ def _asked(arguments: Namespace, file: Path) -> tuple[MissionSpec, FlightPlan | 
     plan = None if named is None else read_plan(Path(named))[0]
     if arguments.mission is None and plan is not None:
         return plan.spec, plan
-    spec = load_mission(arguments.mission)
+    spec = mission_in(arguments.mission)
     if plan is not None and plan.spec != spec:
         raise bad_file(Path(named), f"this is not a plan of {arguments.mission}", "plan the mission anew")
     return spec, plan

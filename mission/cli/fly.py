@@ -13,6 +13,7 @@ from mission.cli.flight_folder import begin_folder
 from mission.cli.given import changes_of
 from mission.cli.inputs import planned
 from mission.cli.live import Display
+from mission.cli.mission_input import shown
 from mission.cli.narration import Narrated
 from mission.cli.report import PLAN_FILE, later_plan_file, write_again
 from mission.cli.resume import left_in, reopened
@@ -53,7 +54,7 @@ def run(arguments: Namespace) -> int:
         if plan.spec.flight.guidance == FIELD:
             proved = "by the field, without a proof of a tube"
         out.print(f"{printable(plan.spec.name)}: {extent(plan)}, {proved}{without(plan)}", markup=False)
-    print_warnings(plan.warnings, arguments.file or arguments.resume)
+    print_warnings(plan.warnings, shown(arguments.file or arguments.resume))
     with StopSignals() as stop:
         flight = _flown(arguments, link, plan, left, stop)
         hurried = stop.take() is not None

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from mission.cli.changes import CHANGES, SET, dest_of
+from mission.cli.mission_input import content_of, mission_in, shown
 from mission.errors import Fault, SpecError
 from mission.spec.amended import GONE, Key, with_values
-from mission.spec.loader import beside, load_mission, parse_mission
+from mission.spec.loader import beside, parse_mission
 from mission.spec.model import MissionSpec
 from mission.spec.structure import plain_data
 from mission.spec.yaml_tree import read_tree
@@ -47,17 +48,17 @@ def mission_of(file: str, given: Given) -> MissionSpec:
     Raises:
         SpecError: The file has faults, or what was given makes some; its source is the file.
     """
-    spec = load_mission(file)
+    spec = mission_in(file)
     if not given:
         return spec
     path = Path(file)
     try:
-        return parse_mission(text_with(spec, path, given).encode(), file, beside(path))
+        return parse_mission(text_with(spec, path, given).encode(), shown(file), beside(path))
     except SpecError as error:
         # The file as it is has no fault, and lines are those of the changed text, which nobody sees.
         options = {".".join(key): name for name, (key, _) in given.items()}
         told = (replace(fault, line=0, column=0, path=_named(fault.path, options)) for fault in error.faults)
-        raise SpecError(tuple(told), file) from error
+        raise SpecError(tuple(told), shown(file)) from error
 
 
 def text_with(spec: MissionSpec, file: Path, given: Given) -> str:
@@ -68,7 +69,7 @@ def text_with(spec: MissionSpec, file: Path, given: Given) -> str:
         if besides is not None and spec.automaton is not None:
             values[besides] = GONE
         values[key] = value
-    return with_values(file.read_bytes().decode("utf-8-sig"), values)
+    return with_values(content_of(file).decode("utf-8-sig"), values)
 
 
 def _named(path: str, options: dict[str, str]) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from mission.cli.busy import doing
 from mission.cli.changes import LAPS
 from mission.cli.given import Given, mission_of
+from mission.cli.mission_input import shown
 from mission.errors import Fault, SpecError, reason
 from mission.plan import FlightPlan, plan_from_json, plan_mission
 from mission.whole_file import write_whole
@@ -24,7 +25,7 @@ def planned(file: str, run: int | None = None, given: Given | None = None) -> Fl
     """
     spec = mission_of(file, given or {})
     try:
-        with doing(f"planning {Path(file).name}"):
+        with doing(f"planning {Path(shown(file)).name}"):
             plan = plan_mission(spec, run=run)
     except SpecError as error:
         faults = error.faults
@@ -32,10 +33,12 @@ def planned(file: str, run: int | None = None, given: Given | None = None) -> Fl
             faults = tuple(
                 replace(fault, path="--run" if fault.path == "mission.run" else fault.path) for fault in faults
             )
-        raise SpecError(faults, file) from error
+        raise SpecError(faults, shown(file)) from error
     if given and LAPS in given and not plan.run.recurrent:
         hint = "leave `--laps` out, or ask for what recurs, such as G F (a & F b)"
-        raise SpecError((Fault(0, 0, "--laps", "this mission has no laps: it ends once it is done", hint),), file)
+        raise SpecError(
+            (Fault(0, 0, "--laps", "this mission has no laps: it ends once it is done", hint),), shown(file)
+        )
     return plan
 
 

@@ -5,14 +5,13 @@ import math
 import sys
 from argparse import Namespace
 from dataclasses import asdict
-from itertools import islice
-from pathlib import Path
 from typing import Any
 
 from rich.cells import cell_len
 from rich.console import Console
 from rich.markup import escape
 
+from mission.cli.mission_input import line_of
 from mission.decimals import count, decimal, measure
 from mission.errors import Fault, FormulaSyntaxError, MissionError, SpecError
 from mission.printable import printable, shows
@@ -123,16 +122,15 @@ def _print_fault(fault: Fault, source: str) -> None:
     where = printable(" ".join(f"{part}:" for part in (place, fault.path) if part))
     _wrong.print(f"[bold]{escape(where)}[/] {escape(fault.message)}" if where else f"error: {escape(fault.message)}")
     if fault.line and fault.column:
-        _print_excerpt(Path(source), fault.line, fault.column)
+        _print_excerpt(source, fault.line, fault.column)
     if fault.hint:
         _wrong.print(f"    {escape(fault.hint)}")
 
 
-def _print_excerpt(file: Path, line: int, column: int) -> None:
+def _print_excerpt(source: str, line: int, column: int) -> None:
     """The line of the file with a caret under the place; nothing where the file cannot be read any more."""
     try:
-        with file.open("rb") as lines:
-            text = next(islice(lines, line - 1, None), b"").decode("utf-8-sig" if line == 1 else "utf-8", "replace")
+        text = line_of(source, line).decode("utf-8-sig" if line == 1 else "utf-8", "replace")
     except OSError:
         return
     _print_pointed(text, column)

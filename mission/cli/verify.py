@@ -7,13 +7,13 @@ from typing import Any, Final
 
 from mission.cli import flown
 from mission.cli.inputs import read_plan
+from mission.cli.mission_input import mission_in
 from mission.cli.plan import print_plan
 from mission.cli.screen import out, print_json
 from mission.errors import Fault, NoPlanError, SpecError
 from mission.plan import FlightPlan, difference, plan_mission, plan_to_json
 from mission.printable import printable
 from mission.spec.document import document_of
-from mission.spec.loader import load_mission
 from mission.spec.model import FIELD
 from mission.verify.plans import JUDGED, Claim, claims
 
@@ -63,7 +63,7 @@ def run(arguments: Namespace) -> int:
 
 def _asked(plan: FlightPlan, file: str) -> Claim:
     """Whether the mission in the plan is that of a file: a plan tells its own, and proves no other."""
-    fault = difference(document_of(plan.spec), document_of(load_mission(file)), "mission")
+    fault = difference(document_of(plan.spec), document_of(mission_in(file)), "mission")
     return Claim("asked", fault and f"the plan is not of {printable(file)}: {fault}", f"the mission is that of {file}")
 
 
