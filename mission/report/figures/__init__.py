@@ -31,12 +31,20 @@ class Picture:
         title: What it is.
         caption: What is seen in it.
         by_field: What is, of a flight that is led by the field; empty where that is the same.
+        without_tube: What is, where no tube is proved; empty where that is the same.
     """
 
     file: str
     title: str
     caption: str
     by_field: str = ""
+    without_tube: str = ""
+
+    def of(self, plan: FlightPlan) -> "Picture":
+        """The same with the caption for this plan."""
+        if plan.spec.flight.guidance == FIELD:
+            return replace(self, caption=self.by_field or self.caption)
+        return self if plan.certificate.tube_m > 0.0 else replace(self, caption=self.without_tube or self.caption)
 
 
 @dataclass(frozen=True)
@@ -112,6 +120,7 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
             "The path that the vehicle is asked to track, in the tube that the certificate speaks of.",
             "A path that does what the mission asks. It is not flown: at each moment the field leads on from where the "
             "vehicle is, and no tube is proved.",
+            "The path that the vehicle is asked to track. There is no tube: the mission counts on no disturbance.",
         ),
         smoothed_path,
     ),
@@ -121,6 +130,7 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
             "Tracked states",
             "Position and velocity, asked for and reported, and the error of the position against the tube.",
             "Position and velocity as they were reported, and the velocity that the field asked for.",
+            "Position and velocity, asked for and reported, and the error of the position.",
         ),
         tracked_states,
     ),
@@ -137,7 +147,8 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
         Picture(
             "10_flown_path.png",
             "Flown path",
-            "Where the vehicle reported to be, strong, over the trajectory that it was asked to fly, thin.",
+            "Where the vehicle reported to be, strong, over the trajectory that it was asked to fly, thin; how far "
+            "it was from where it should be then, by colour.",
             "Where the vehicle reported to be, strong, over the path of the plan, thin, which it was not asked to fly.",
         ),
         flown_path,
@@ -182,9 +193,7 @@ def save_all(
         else:
             continue
         _write(figure, folder / entry.picture.file, formats)
-        drawn.append(entry.picture)
-    if plan.spec.flight.guidance == FIELD:
-        drawn = [replace(picture, caption=picture.by_field or picture.caption) for picture in drawn]
+        drawn.append(entry.picture.of(plan))
     return tuple(drawn)
 
 

@@ -151,12 +151,17 @@ class Chart:
         west, south, east, north = self.limits_m
         return shapely.box(west, south + SCALE_STRIP_PT * self.em_m, east, north)
 
-    def figure(self, title: str, *, legend: list[Artist], note: str = "") -> tuple[Figure, Axes]:
-        """An empty map: axes, scale bar, title, mission, and a legend of the region kinds and of the artists given."""
+    def figure(
+        self, title: str, *, legend: list[Artist], note: str = "", beside_pt: float = 0.0
+    ) -> tuple[Figure, Axes]:
+        """An empty map: axes, scale bar, title, mission, and a legend of the region kinds and of the artists given.
+
+        To the right of it ``beside_pt`` points are left empty.
+        """
         west, south, east, north = self.limits_m
         handles = self._kind_handles() + legend
         map_width, map_height = (east - west) / self.em_m, (north - south) / self.em_m
-        width = LEFT_PT + map_width + RIGHT_PT
+        width = LEFT_PT + map_width + RIGHT_PT + beside_pt
         rows = _rows(handles, width - 20)
         about_it = about(self.plan, width)
         head = head_pt(about_it)

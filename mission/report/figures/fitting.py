@@ -10,8 +10,9 @@ from shapely.geometry.base import BaseGeometry
 from mission.geometry.arrays import BoolArray, FloatArray
 
 GRID = 25
-RING_DIRECTIONS = 24
-RINGS = (0.8, 1.4, 2.0, 3.0, 4.5, 6.5, 9.0, 12.0)
+RIM_POINTS, DIRECTIONS = 40, 16
+GAPS_EM = (0.5, 1.0, 1.8, 3.0, 4.5)  # between an outline and a name beside it
+BOX_MARGIN_EM = (0.25, 0.1)
 DEEP = 0.95
 LEADER_INTO_SHAPE = 0.3
 
@@ -164,23 +165,31 @@ def _beside(
     blocked: shapely.STRtree,
     frame: BaseGeometry,
 ) -> _Spot | None:
+    """The free place nearest to the outline, and of those the one nearest to the middle."""
     middle = np.array(centre_of(shape))
     size_pt = sizes_pt[len(sizes_pt) // 2]
-    angles = 2 * np.pi * np.arange(RING_DIRECTIONS) / RING_DIRECTIONS
-    # An ellipse around the shape that keeps the whole box off it in every direction, then wider ones.
-    west, south, east, north = shape.bounds
-    half = 0.5 * np.array([east - west, north - south]) + 0.5 * em_m * size_pt * np.array(size)
-    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
     step = em_m * size_pt
-    points = np.concatenate([middle + directions * (half + ring * step) for ring in RINGS])
-    boxes = boxes_at(points[:, 0], points[:, 1], size, em_m * size_pt)
-    free = shapely.contains_properly(frame, boxes) & ~_hit(blocked, boxes)
-    if not free.any():
-        return None
-    x, y = points[int(np.argmax(free))]
-    edge = shapely.get_coordinates(shapely.shortest_line(shapely.Point(x, y), shape))[1]
-    end_x, end_y = edge + LEADER_INTO_SHAPE * (middle - edge)
-    return float(x), float(y), size_pt, (float(end_x), float(end_y))
+    outlines = [part.exterior for part in shapely.get_parts(shape)]
+    along = np.linspace(0.0, 1.0, RIM_POINTS, endpoint=False)
+    rim = np.concatenate(
+        [shapely.get_coordinates(shapely.line_interpolate_point(each, along, normalized=True)) for each in outlines]
+    )
+    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    directions = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    # Where the box touches a point of the outline with the side, or the corner, that faces it.
+    touching = 0.5 * step * (np.array(size) + BOX_MARGIN_EM) * np.clip(np.sqrt(2.0) * directions, -1.0, 1.0)
+    for gap in GAPS_EM:
+        points = (rim[:, None] + touching + gap * step * directions).reshape(-1, 2)
+        points = points[np.argsort(np.round(np.hypot(*(points - middle).T), 9), kind="stable")]
+        boxes = boxes_at(points[:, 0], points[:, 1], size, step)
+        free = shapely.contains_properly(frame, boxes) & ~_hit(blocked, boxes)
+        if free.any():
+            x, y = points[int(np.argmax(free))]
+            edge = shapely.get_coordinates(shapely.shortest_line(shapely.Point(x, y), shape))[1]
+            into = edge + LEADER_INTO_SHAPE * (middle - edge)
+            end_x, end_y = into if shapely.contains(shape, shapely.Point(into)) else edge
+            return float(x), float(y), size_pt, (float(end_x), float(end_y))
+    return None
 
 
 def _over(shape: BaseGeometry, sizes_pt: Sequence[float]) -> _Spot:
@@ -190,7 +199,7 @@ def _over(shape: BaseGeometry, sizes_pt: Sequence[float]) -> _Spot:
 
 def boxes_at(x: FloatArray, y: FloatArray, size: tuple[float, float], unit_m: float) -> FloatArray:
     """Rectangles around centres, as shapely geometries, a little larger than the text that they stand for."""
-    half_width, half_height = 0.5 * unit_m * (size[0] + 0.25), 0.5 * unit_m * (size[1] + 0.1)
+    half_width, half_height = (0.5 * unit_m * (side + margin) for side, margin in zip(size, BOX_MARGIN_EM, strict=True))
     boxes: FloatArray = shapely.box(x - half_width, y - half_height, x + half_width, y + half_height)
     return boxes
 

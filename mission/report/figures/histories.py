@@ -25,6 +25,7 @@ from mission.report.figures.canvas import (
     titled,
 )
 from mission.report.figures.filtering import Filtered, filtered, time_constant
+from mission.report.figures.paths import NO_TUBE
 from mission.report.palette import BLACK, FLOWN, MESH, PLANNED, QUIET, SMOOTHED, VERMILLION
 from mission.report.reading import Record
 from mission.report.tracking import Tracking, led_by_field, tracking_of
@@ -35,7 +36,6 @@ SAMPLES = 2000
 MOST_DRAWN = 4000
 AXIS_NAMES = ("east", "north")
 BAND_ALPHA = 0.28
-NO_TUBE = "No tube is proved: the mission counts on no disturbance."
 
 
 def time_histories(plan: FlightPlan) -> Figure:

@@ -73,7 +73,7 @@ def test_a_map_has_equal_axes_hatched_restricted_regions_names_and_a_scale(
 ) -> None:
     plan = plan_of(tour)
     figure = draw(plan)
-    (axes,) = figure.axes
+    axes = figure.axes[0]
     figure.draw_without_rendering()
     assert axes.get_aspect() == 1.0
     pixels = axes.transData.transform([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])
@@ -147,14 +147,14 @@ def test_a_long_note_is_broken_into_lines_between_the_map_and_the_edges_of_the_p
 def test_lines_and_fills_are_of_the_palette() -> None:
     plan = plan_of(PAPER_TOUR)
     for draw in (planned_path, smoothed_path, MAPS[-1]):
-        (axes,) = draw(plan).axes
+        axes = draw(plan).axes[0]
         colours = {to_hex(str(line.get_color())).upper() for line in axes.lines if line.get_gid()}
         colours |= {to_hex(patch.get_facecolor()).upper() for patch in axes.patches if patch.get_fill()}
         assert colours <= set(OKABE_ITO)
 
 
 def test_the_flown_path_is_strong_and_the_planned_one_thin() -> None:
-    (axes,) = flown_path(plan_of(PAPER_TOUR), record_of(plan_of(PAPER_TOUR))).axes
+    axes = flown_path(plan_of(PAPER_TOUR), record_of(plan_of(PAPER_TOUR))).axes[0]
     widths = {line.get_gid(): line.get_linewidth() for line in axes.lines}
     assert widths["flown"] > 2 * widths["planned"]
     assert {"start", "end"} <= set(widths)

@@ -47,7 +47,7 @@ def plan() -> FlightPlan:
 def test_maps_show_outlines_as_they_are_drawn_and_where_clearances_end() -> None:
     chart = chart_of(plan())
     figure = flown_path(plan(), record_of(plan()))
-    (axes,) = figure.axes
+    axes = figure.axes[0]
     patches = {patch.get_gid(): patch for patch in axes.patches if isinstance(patch, PathPatch)}
     assert chart.shapes["rows"].area == 320.0 - 16.0
     assert chart.shapes["lawn"].area == 150.0
