@@ -40,6 +40,12 @@ def _is_campaign(config: pytest.Config) -> bool:
     return bool(config.getoption("markexpr") == "long")
 
 
+@pytest.fixture
+def every_setpoint(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Records have every setpoint, not only those that the others do not follow from."""
+    monkeypatch.setattr("mission.fly.recording._SETPOINT_S", 0.0)
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
     """What is collected stays until the end; it is not frozen, for Hypothesis asks the collector who holds what."""

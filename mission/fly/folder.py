@@ -26,14 +26,14 @@ from typing import Final, Self
 from mission.growing_file import GrowingFile, whole_lines
 from mission.link.transport import Transport
 from mission.link.wire_log import LoggedLink, whole_frames
-from mission.report.record import FlightRecord, json_line
+from mission.report.record import PLACE, FlightRecord, json_line
 from mission.whole_file import write_whole
 
 LINK_FILE: Final = "flight.tlog"
 EVENTS_FILE: Final = "events.jsonl"
 VERDICT_FILE: Final = "verdict.json"
 
-_SERIES: Final = ("telemetry", "setpoint")
+_SERIES: Final = ("telemetry", PLACE, "setpoint")
 _EPOCH: Final = datetime(1970, 1, 1, tzinfo=UTC)
 
 

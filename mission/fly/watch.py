@@ -10,7 +10,7 @@ import numpy as np
 
 from mission.fly.listening import Listening
 from mission.fly.nearness import Nearness
-from mission.fly.recording import RecordWriter
+from mission.fly.recording import RecordWriter, Routine
 from mission.fly.result import Progress
 from mission.geometry.location import OUTSIDE
 from mission.link.events import (
@@ -78,7 +78,7 @@ class FlightWatch:
         self.cadence = CadenceWatch()
         self.pictures: list[int] = []
         self._told_s = math.inf
-        self._record = record
+        self._record, self._routine = record, Routine(record)
         self._nearness = Nearness()
         self._stage = Stage.CONNECT
         self._written = (0, 0, 0)
@@ -134,23 +134,15 @@ class FlightWatch:
         if isinstance(event, Moved):
             self._moved(event)
         elif isinstance(event, SetpointSent):
-            reference = event.reference
             self.cadence.note(event.t_s, event.trajectory_s)
             if event.gap is not None:
                 self._note_gap(event.gap)
-            self._record.write(
-                "setpoint",
-                event.t_s,
-                position_m=reference.position_m,
-                velocity_m_s=reference.velocity_m_s,
-                acceleration_m_s2=reference.acceleration_m_s2,
-                yaw_rad=event.yaw_rad,
-                trajectory_s=event.trajectory_s,
-            )
+            self._routine.sent(event)
         elif isinstance(event, Photographed):
             self._photographed(event)
         elif isinstance(event, StageEntered):
             self._stage = event.stage
+            self._routine.settle()
             if event.stage is Stage.FLY:
                 self.began_s = event.t_s
             self._record.write("event", event.t_s, name="stage", stage=event.stage)
@@ -203,13 +195,7 @@ class FlightWatch:
         return f"the vehicle {first.kind}{names}"
 
     def _moved(self, event: Moved) -> None:
-        self._record.write(
-            "telemetry",
-            event.t_s,
-            position_m=event.position_m,
-            velocity_m_s=event.velocity_m_s,
-            attitude_rad=event.attitude_rad,
-        )
+        event = self._routine.moved(event)
         place = (event.position_m[0], event.position_m[1])
         leg = self.legs.now
         self.legs.report(self._stage, event.t_s, place, event.trajectory_s)

@@ -13,13 +13,14 @@ from mission.errors import RecordError
 from mission.geometry.arrays import FloatArray, frozen_floats
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
-from mission.report.record import RECORD_FILE, SCHEMA
+from mission.report.record import PLACE, READ_SCHEMAS, RECORD_FILE
 
 Line = Mapping[str, Any]
 LEG = "leg"
 """The event of a plan that is taken over in flight."""
 
 LARGEST_RECORD_BYTES = 2**30
+_REPORTS = {PLACE: "telemetry"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,11 +154,12 @@ def parse_record(data: bytes) -> Record:
     """
     *whole, rest = data.split(b"\n")
     lines = [_parse_line(number, raw) for number, raw in enumerate(whole, start=1)]
-    if lines and (lines[0]["kind"] != "header" or lines[0].get("schema") != SCHEMA):
-        raise RecordError(f"this is not a flight record of schema {SCHEMA}", line=1)
+    if lines and (lines[0]["kind"] != "header" or lines[0].get("schema") not in READ_SCHEMAS):
+        raise RecordError(f"this is not a flight record of a schema up to {max(READ_SCHEMAS)}", line=1)
     kinds: dict[str, list[Line]] = {}
     for line in lines:
-        kinds.setdefault(line["kind"], []).append(line)
+        kind = str(line["kind"])
+        kinds.setdefault(_REPORTS.get(kind, kind), []).append(line)
     try:
         record = replace(_record(kinds, _stages(lines), cut=bool(rest)), size=len(data) - len(rest))
         if all(number > 1 for _, number, *_ in record.takeovers):
@@ -189,13 +191,7 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
     return Record(
         mission=str(of("header")[0].get("mission", "")) if of("header") else "",
         vehicle=_values(of("vehicle")[-1]) if of("vehicle") else {},
-        track=Track(
-            t_s=_numbers(telemetry, "t_s"),
-            position_m=_vectors(telemetry, "position_m"),
-            velocity_m_s=_vectors(telemetry, "velocity_m_s"),
-            attitude_rad=_vectors(telemetry, "attitude_rad"),
-            stages=stages,
-        ),
+        track=_track(telemetry, stages),
         setpoints=Setpoints(
             t_s=_numbers(setpoints, "t_s"),
             position_m=_vectors(setpoints, "position_m"),
@@ -212,6 +208,31 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
         texts=_entries(of("text"), "text"),
         verdict=_values(of("verdict")[-1]) if of("verdict") else None,
         cut=cut,
+    )
+
+
+def _track(lines: Sequence[Line], stages: tuple[Stage | None, ...]) -> Track:
+    """Reports; what those of a place alone leave out is what a straight line between the ones around them has."""
+    times_s, position_m = _numbers(lines, "t_s"), _vectors(lines, "position_m").copy()
+    velocity_m_s, attitude_rad = _vectors(lines, "velocity_m_s"), _vectors(lines, "attitude_rad")
+    brief = np.array([line["kind"] == PLACE for line in lines], dtype=np.bool_)
+    if brief.any():
+        position_m[brief, :2] = [_vector(line["m"]) for line in lines if line["kind"] == PLACE]
+
+        def filled(values: FloatArray) -> FloatArray:
+            between = [np.interp(times_s, times_s[~brief], axis) for axis in values[~brief].T]
+            return np.where(brief[:, None], np.stack(between, axis=-1), values)
+
+        if not brief.all():
+            position_m[:, 2] = filled(position_m)[:, 2]
+            velocity_m_s = filled(velocity_m_s)
+            attitude_rad = np.arctan2(filled(np.sin(attitude_rad)), filled(np.cos(attitude_rad)))
+    return Track(
+        t_s=times_s,
+        position_m=frozen_floats(position_m),
+        velocity_m_s=frozen_floats(velocity_m_s),
+        attitude_rad=frozen_floats(attitude_rad),
+        stages=stages,
     )
 
 
@@ -236,7 +257,7 @@ def _stages(lines: Iterable[Line]) -> tuple[Stage | None, ...]:
     for line in lines:
         if line["kind"] == "event" and line.get("name") == "stage":
             stage = Stage(line["stage"])
-        elif line["kind"] == "telemetry":
+        elif line["kind"] in ("telemetry", *_REPORTS):
             stages.append(stage)
     return tuple(stages)
 

@@ -10,8 +10,11 @@ kind                    values
 header                  schema, mission
 vehicle                 identity as the vehicle gave it, any names
 telemetry               position_m, velocity_m_s, attitude_rad (roll, pitch, yaw: NED body angles, as MAVLink has them)
+at                      m (east, north): a report of which only the place is written; height, velocity and attitude are
+                        to be had from those around it, at most a quarter of a second away (``mission.fly.recording``)
 setpoint                position_m, velocity_m_s, acceleration_m_s2, yaw_rad, trajectory_s (time on the planned
-                        trajectory; null for a setpoint that is not of the trajectory, as before and after it)
+                        trajectory; null for a setpoint that is not of the trajectory, as before and after it); those
+                        that are left out follow from those around them, at most half a second away
 visit                   triangle (-1 outside), labels: a new letter or triangle of the word that the vehicle spells
 event                   name, and any values; of a gap (no position was told, or no setpoint sent and the trajectory
                         paused): missing, from_s, for_s; of a leg (another plan is flown from t_s on): number (from 2),
@@ -51,7 +54,11 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-SCHEMA = 1
+SCHEMA = 2
+READ_SCHEMAS = (1, 2)
+"""Of the first, ``at`` is not known, and every setpoint is there."""
+
+PLACE = "at"
 RECORD_FILE = "record.jsonl"
 LONGEST_FOLDER_NAME = 80
 

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 import shapely
+from scipy.interpolate import CubicHermiteSpline
 from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.arrays import FloatArray
@@ -74,22 +75,30 @@ def tracking_of(record: Record) -> Tracking:
         known[:] = False
     at = track.t_s[known]
 
-    def asked(values: FloatArray) -> FloatArray:
-        if not len(times):
-            return np.zeros((0, 2))
-        east, north = values[of_trajectory, :2].T
-        return np.stack((np.interp(at, times, east), np.interp(at, times, north)), axis=-1)
+    def asked(values: FloatArray, slopes: FloatArray | None = None) -> FloatArray:
+        return _between(at, times, values[of_trajectory, :2], None if slopes is None else slopes[of_trajectory, :2])
 
     return Tracking(
         t_s=at,
         trajectory_s=np.interp(at, times, setpoints.trajectory_s[of_trajectory]) if len(times) else times,
         position_m=track.position_m[known, :2],
-        asked_position_m=asked(setpoints.position_m),
+        asked_position_m=asked(setpoints.position_m, setpoints.velocity_m_s),
         velocity_m_s=track.velocity_m_s[known, :2],
-        asked_velocity_m_s=asked(setpoints.velocity_m_s),
+        asked_velocity_m_s=asked(setpoints.velocity_m_s, setpoints.acceleration_m_s2),
         asked_acceleration_m_s2=asked(setpoints.acceleration_m_s2),
         attitude_rad=track.attitude_rad[known],
     )
+
+
+def _between(at_s: FloatArray, t_s: FloatArray, values: FloatArray, slopes: FloatArray | None) -> FloatArray:
+    """Values between those at times, shape (N, 2): on cubics with these slopes, or straight where one is not known."""
+    if not len(t_s):
+        return np.zeros((0, 2))
+    times, first = np.unique(t_s, return_index=True)
+    if slopes is not None and len(times) > 1 and np.isfinite(slopes).all():
+        cubics: FloatArray = CubicHermiteSpline(times, values[first], slopes[first])(at_s)
+        return cubics
+    return np.stack([np.interp(at_s, times, axis) for axis in values[first].T], axis=-1)
 
 
 def flown_by_field(track: Track) -> Track:

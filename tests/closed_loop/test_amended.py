@@ -66,8 +66,8 @@ def flown(plan: FlightPlan, flavour: str, *changes: tuple[float, str], faults: s
 
 
 def line_of(flight: Replanned, from_s: float) -> LineString:
-    rows = [row for row in flight.lines if row["kind"] == "telemetry" and row["t_s"] >= from_s]
-    return LineString([row["position_m"][:2] for row in rows])
+    track = flight.record.track
+    return LineString(track.position_m[track.t_s >= from_s, :2])
 
 
 @ARDUPILOT
@@ -89,6 +89,7 @@ def test_a_restricted_region_ahead_is_flown_around(
     assert "from popped" in told.out
 
 
+@pytest.mark.usefixtures("every_setpoint")
 def test_on_a_late_link_another_plan_begins_where_what_was_sent_before_it_ends(small: FlightPlan) -> None:
     """What was sent cannot be called back: a second of it is on its way, or was flown and not told yet."""
     flight, said = flown(small, "px4", (0.2, RESTRICT_AHEAD), faults="link, delay_s: 0.5, since: boot")
@@ -154,6 +155,7 @@ def test_a_file_is_no_change_of_altitude_and_not_empty(small: FlightPlan) -> Non
     assert len(flight.result.plans) == 1
 
 
+@pytest.mark.usefixtures("every_setpoint")
 def test_another_formula_holds_from_then_on_without_a_jump(small: FlightPlan) -> None:
     flight, said = flown(small, "ardupilot", (2.0, "formula F G home & G !goal"))
     [(_, answer)] = said.answers

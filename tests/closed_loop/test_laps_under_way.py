@@ -65,6 +65,6 @@ def test_each_lane_is_flown_once_a_lap(field: FlightPlan, flavour: str, share: f
     assert entered.count("goal") in {2, 3}
     [visit] = field.covers
     once_m = float(np.linalg.norm(visit.lanes_m[:, 1] - visit.lanes_m[:, 0], axis=1).sum()) + visit.ways_m
-    track = shapely.LineString([line["position_m"][:2] for line in flight.lines if line["kind"] == "telemetry"])
+    track = shapely.LineString(flight.record.track.position_m[:, :2])
     inside_m = float(shapely.intersection(track, field.area_of("field")).length)
     assert 1.8 * once_m < inside_m < 2.5 * once_m

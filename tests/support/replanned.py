@@ -84,7 +84,7 @@ class Replanned:
     def entered(self) -> list[str]:
         """The regions by name that were entered, in order, from the positions and the shapes of the mission alone."""
         shapes = {region.name: self.plan.area_of(region.name) for region in self.plan.spec.regions}
-        return entered([line["position_m"] for line in self.lines if line["kind"] == "telemetry"], shapes)
+        return entered(self.record.track.position_m.tolist(), shapes)
 
     def _look(self, progress: Progress) -> None:
         self.told = progress.told

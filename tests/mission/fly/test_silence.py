@@ -105,6 +105,7 @@ def test_a_gap_that_ends_is_survived_whatever_is_heard_first_after_it(
     assert result.achieved, result.reason
 
 
+@pytest.mark.usefixtures("every_setpoint")
 def test_after_a_gap_the_trajectory_goes_on_from_where_it_stood_and_everyone_is_told(plan: FlightPlan) -> None:
     vehicle = ScriptedVehicle("ardupilot")
     flight = Flight(vehicle, plan)
