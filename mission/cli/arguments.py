@@ -210,13 +210,18 @@ def build_parser() -> argparse.ArgumentParser:
         "--within", type=positive, metavar="S", default=60.0, help="how long to wait for an answer, s (default: 60)"
     )
 
-    report = commands.add_parser("report", help="write the report and the pictures of a flight folder again")
-    report.add_argument("folder", metavar="FOLDER", help="a folder that 'mission fly' wrote")
+    report = commands.add_parser(
+        "report", help="write the report and the pictures of a flight folder again, or compare flights"
+    )
+    report.add_argument(
+        "folder", nargs="+", metavar="FOLDER", help="a folder that 'mission fly' wrote; several are compared in a table"
+    )
     add_format(report, beside_png=True)
     add_voice(
         report,
-        "each file with its size",
-        "folder, report, and what the report shows: mission, formula, planned, certificate, flown, verdict and more",
+        "each file with its size, and of several flights why each achieved what it did",
+        "folder, report, and what the report shows: mission, formula, planned, certificate, flown, verdict and more; "
+        "of several, flights",
     )
     return parser
 

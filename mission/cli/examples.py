@@ -51,7 +51,10 @@ EXAMPLES: Final[dict[str, tuple[tuple[str, str], ...]]] = {
         ("mission amend flights/survey-20250131-120000 amended.yaml", "a whole mission"),
         ("echo 'drop K2' | mission amend flights/survey-20250131-120000", "a single change"),
     ),
-    "report": (("mission report flights/survey-20250131-120000", "draw it all again"),),
+    "report": (
+        ("mission report flights/survey-20250131-120000", "draw it all again"),
+        ("mission report flights/survey-*", "errors, distances and battery side by side"),
+    ),
 }
 
 

@@ -1,14 +1,21 @@
-"""``mission report``: write the report and the pictures of a flight folder again."""
+"""``mission report``: write the report and the pictures of a flight folder again, or compare several flights."""
 
 from argparse import Namespace
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, Final
+
+from rich.box import SIMPLE_HEAD
+from rich.markup import escape
+from rich.table import Table
 
 from mission.cli.busy import doing
 from mission.cli.inputs import bad_file, read_plan
 from mission.cli.screen import out, print_json
 from mission.errors import RecordError, reason
 from mission.plan import FlightPlan, plan_mission
+from mission.printable import printable
+from mission.report.comparison import comparison
 from mission.report.reading import LaterPlan, Record, read_record
 from mission.report.record import RECORD_FILE
 from mission.report.report import PAGE_FILE, write_report
@@ -16,12 +23,15 @@ from mission.report.summary import summary
 
 MISSION_FILE = "mission.yaml"
 PLAN_FILE = "plan.json"
+_VERDICTS: Final = {True: "achieved", False: "not achieved", None: "open"}
 _HINT = "name a folder that 'mission fly' made, such as flights/survey-20250131-120000"
 
 
 def run(arguments: Namespace) -> int:
-    """Read a flight folder and write its report."""
-    folder = Path(arguments.folder)
+    """Read a flight folder and write its report; of several folders, compare the flights."""
+    if len(arguments.folder) > 1:
+        return _compare(arguments)
+    folder = Path(arguments.folder[0])
     try:
         write_again(folder, pictures=True, form=arguments.format)
     except OSError as error:
@@ -34,6 +44,44 @@ def run(arguments: Namespace) -> int:
     for file in sorted(folder.iterdir()) if arguments.verbose else ():
         out.print(f"{file.stat().st_size:>12,}  {file.name}", markup=False)
     return 0
+
+
+def _compare(arguments: Namespace) -> int:
+    """Show flights side by side; nothing is written."""
+    with doing("reading the flights"):
+        flights = [(folder, *flight_in(Path(folder))[:2]) for folder in arguments.folder]
+        rows = comparison([(folder, summary(plan, record)) for folder, plan, record in flights])
+    if arguments.json:
+        print_json({"exit_code": 0, "flights": rows})
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for name in ("flight", "verdict", "took", "error rms", "most", "nearest", "battery"):
+        folds = name in ("flight", "nearest")
+        table.add_column(name, overflow="fold", no_wrap=not folds, justify="left" if folds else "right")
+    for row in rows:
+        table.add_row(*map(escape, map(printable, _cells(row))))
+    out.print(table)
+    for row in rows if arguments.verbose else ():
+        out.print(f"{Path(row['folder']).name}: {row['reason']}", markup=False)
+    return 0
+
+
+def _cells(row: dict[str, Any]) -> tuple[str, ...]:
+    """A flight in words."""
+
+    def told(name: str, unit: str, digits: int = 2) -> str:
+        return "" if row[name] is None else f"{row[name]:.{digits}f} {unit}"
+
+    near = sorted(row["distance_to_restricted_m"].items(), key=lambda each: each[1])
+    charge = row["charge_percent"]
+    return (
+        Path(row["folder"]).name,
+        _VERDICTS[row["achieved"]],
+        told("duration_s", "s", 1),
+        told("rms_error_m", "m"),
+        told("largest_error_m", "m"),
+        ", ".join(f"{name} {distance_m:.2f} m" for name, distance_m in near),
+        "" if charge is None else f"{charge[0]:.0f} to {charge[-1]:.0f} %",
+    )
 
 
 def write_again(folder: Path, *, pictures: bool, form: str = "png") -> None:

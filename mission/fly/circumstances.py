@@ -1,5 +1,6 @@
-"""What goes on beside a flight, told once when it begins: this computer's pace, its camera, the geofence, the clock."""
+"""What goes on beside a flight, told when it changes: this computer's pace, camera, geofence, clock and battery."""
 
+import math
 from dataclasses import asdict
 from typing import Final
 
@@ -20,6 +21,7 @@ class Circumstances:
         self._session, self._listening, self._clock, self._record = session, listening, clock, record
         self._behind = self._warned_behind = self._troubled = self._fenced = self._unfenced = False
         self._left_out_s = 0.0
+        self._percent = 0
 
     def turn(self) -> None:
         """Tell what is new."""
@@ -28,6 +30,7 @@ class Circumstances:
         self._tell_trouble()
         self._tell_fence(newest_s)
         self._tell_leap(newest_s)
+        self._tell_charge(newest_s)
 
     def _tell_pace(self, newest_s: float | None) -> None:
         """Say when this computer begins not to keep up with the vehicle, and when it has caught up again."""
@@ -83,3 +86,14 @@ class Circumstances:
         if leapt_s > 0.0:
             self._left_out_s = self._clock.left_out_s
             self._record.write("event", newest_s, name="this computer stood still", for_s=leapt_s)
+
+    def _tell_charge(self, newest_s: float | None) -> None:
+        """Write down what is left of the battery, each per cent once."""
+        battery, health = self._session.vehicle.battery, self._session.vehicle.health
+        percent = battery.percent if battery is not None else None
+        if percent is None and health is not None and health.battery_percent >= 0:
+            percent = float(health.battery_percent)
+        if percent is not None and math.ceil(percent) != self._percent:
+            self._percent = math.ceil(percent)
+            drawn_mah = None if battery is None else battery.consumed_mah
+            self._record.write("charge", newest_s, percent=percent, drawn_mah=drawn_mah)

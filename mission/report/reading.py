@@ -74,6 +74,15 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Charge:
+    """What was left of the battery, per cent, and what was drawn of it, mAh; NaN where it was not told."""
+
+    t_s: float
+    percent: float
+    drawn_mah: float
+
+
+@dataclass(frozen=True)
 class Entry:
     """A line with a time and a text: an event's name or the vehicle's own words, with the other values."""
 
@@ -103,6 +112,7 @@ class Record:
         cut: Whether the last line was cut, as by a kill in mid-write.
         later: The plans that were flown after the first, which lie beside the record (``takeovers``).
         size: Bytes of its whole lines.
+        charges: What was left of the battery, as it changed.
     """
 
     mission: str
@@ -117,6 +127,7 @@ class Record:
     cut: bool
     later: tuple[LaterPlan, ...] = ()
     size: int = 0
+    charges: tuple[Charge, ...] = ()
 
     @property
     def takeovers(self) -> tuple[tuple[float, int, int, bool], ...]:
@@ -208,6 +219,9 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
         texts=_entries(of("text"), "text"),
         verdict=_values(of("verdict")[-1]) if of("verdict") else None,
         cut=cut,
+        charges=tuple(
+            Charge(_number(line["t_s"]), _number(line["percent"]), _number(line["drawn_mah"])) for line in of("charge")
+        ),
     )
 
 

@@ -27,6 +27,7 @@ image                   of a picture that the vehicle told of: number (as the au
                         since 1970), latitude_deg, longitude_deg, altitude_amsl_m, position_m, attitude_rad,
                         accuracy_m and height_accuracy_m (of the place, as the receiver told it), trajectory_s; what is
                         not known is null
+charge                  percent, drawn_mah: of the battery, each per cent once; what is not known is null
 text                    severity (MAVLink), text: a STATUSTEXT
 verdict                 achieved, reason, and any values; of a flight that came to its end also what was known of the
                         word: so_far (true, false, open), done and total (progress of the automaton), awaited (regions)

@@ -117,6 +117,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "largest_velocity_error_per_axis_m_s": _largest(np.abs(tracking.velocity_error_m_s).ravel()),
         "rms_error_m": float(np.sqrt(np.mean(distance**2))) if tracked else None,
         "distance_to_restricted_m": distances_m(record, restricted_as_drawn(plan.spec, plan.partition, plan.labelling)),
+        "charge_percent": [each.percent for each in (*record.charges[:1], *record.charges[-1:])] or None,
         "judged": _judged(plan, record),
         "word": [
             {

@@ -166,3 +166,30 @@ def test_a_report_that_cannot_be_written(silent: Path, capsys: pytest.CaptureFix
     result = ran(capsys, "report", str(silent))
     assert result.code == 2
     assert result.err.startswith(f"{silent}: the report cannot be written: is a directory")
+
+
+def test_flights_are_compared_and_nothing_is_written(
+    silent: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    other = shutil.copytree(silent, tmp_path / "other")
+    with (other / "record.jsonl").open("a") as record:
+        for t_s, percent in ((1.0, 97), (60.0, 54)):
+            record.write(json.dumps({"kind": "charge", "t_s": t_s, "percent": percent, "drawn_mah": None}) + "\n")
+            place = {"kind": "telemetry", "t_s": t_s, "position_m": [11.0 + t_s / 60.0, 9.5, 5.0]}
+            record.write(json.dumps(place) + "\n")
+        record.write(json.dumps({"kind": "verdict", "t_s": 61.0, "achieved": True, "reason": "all done"}) + "\n")
+    before = {file: file.stat().st_mtime_ns for folder in (silent, other) for file in folder.iterdir()}
+    result = ran(capsys, "report", str(silent), str(other), "-v")
+    assert (result.code, result.err) == (0, "")
+    lines = result.out.splitlines()
+    first, second = ([line for line in lines if line.split()[:1] == [name]][-1] for name in ("flight", "other"))
+    assert "not achieved" in first
+    assert "97 to 54 %" in second
+    assert "K1 3.90 m" in second
+    assert lines[-1] == "other: all done"
+    rows = json.loads(ran(capsys, "report", str(silent), str(other), "--json").out)["flights"]
+    assert [row["achieved"] for row in rows] == [False, True]
+    assert [row["charge_percent"] for row in rows] == [None, [97.0, 54.0]]
+    assert [row["folder"] for row in rows] == [str(silent), str(other)]
+    assert {file: file.stat().st_mtime_ns for folder in (silent, other) for file in folder.iterdir()} == before
+    assert ran(capsys, "report", str(silent), str(tmp_path / "nowhere")).code == 2
