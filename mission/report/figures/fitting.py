@@ -98,6 +98,7 @@ def place_names(
     sizes_pt: Sequence[float],
     obstacles: Sequence[BaseGeometry],
     frame: BaseGeometry | None,
+    needed: bool = True,
 ) -> tuple[Placed, ...]:
     """Put each name inside its shape, off the obstacles and the other names; beside it with a leader where it must.
 
@@ -110,6 +111,7 @@ def place_names(
         sizes_pt: Font sizes to try, largest first.
         obstacles: What no name may cover.
         frame: Where names may stand beside their shapes; None leaves out what has no room inside.
+        needed: Whether a name that has no room beside its shape either is put over it; else it is left out.
     """
     shapes = [shape for _, shape, _ in names]
     taken = list(obstacles)
@@ -122,7 +124,10 @@ def place_names(
             if frame is None:
                 continue
             others = shapely.STRtree([*taken, *shapes])
-            spot = _beside(shape, size, em_m, sizes_pt, blocked=others, frame=frame) or _over(shape, sizes_pt)
+            spot = _beside(shape, size, em_m, sizes_pt, blocked=others, frame=frame)
+            if spot is None and not needed:
+                continue
+            spot = spot or _over(shape, sizes_pt)
         x, y, points, leader = spot
         placed[index] = Placed(text, points, x, y, leader, size)
         taken.append(placed[index].box(em_m))

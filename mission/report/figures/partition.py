@@ -11,13 +11,14 @@ from matplotlib.patches import Rectangle
 from mission.geometry.arrays import FloatArray
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
-from mission.report.figures.canvas import LINE_HEIGHT_EM, drawing, plain, text_size_em
+from mission.report.figures.canvas import LEAST_PT, LINE_HEIGHT_EM, drawing, plain, text_size_em
 from mission.report.figures.chart import Chart, chart_of, draw_names, name_sizes
-from mission.report.figures.fitting import boxes_at, largest_boxes, place_names, towards_incentres
+from mission.report.figures.fitting import Placed, boxes_at, largest_boxes, place_names, towards_incentres
 from mission.report.palette import BLACK, QUIET, WHITE
 
 MOST_ANNOTATED = 150
-SIZES_PT = (10.5, 9.5, 8.5, 7.5, 6.5, 5.5)
+SIZES_PT = (10.5, 9.5, 8.5, LEAST_PT)
+DIGIT_HEIGHT_EM = 0.75
 NAME_SIZES_PT = (13.0, 11.5, 10.0, 8.5)
 NAME_SCALE = 1.25
 CLEAR_OF_EDGES = 0.93
@@ -55,26 +56,48 @@ def annotated_partition(plan: FlightPlan) -> Figure:
                 axes, place_names(names, em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=[], frame=chart.frame)
             )
             return figure
-        note = "T3 over 7 4 1: triangle 3 has the vertices 7, 4, 1, counter-clockwise; u1 leaves opposite vertex 7, ..."
+        disc_pt = _disc_pt(plan.partition)
+        vertices = _apart(plan.partition, 2 * disc_pt * chart.em_m)
+        annotated = _annotations(chart, vertices, disc_pt)
+        example = (
+            "T3 over 7 4 1: triangle 3 has the vertices 7, 4, 1, counter-clockwise; u1 leaves opposite vertex 7, ..."
+        )
+        note = f"{example} Without room for the vertices, its number stands alone{annotated.left_out}."
         figure, axes = chart.figure(f"Partition: {size} triangles", legend=[], note=note)
         chart.draw_domain(axes)
-        disc_pt = 6.5 if size <= MOST_ANNOTATED // 3 else 5.0
-        _draw_vertices(axes, chart, disc_pt)
-        _draw_blocks(axes, chart, disc_pt)
+        _draw_vertices(axes, chart, vertices, disc_pt)
+        for block, centre, size_pt in annotated.blocks:
+            _draw_block(axes, block, centre, size_pt, chart.em_m, ground=block.triangle in chart.restricted)
+        draw_names(axes, annotated.names)
+        draw_names(axes, annotated.pointed, colour=QUIET, bold=False, gid="narrow")
     return figure
 
 
-def _draw_vertices(axes: Axes, chart: Chart, disc_pt: float) -> None:
-    used = np.unique(chart.partition.triangles)
-    x, y = chart.partition.vertices_m[used].T
+def _disc_pt(partition: Partition) -> float:
+    """The radius of a disc that holds the longest number of a vertex."""
+    width, _ = text_size_em(str(int(partition.triangles.max())))
+    return 0.5 * LEAST_PT * float(np.hypot(width, DIGIT_HEIGHT_EM)) + 1.0
+
+
+def _apart(partition: Partition, distance_m: float) -> list[int]:
+    """The vertices that are numbered: each that is so far from those before it."""
+    chosen: list[int] = []
+    for vertex in np.unique(partition.triangles).tolist():
+        ways = partition.vertices_m[chosen] - partition.vertices_m[vertex]
+        if not chosen or float(np.hypot(*ways.T).min()) >= distance_m:
+            chosen.append(vertex)
+    return chosen
+
+
+def _draw_vertices(axes: Axes, chart: Chart, numbered: list[int], disc_pt: float) -> None:
+    x, y = chart.partition.vertices_m[numbered].T
     axes.scatter(x, y, s=(2 * disc_pt) ** 2, facecolor=WHITE, edgecolor=QUIET, linewidth=0.7, zorder=3)
-    for vertex, at_x, at_y in zip(used.tolist(), x.tolist(), y.tolist(), strict=True):
-        size = 1.15 * disc_pt / max(1.0, text_size_em(str(vertex))[0])
+    for vertex, at_x, at_y in zip(numbered, x.tolist(), y.tolist(), strict=True):
         axes.text(
             at_x,
             at_y,
             str(vertex),
-            fontsize=size,
+            fontsize=LEAST_PT,
             color=QUIET,
             ha="center",
             va="center_baseline",
@@ -83,15 +106,30 @@ def _draw_vertices(axes: Axes, chart: Chart, disc_pt: float) -> None:
         )
 
 
-def _draw_blocks(axes: Axes, chart: Chart, disc_pt: float) -> None:
+@dataclass(frozen=True, eq=False)
+class _Annotations:
+    """What is written into and beside triangles, and what has no room.
+
+    Attributes:
+        blocks: Each with its centre, metres, and size in points.
+        names: Of regions that no block carries.
+        pointed: Numbers of narrow triangles, beside them.
+        left_out: What the note says of those that have no room.
+    """
+
+    blocks: list[tuple[Block, FloatArray, float]]
+    names: tuple[Placed, ...]
+    pointed: tuple[Placed, ...]
+    left_out: str
+
+
+def _annotations(chart: Chart, vertices: list[int], disc_pt: float) -> _Annotations:
     """Annotate each triangle as fully and as large as it has room for; then name the regions that are left."""
     partition = chart.partition
     regions = {name: chart.labelling.triangles_of(name) for name in chart.shapes}
     carriers = {int(own[np.argmax(partition.areas_m2[own])]): name for name, own in regions.items()}
-    hatched = chart.restricted
-    taken = list(
-        shapely.buffer(shapely.points(partition.vertices_m[np.unique(partition.triangles)]), disc_pt * chart.em_m)
-    )
+    taken = list(shapely.buffer(shapely.points(partition.vertices_m[vertices]), disc_pt * chart.em_m))
+    placed: list[tuple[Block, FloatArray, float]] = []
     waiting = list(range(partition.size))
     # From the fullest annotation to the barest, each for the triangles that had no room for the one before.
     for named, full in ((True, True), (True, False), (False, True), (False, False)):
@@ -108,16 +146,20 @@ def _draw_blocks(axes: Axes, chart: Chart, disc_pt: float) -> None:
             size_pt, centre = fit
             if block.name:
                 del carriers[block.triangle]
-            _draw_block(axes, block, centre, size_pt, chart.em_m, ground=block.triangle in hatched)
+            placed.append((block, centre, size_pt))
             taken.append(boxes_at(centre[:1], centre[1:], block.size_em, chart.em_m * size_pt)[0])
     left = {name: chart.shapes[name] for name in carriers.values()}
-    outside = place_names(name_sizes(left), em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=taken, frame=chart.frame)
-    draw_names(axes, outside)
-    taken += [name.box(chart.em_m) for name in outside]
+    names = place_names(name_sizes(left), em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=taken, frame=chart.frame)
+    taken += [name.box(chart.em_m) for name in names]
     shapes = shapely.polygons(partition.corners_m[waiting])
     narrow = [(f"T{i}", shape, text_size_em(f"T{i}")) for i, shape in zip(waiting, shapes, strict=True)]
-    pointed = place_names(narrow, em_m=chart.em_m, sizes_pt=SIZES_PT[-1:], obstacles=taken, frame=chart.frame)
-    draw_names(axes, pointed, colour=QUIET, bold=False, gid="narrow")
+    pointed = place_names(
+        narrow, em_m=chart.em_m, sizes_pt=SIZES_PT[-1:], obstacles=taken, frame=chart.frame, needed=False
+    )
+    lost = len(narrow) - len(pointed), len(np.unique(partition.triangles)) - len(vertices)
+    said = [f"{count} {what}" for count, what in zip(lost, ("triangles", "vertices"), strict=True) if count]
+    left_out = f"; {' and '.join(said)} have no room for their numbers" if said else ""
+    return _Annotations(placed, names, pointed, left_out)
 
 
 def _block(partition: Partition, triangle: int, name: str, *, full: bool) -> Block:
