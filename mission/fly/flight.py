@@ -12,6 +12,7 @@ from mission.fly.by_field import field_orders
 from mission.fly.cause import Cause
 from mission.fly.circumstances import Circumstances
 from mission.fly.conclusion import concluded, joined, shortcomings
+from mission.fly.conditions import Conditions
 from mission.fly.fencing import guarded, guarded_again, renew
 from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.listening import BEHIND_S, Listening
@@ -79,6 +80,7 @@ class Flight:
         self._lookout = Lookout(options.stray_m)
         self.listening = Listening(self.session, self.clock)
         self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
+        self._conditions = Conditions(self.session, record)
         self._news: News | None = None
         self._told: tuple[str, ...] = ()
         self._moves_since_s: float | None = None
@@ -107,6 +109,7 @@ class Flight:
             session.advance(self.clock.now_s())
             self.take_events()
             self._circumstances.turn()
+            self._conditions.turn()
             self.renew_fence()
             if session.stage is Stage.STANDBY and self._unfinished is not None:
                 if self._has_come_to_rest():

@@ -43,12 +43,15 @@ class Arrival:
         delay_s: From the vehicle's time that is shown here to that at which what is sent now arrives; 0 before it is
             known.
         largest_s: The largest that was measured.
+        asked: How many requests were sent.
+        answered: How many of them were answered; the others were lost, there or on the way back, or still wait.
     """
 
     def __init__(self, clock: VehicleClock) -> None:
         """Know nothing yet; ``clock`` shows the vehicle's time."""
         self.delay_s = 0.0
         self.largest_s = 0.0
+        self.asked = self.answered = 0
         self._clock = clock
         self._asked: OrderedDict[int, float] = OrderedDict()
         self._seen: deque[float] = deque(maxlen=_SAMPLES)
@@ -66,6 +69,7 @@ class Arrival:
             return None
         stamp = max(round(now_s * 1e9), *self._asked, 0) + 1  # another one for each, and never 0
         self._asked_s = self._asked[stamp] = shown_s
+        self.asked += 1
         if len(self._asked) > _WAITING:
             self._asked.popitem(last=False)
         return stamp
@@ -75,6 +79,7 @@ class Arrival:
         asked_s, shown_s = self._asked.pop(answer.asked_ns, None), self._clock.now_s(now_s)
         if answer.told_ns == 0 or asked_s is None or shown_s is None or shown_s - asked_s > MOST_S:
             return
+        self.answered += 1
         told_s = self._clock.unwrapped_s(answer.told_ns // 1_000_000 & 0xFFFFFFFF)
         self._seen.append(min(max(told_s - asked_s, 0.0), shown_s - asked_s))
         if len(self._seen) >= _FIRST:

@@ -82,6 +82,24 @@ class Charge:
     drawn_mah: float
 
 
+@dataclass(frozen=True, eq=False)
+class Conditions:
+    """The link and the wind, once a second: all of shape (N,), NaN where it was not known.
+
+    ``delay_s`` is both ways, ``lost`` a share from 0 to 1, ``wind_from_deg`` clockwise from north.
+    """
+
+    t_s: FloatArray
+    delay_s: FloatArray
+    lost: FloatArray
+    wind_m_s: FloatArray
+    wind_from_deg: FloatArray
+
+
+NO_CONDITIONS = Conditions(*(frozen_floats([]) for _ in range(5)))
+"""Of a record of an earlier version."""
+
+
 @dataclass(frozen=True)
 class Entry:
     """A line with a time and a text: an event's name or the vehicle's own words, with the other values."""
@@ -113,6 +131,7 @@ class Record:
         later: The plans that were flown after the first, which lie beside the record (``takeovers``).
         size: Bytes of its whole lines.
         charges: What was left of the battery, as it changed.
+        conditions: The link and the wind.
     """
 
     mission: str
@@ -128,6 +147,7 @@ class Record:
     later: tuple[LaterPlan, ...] = ()
     size: int = 0
     charges: tuple[Charge, ...] = ()
+    conditions: Conditions = NO_CONDITIONS
 
     @property
     def takeovers(self) -> tuple[tuple[float, int, int, bool], ...]:
@@ -221,6 +241,9 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
         cut=cut,
         charges=tuple(
             Charge(_number(line["t_s"]), _number(line["percent"]), _number(line["drawn_mah"])) for line in of("charge")
+        ),
+        conditions=Conditions(
+            *(_numbers(of("conditions"), name) for name in ("t_s", "delay_s", "lost", "wind_m_s", "wind_from_deg"))
         ),
     )
 

@@ -1,5 +1,6 @@
 """The map: the ground with its regions, the paths, the tube, and the place that is pointed at."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -8,11 +9,12 @@ import shapely
 from bokeh.models import ColumnDataSource, DataRange1d, HoverTool, MultiPolygons, Scatter, Text
 from bokeh.plotting import figure
 from shapely.geometry.base import BaseGeometry
+from shapely.ops import polylabel
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.shapes import polygonal
 from mission.printable import printable
-from mission.report.interactive.scene import Scene
+from mission.report.interactive.scene import Area, Scene
 from mission.report.palette import (
     BLACK,
     FILL_ALPHA,
@@ -29,6 +31,7 @@ MAP = "map"
 FLOWN_LABEL = "flown, as reported"
 _FLATTEST, _TALLEST = 2.4, 0.8
 _FRAME_SHARE = 0.88  # of the width, where the numbers of the axis take the rest
+_LABEL_SHARE = 0.02
 _FONT = "13px"
 
 
@@ -127,14 +130,23 @@ def _draw_nearest(plot: figure, scene: Scene) -> None:
         "y_offset": (-10 * away[:, 1]).tolist(),
         "text_align": ["right" if side < 0 else "left" for side in away[:, 0]],
     }
-    texts = [f"{near.name}: {near.distance_m:.1f} m" for near in scene.nearest]
+    texts = [f"{near.distance_m:.1f} m" for near in scene.nearest]
     _write(plot, ends, texts, offsets, text_color=VERMILLION, text_font_size="12px")
 
 
 def _draw_names(plot: figure, scene: Scene) -> None:
-    places = [shapely.point_on_surface(area.shape) for area in scene.areas]
+    places = [_middle(area, scene) for area in scene.areas]
     names = [area.name for area in scene.areas]
     _write(plot, [(place.x, place.y) for place in places], names, {}, text_color=BLACK, text_font_size=_FONT)
+
+
+def _middle(area: Area, scene: Scene) -> shapely.Point:
+    """Where there is most room in a region, beside the smaller ones that lie in it."""
+    inside = [other.shape for other in scene.areas if other.shape.area < area.shape.area]
+    own = polygonal(shapely.difference(area.shape, shapely.union_all(inside)))
+    parts = [part for part in shapely.get_parts(own if own.area > 0.0 else area.shape) if part.area > 0.0]
+    part = max(parts, key=lambda each: float(each.area))
+    return polylabel(part, _LABEL_SHARE * math.sqrt(part.area))
 
 
 def _write(

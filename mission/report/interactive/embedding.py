@@ -91,7 +91,8 @@ def _histories_in_words(flown: Flown, timeline: Timeline) -> str:
     ranges = []
     for history in timeline.histories:
         values = flown.columns[history.traces[0].column]
-        least, most = float(np.nanmin(values)), float(np.nanmax(values))
+        # Zero is added for there is no zero below zero.
+        least, most = (round(float(end(values)), history.digits) + 0.0 for end in (np.nanmin, np.nanmax))
         ranges.append(f"{history.title}: {least:.{history.digits}f} to {most:.{history.digits}f} {history.unit}")
     return f"Point at a time, or use the slider, and the map shows the place. {'. '.join(ranges)}."
 

@@ -80,6 +80,7 @@ def flown_of(plan: FlightPlan, record: Record) -> tuple[Flown, Timeline]:
         "tilt": np.rad2deg(tilt(track.attitude_rad[known])),
         **_asked(plan, record, t_s),
     }
+    columns |= _surroundings(record, t_s)
     rows = _thinned(t_s, columns)
     flown = Flown(t_s[rows], position[rows, :2], {name: values[rows] for name, values in columns.items()})
     restricted = list(restricted_as_drawn(plan.spec, plan.partition, plan.labelling).values())
@@ -118,7 +119,31 @@ def _histories(plan: FlightPlan) -> tuple[History, ...]:
             digits=1,
             from_zero=True,
         ),
+        History("Battery left", "%", (Trace("charge", "", BLUE),), digits=0, from_zero=True),
+        History("Delay of the link, both ways", "ms", (Trace("delay", "", BLUE),), digits=0, from_zero=True),
+        History("Lost on the link", "%", (Trace("lost", "", BLUE),), digits=1, from_zero=True),
+        History("Wind, as the vehicle tells it", "m/s", (Trace("wind", "", BLUE),), digits=1, from_zero=True),
     )
+
+
+def _surroundings(record: Record, t_s: FloatArray) -> dict[str, FloatArray]:
+    """Battery, link and wind at the times of the reports: as they were told last."""
+    told, charges = record.conditions, record.charges
+    charged_s, percent = np.array([each.t_s for each in charges]), np.array([each.percent for each in charges])
+    return {
+        "charge": _last_told(t_s, charged_s, percent),
+        "delay": _last_told(t_s, told.t_s, 1e3 * told.delay_s),
+        "lost": _last_told(t_s, told.t_s, 1e2 * told.lost),
+        "wind": _last_told(t_s, told.t_s, told.wind_m_s),
+    }
+
+
+def _last_told(t_s: FloatArray, told_s: FloatArray, values: FloatArray) -> FloatArray:
+    """What had been told at each time; NaN before the first."""
+    if not len(told_s):
+        return np.full(len(t_s), np.nan)
+    at = np.searchsorted(told_s, t_s, side="right") - 1
+    return np.where(at >= 0, values[np.maximum(at, 0)], np.nan)
 
 
 def _is_known(history: History, flown: Flown) -> bool:

@@ -122,3 +122,20 @@ def test_a_flight_of_which_nothing_is_known_has_a_map() -> None:
     assert (len(flown.t_s), timeline) == (0, Timeline())
     assert told(figures(scene_of(plan, silent), (flown, timeline)))["histories"] == ["history 0"]
     assert told(figures(scene_of(plan, None), None))["histories"] == []
+
+
+def test_battery_link_and_wind_are_shown_as_they_were_told_last() -> None:
+    plan = plan_of(PAPER_TOUR)
+    lines = [
+        b'{"kind":"charge","t_s":20.0,"percent":99,"drawn_mah":50}',
+        b'{"kind":"conditions","t_s":13.0,"delay_s":0.04,"lost":0.0,"wind_m_s":null,"wind_from_deg":null}',
+        b'{"kind":"conditions","t_s":60.0,"delay_s":0.1,"lost":0.25,"wind_m_s":4.5,"wind_from_deg":270}',
+    ]
+    data = flight_of(plan)[0] + b"\n".join([*lines, b""])
+    flown, timeline = flown_of(plan, parse_record(data))
+    early, late = np.searchsorted(flown.t_s, [30.0, 80.0])
+    shown = {name: flown.columns[name][[early, late]].tolist() for name in ("charge", "delay", "lost")}
+    assert shown == {"charge": [99.0, 99.0], "delay": [40.0, 100.0], "lost": [0.0, 25.0]}
+    assert np.isnan(flown.columns["wind"][early])
+    assert flown.columns["wind"][late] == 4.5
+    assert [history.traces[0].column for history in timeline.histories][-4:] == ["charge", "delay", "lost", "wind"]
