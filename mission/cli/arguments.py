@@ -56,6 +56,18 @@ each line of standard input is a change:
   laps N                                   so many laps in all
   go on                                    where the vehicle holds after a refusal: fly the old plan on
 """
+_AUTOMATON = """\
+Show the Büchi automaton of a formula of linear temporal logic, or of a file in the Hanoi Omega-Automata format: its
+states, edges and which of them accept. Of two formulas or files it is said whether they accept the same words, and if
+not, which word one accepts and the other does not.
+"""
+_PLAN = """\
+Plan a mission and show what is flown and what is proved of it: the way, the stays and lanes, the certificate, and what
+was searched. Nothing is flown. Where there is no plan, it is said which parts of the mission cannot be met together.
+"""
+_REPORT = """\
+Write the report and the pictures of a flight again, from its folder alone; of several folders, compare the flights.
+"""
 _SIMULATE = """\
 Run the paper's own closed loop: two integrators an axis (Eq. 5) track the smoothed path under the law of Eq. 12,
 exactly, from the mission's start and velocity. Figures 8 to 10 of the paper are drawn: steering law and true states,
@@ -126,14 +138,17 @@ def build_parser() -> argparse.ArgumentParser:
 
     add_check(commands.add_parser)
 
-    commands.add_parser(
-        "schema",
-        help="print the JSON Schema of mission files, for editors",
-        description=_SCHEMA,
+    schema = commands.add_parser(
+        "schema", help="print the JSON Schema of mission files, for editors", description=_SCHEMA
+    )
+    schema.add_argument(
+        "--markdown", action="store_true", help="instead, every key with unit, default and example, for people"
     )
 
     automaton = commands.add_parser(
-        "automaton", help="show the Büchi automaton of a formula or a file, or compare two of either"
+        "automaton",
+        help="show the Büchi automaton of a formula or a file, or compare two of either",
+        description=_AUTOMATON,
     )
     automaton.add_argument(
         "languages",
@@ -157,7 +172,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     add_drafting(commands.add_parser)
 
-    plan = commands.add_parser("plan", help="plan a mission and show the plan")
+    plan = commands.add_parser("plan", help="plan a mission and show the plan", description=_PLAN)
     plan.add_argument("file", metavar="FILE", help="mission file (YAML), - for standard input")
     add_run(plan)
     add_changes(plan, speed=True)
@@ -211,7 +226,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
 
     report = commands.add_parser(
-        "report", help="write the report and the pictures of a flight folder again, or compare flights"
+        "report",
+        help="write the report and the pictures of a flight folder again, or compare flights",
+        description=_REPORT,
     )
     report.add_argument(
         "folder", nargs="+", metavar="FOLDER", help="a folder that 'mission fly' wrote; several are compared in a table"

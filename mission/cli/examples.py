@@ -8,7 +8,10 @@ EXAMPLES: Final[dict[str, tuple[tuple[str, str], ...]]] = {
         ("mission check missions/*.yaml -q && echo all well", "for scripts: the exit code alone"),
         ("mission check survey.yaml --connect udpin:0.0.0.0:14550", "may the vehicle there fly it?"),
     ),
-    "schema": (("mission schema > mission.schema.json", "for editors, see above"),),
+    "schema": (
+        ("mission schema > mission.schema.json", "for editors, see above"),
+        ("mission schema --markdown", "every key with unit, default and example"),
+    ),
     "automaton": (
         ("mission automaton 'F (a & F b) & G !c'", "its states and edges"),
         ("mission automaton 'F (a & F b)' --hoa", "for other tools"),

@@ -32,12 +32,15 @@ BATTERY_SCHEMA: Final[Schema] = mapping(
     "The battery: before it arms, a flight is refused for which the charge does not suffice.",
     ("current_a",),
     {
-        "current_a": number("Mean current in flight, A; logs of earlier flights tell it.", 0.01, 1_000.0),
+        "current_a": number(
+            "Mean current in flight, A; logs of earlier flights tell it.", 0.01, 1_000.0, examples=[14.5]
+        ),
         "reserve": number("Share of the capacity that is to be left after the landing.", 0.0, 0.9, default=_RESERVE),
         "capacity_mah": number(
             "Capacity of a full battery, mAh; without it, what the vehicle is set to (BATT_CAPACITY, BAT1_CAPACITY).",
             10.0,
             1.0e6,
+            examples=[5000],
         ),
     },
     examples=[{"current_a": 14.5, "reserve": 0.25, "capacity_mah": 5000}],

@@ -58,7 +58,9 @@ _MESH: Final = mapping(
         "smallest_angle_deg": number(
             "No angle of a triangle is smaller, but where the outlines have one.", 1.0, 28.0, default=20.0
         ),
-        "largest_m": number("No edge is longer, m; without it, edges are as long as angles allow.", 0.01, 1.0e6),
+        "largest_m": number(
+            "No edge is longer, m; without it, edges are as long as angles allow.", 0.01, 1.0e6, examples=[20.0]
+        ),
     },
     examples=[{"smallest_angle_deg": 20.0}, {"largest_m": 15.0}],
 )
@@ -127,7 +129,8 @@ _REGION: Final = mapping(
         **AREA_SHAPES,
         "clearance_m": _clearance(
             "By how much a restricted region is larger than it is drawn, or another one smaller, m; without it that is "
-            "`restricted_clearance_m` of the domain, or 0."
+            "`restricted_clearance_m` of the domain, or 0.",
+            examples=[3.0],
         ),
         "loiter_s": number(
             "How long to stand still on entering the region, s; to start inside is not to enter.",
@@ -135,7 +138,7 @@ _REGION: Final = mapping(
             86_400.0,
             default=0.0,
         ),
-        "speed_m_s": number("Largest speed while any of the tube is inside, m/s.", 0.001, 100.0),
+        "speed_m_s": number("Largest speed while any of the tube is inside, m/s.", 0.001, 100.0, examples=[2.0]),
         "cover": COVER,
     },
     oneOf=one_of("triangle", "at", *AREAS),

@@ -19,7 +19,10 @@ BY_HAND: Final = "by hand"
 _PATH: Final[Path] = ("mission", "automaton")
 _JOINED: Final = {Operator.AND: "&", Operator.OR: "|"}
 
-_STATE: Final = {"anyOf": [{"type": "string", "minLength": 1, "maxLength": 60}, {"type": "integer", "minimum": 0}]}
+_STATE: Final = {
+    "anyOf": [{"type": "string", "minLength": 1, "maxLength": 60}, {"type": "integer", "minimum": 0}],
+    "examples": ["begun"],
+}
 SCHEMA: Final[dict[str, Any]] = mapping(
     "A Büchi automaton, state by state; an edge that is not there is not taken.",
     ("states", "edges", "accepting"),

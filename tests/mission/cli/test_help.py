@@ -20,6 +20,7 @@ def test_every_command_has_examples() -> None:
     assert set(EXAMPLES) == set(commands())
     for name, parser in commands().items():
         shown = parser.format_help()
+        assert parser.description
         assert all(text in shown and words in shown for text, words in EXAMPLES[name])
 
 
