@@ -1,7 +1,7 @@
 """Fault x moment x setting x flavour: each flight completes, holds, returns or lands by the rule of its fault.
 
-The rules are those of the README's table of faults. In the suite there is a flight for each fault, each moment and each
-setting; ``-m long`` flies all.
+The rules are those of the table of faults in mission/README.md. In the suite there is a flight for each fault, each
+moment and each setting; ``-m long`` flies all.
 """
 
 from collections.abc import Mapping
