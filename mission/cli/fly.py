@@ -166,7 +166,9 @@ def _flown(
         except MissionError as failure:
             stack.close()
             if isinstance(failure, NoGoError) and not err.quiet:
-                err.print("[bold red]no-go:[/] nothing was armed; `--force ROW` overrides a row by its name")
+                yields = not all(row.firm for row in failure.findings.forbidding)
+                way = "; `--force ROW` overrides a row by its name" if yields else ""
+                err.print(f"[bold red]no-go:[/] nothing was armed{way}")
             else:
                 print_error(failure)
             if isinstance(failure, LinkError) and not display.heard:

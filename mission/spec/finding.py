@@ -46,17 +46,18 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return by_lower[found[0]] if found else ""
 
 
-def rather(name: str, known: Iterable[str], what: str) -> str:
+def rather(name: str, known: Iterable[str], what: str, *, most: int = 12) -> str:
     """What to write instead of a name that is unknown: the one that looks most like it, or one of those there are.
 
     Args:
         name: As it was written.
         known: Those there are, in the order in which they are listed.
         what: What they are, such as ``regions``.
+        most: How many are listed.
     """
     names = list(known)
     close = nearest(name, names)
-    return f"did you mean `{close}`?" if close else f"the {what} are {listed(names)}"
+    return f"did you mean `{close}`?" if close else f"the {what} are {listed(names, most=most)}"
 
 
 def listed(names: Iterable[object], *, most: int = 12) -> str:

@@ -172,11 +172,13 @@ class Row:
         name: By which it is overridden.
         judge: What is thought of it.
         settings: The parameters that are read for it.
+        firm: Why it cannot be overridden, with what to do; empty where it can.
     """
 
     name: str
     judge: Callable[[Asked, Told], Judgement]
     settings: tuple[Setting, ...] = ()
+    firm: str = ""
 
 
 def worst(judgements: tuple[Judgement, ...]) -> Judgement:

@@ -158,12 +158,14 @@ def _firmware(_asked: Asked, told: Told) -> Judgement:
     return Judgement(Level.GO, figure)
 
 
+_NO_PLAN: Final = "nothing can be planned from elsewhere: carry the vehicle to the start, or see the file's `origin`"
+
 SURROUNDING_ROWS: Final = (
     Row("firmware", _firmware),
     Row("mode", _mode),
     Row("estimator", _estimator),
     Row("satellites", _satellites),
-    Row("origin", lambda _asked, told: told.stand),
+    Row("origin", lambda _asked, told: told.stand, firm=_NO_PLAN),
     Row("battery", _battery, (CAPACITY,)),
     Row("wind", _wind, (_MOMENTUM, _BALLISTIC)),
 )

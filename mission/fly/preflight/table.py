@@ -9,6 +9,7 @@ from mission.fly.preflight.failsafes import FAILSAFE_ROWS
 from mission.fly.preflight.limits import LIMIT_ROWS
 from mission.fly.preflight.rows import ARDUPILOT, PX4, Asked, Judgement, Level, Row, Told
 from mission.fly.preflight.surroundings import SURROUNDING_ROWS
+from mission.spec.finding import rather
 
 ROWS: Final[tuple[Row, ...]] = (*SURROUNDING_ROWS, *LIMIT_ROWS, *FAILSAFE_ROWS)
 
@@ -34,11 +35,13 @@ class Finding:
         row: Its name.
         judgement: What is thought of it.
         forced: Whether a no-go was overridden.
+        firm: Whether it cannot be.
     """
 
     row: str
     judgement: Judgement
     forced: bool = False
+    firm: bool = False
 
     @property
     def forbids(self) -> bool:
@@ -108,27 +111,29 @@ class NoGoError(MissionError):
 
 
 def judged(asked: Asked, told: Told, forced: Collection[str] = ()) -> Findings:
-    """Judge each row; of those in ``forced`` a no-go does not count."""
-    judgements = ((row.name, row.judge(asked, told)) for row in ROWS)
-    return Findings(
-        tuple(
-            Finding(name, judgement, forced=name in forced and judgement.level is Level.NO_GO)
-            for name, judgement in judgements
-        )
-    )
+    """Judge each row; of those in ``forced`` a no-go does not count, where the row gives way at all."""
+    return Findings(tuple(_judged(row, row.judge(asked, told), forced) for row in ROWS))
+
+
+def _judged(row: Row, judgement: Judgement, forced: Collection[str]) -> Finding:
+    gives_way = row.name in forced and not row.firm and judgement.level is Level.NO_GO
+    return Finding(row.name, judgement, forced=gives_way, firm=bool(row.firm))
 
 
 def check_forced(forced: Collection[str]) -> None:
-    """Refuse names that no row has.
+    """Refuse names that no row has, and those of rows that do not give way.
 
     Raises:
         SpecError: There is one.
     """
-    names = [row.name for row in ROWS]
-    faults = tuple(
-        Fault(0, 0, "--force", f"there is no row {name!r}", f"write one of {', '.join(names)}")
+    names = [row.name for row in ROWS if not row.firm]
+    firm = {row.name: row.firm for row in ROWS if row.firm}
+    faults = [
+        Fault(0, 0, "--force", f"the row {name!r} does not give way", firm[name])
+        if name in firm
+        else Fault(0, 0, "--force", f"there is no row {name!r}", rather(name, names, "rows", most=len(names)))
         for name in forced
         if name not in names
-    )
+    ]
     if faults:
-        raise SpecError(faults)
+        raise SpecError(tuple(faults))

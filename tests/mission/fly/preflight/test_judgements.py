@@ -223,6 +223,7 @@ def blamed(*rows: str, forced: tuple[str, ...] = ()) -> Findings:
     told = TOLD[PX4]
     told = replace(told, stand=ELSEWHERE) if "origin" in rows else told
     told = replace(told, fix=Fix(None, 0, 3)) if "satellites" in rows else told
+    told = replace(told, wind=Wind(30.0, 0.0)) if "wind" in rows else told
     return judged(ASKED, told, forced)
 
 
@@ -240,23 +241,32 @@ def test_the_file_is_to_blame_where_nothing_else_is(rows: tuple[str, ...], exit_
 
 
 def test_each_no_go_is_overridden_by_its_own_name_and_said() -> None:
-    both = ("origin", "satellites")
-    assert [each.row for each in blamed(*both, forced=("origin",)).forbidding] == ["satellites"]
-    findings = blamed(*both, forced=("origin", "satellites", "tilt"))
+    both = ("wind", "satellites")
+    assert [each.row for each in blamed(*both, forced=("wind",)).forbidding] == ["satellites"]
+    findings = blamed(*both, forced=("wind", "satellites", "tilt"))
     assert findings.go
     assert findings.forced_text.startswith("flown against the check before the flight: satellites (no place, 3 sat")
-    assert "origin (in another town)" in findings.forced_text
+    assert "wind (30.0 m/s from 0°" in findings.forced_text
     assert "tilt" not in findings.forced_text  # it was no no-go
     values = json.loads(json.dumps(findings.values()))
     assert [each["row"] for each in values["rows"]] == [each.name for each in ROWS]
-    assert [each["row"] for each in values["rows"] if each["forced"]] == ["satellites", "origin"]
+    assert [each["row"] for each in values["rows"] if each["forced"]] == ["satellites", "wind"]
+
+
+def test_a_place_that_nothing_can_be_planned_from_does_not_give_way() -> None:
+    findings = blamed("origin", forced=("origin",))
+    assert [(each.row, each.firm) for each in findings.forbidding] == [("origin", True)]
+    with pytest.raises(SpecError, match="does not give way"):
+        check_forced(("origin",))
 
 
 def test_a_name_that_no_row_has_is_refused_with_those_that_there_are() -> None:
     check_forced(("battery", "fence"))
     with pytest.raises(SpecError) as caught:
-        check_forced(("batery",))
-    assert "battery, " in caught.value.faults[0].hint
+        check_forced(("batery", "sunshine"))
+    nearest, all_there_are = (fault.hint for fault in caught.value.faults)
+    assert nearest == "did you mean `battery`?"
+    assert all(row.name in all_there_are for row in ROWS if not row.firm)
 
 
 @pytest.mark.parametrize("unit", [1.0, 0.01, math.radians(1.0), math.radians(0.01)])
