@@ -1,4 +1,4 @@
-"""What goes on beside a flight, told when it changes: this computer's pace, camera, geofence, clock and battery."""
+"""What goes on beside a flight, told when it changes: pace, camera, geofence, clock, battery and other vehicles."""
 
 import math
 from dataclasses import asdict
@@ -9,6 +9,7 @@ from mission.fly.listening import Listening
 from mission.fly.recording import Recording
 from mission.link.session import Session
 
+FIRMWARE: Final = "firmware"
 GEOFENCE: Final = "geofence"
 GEOFENCE_RENEWED: Final = "geofence renewed"
 
@@ -22,6 +23,7 @@ class Circumstances:
         self._behind = self._warned_behind = self._troubled = self._fenced = self._unfenced = False
         self._left_out_s = 0.0
         self._percent = 0
+        self._others: set[int] = set()
 
     def turn(self) -> None:
         """Tell what is new."""
@@ -31,6 +33,7 @@ class Circumstances:
         self._tell_fence(newest_s)
         self._tell_leap(newest_s)
         self._tell_charge(newest_s)
+        self._tell_company(newest_s)
 
     def _tell_pace(self, newest_s: float | None) -> None:
         """Say when this computer begins not to keep up with the vehicle, and when it has caught up again."""
@@ -97,3 +100,17 @@ class Circumstances:
             self._percent = math.ceil(percent)
             drawn_mah = None if battery is None else battery.consumed_mah
             self._record.write("charge", newest_s, percent=percent, drawn_mah=drawn_mah)
+
+    def _tell_company(self, newest_s: float | None) -> None:
+        """Say which other vehicles are heard; aloud where that is news after the check before the flight."""
+        session, contact = self._session, self._session.contact
+        new = contact.company.systems - {contact.system_id} - self._others
+        if contact.autopilot is None or not new:
+            return
+        self._others |= new
+        self._record.write("event", newest_s, name="other vehicles are heard", system_ids=sorted(new))
+        if session.departed and not contact.options.vehicle_id:
+            also = ", ".join(map(str, sorted(new)))
+            self._record.warn(
+                f"vehicles of other system ids are heard now: {also}; the flight stays with {contact.system_id}"
+            )

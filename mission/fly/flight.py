@@ -62,9 +62,12 @@ class Flight:
     ) -> None:
         self.plan, self.record, self.options = plan, record, options
         self.clock = SteadyClock(clock)
+        link = options.link
+        if unfinished is not None and not link.vehicle_id:
+            link = replace(link, vehicle_id=unfinished.system_id)
         self.session = Session(
             needs_origin=plan.spec.origin is not None or options.fence,
-            options=options.link,
+            options=link,
             land_when_stopped=options.land_when_stopped,
             waits_for_pilot=options.resume_when_handed_back,
             aloft=unfinished is not None,
@@ -106,14 +109,15 @@ class Flight:
         """One turn of the loop: listen, think, speak."""
         session = self.session
         if self.listening.turn(transport):
+            if self._unfinished is not None:
+                self._unfinished.check_whose(session.contact)
             session.advance(self.clock.now_s())
             self.take_events()
             self._circumstances.turn()
             self._conditions.turn()
             self.renew_fence()
             if session.stage is Stage.STANDBY and self._unfinished is not None:
-                if self._has_come_to_rest():
-                    self._take_up(self._unfinished)
+                self._take_up_at_rest(self._unfinished)
             elif session.stage is Stage.STANDBY and self.gate.open:
                 self.gate.judge(self.plan, self.options.link, self.record, fenced=self.options.fence)
                 self.depart()
@@ -218,13 +222,15 @@ class Flight:
             self.say("the vehicle moves still: waiting until it hovers")
         return now_s - self._moves_since_s >= _COMES_TO_REST_S
 
-    def _take_up(self, left: Unfinished) -> None:
-        """Go on with a flight from where the vehicle hovers.
+    def _take_up_at_rest(self, left: Unfinished) -> None:
+        """Go on with a flight from where the vehicle hovers, once it does.
 
         Raises:
             VehicleError: It is no vehicle that this flight can go on with.
             NoPlanError: What was not done cannot be done from there.
         """
+        if not self._has_come_to_rest():
+            return
         session, vehicle, kind = self.session, self.session.vehicle, self.session.contact.autopilot
         if kind is None or vehicle.position is None:
             raise VehicleError("the vehicle has not told where it is")
@@ -350,7 +356,9 @@ class Flight:
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
             if self._unfinished is not None and self.session.vehicle.heartbeats_disarmed >= HEARTBEATS:
-                self._guard_again(self._unfinished)
+                with contextlib.suppress(VehicleError):  # another vehicle keeps what it has
+                    self._unfinished.check_whose(self.session.contact)
+                    self._guard_again(self._unfinished)
                 if self.session.contact.unfinished:
                     self.record.warn("the vehicle gets back the geofence that it had before the flight")
             put_back(self.session, transport, self.clock, gone)

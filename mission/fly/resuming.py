@@ -12,10 +12,11 @@ from typing import Final
 import numpy as np
 
 from mission.errors import GeometryError, RecordError, VehicleError
-from mission.fly.circumstances import GEOFENCE
+from mission.fly.circumstances import FIRMWARE, GEOFENCE
 from mission.fly.replanner import PlanRequest
 from mission.geometry.geodesy import LatLon, enu_offset_m
 from mission.link.autopilot import Autopilot
+from mission.link.contact import Contact
 from mission.link.ending import Ending
 from mission.link.frames import Anchor, enu_from_ned
 from mission.link.values import LandedState, LocalPosition
@@ -84,6 +85,29 @@ class Unfinished:
             amended = replace(leg.plan.spec, flight=replace(flight, laps=laps + int(due is not None)))
         return PlanRequest(0, leg.plan, rest, amended)
 
+    @property
+    def system_id(self) -> int:
+        """That of its vehicle."""
+        return int(self.record.vehicle.get("system_id", 0))
+
+    def check_whose(self, contact: Contact) -> None:
+        """Refuse another vehicle than that of this flight, by what it has told so far.
+
+        Raises:
+            VehicleError: It is another one.
+        """
+        kind, version, name = contact.autopilot, contact.vehicle.version, self.record.vehicle.get("autopilot")
+        told = (event.values.get("board") for event in self.record.events if event.text == FIRMWARE)
+        board = next(filter(None, told), "")
+        if kind is not None and name != kind.name:
+            raise VehicleError(f"the flight was one with {name}, and this vehicle flies with {kind.name}")
+        if kind is not None and self.system_id != contact.system_id:
+            raise VehicleError(
+                f"the flight was one of system id {self.system_id}, and this vehicle has {contact.system_id}"
+            )
+        if version is not None and version.board and board and version.board != board:
+            raise VehicleError("this is another vehicle than that of the flight: its board has another number")
+
     def checked(self, vehicle: VehicleState, kind: Autopilot) -> Anchor:
         """What ties the domain to the frame of a vehicle that is taken over, as it was left.
 
@@ -96,9 +120,6 @@ class Unfinished:
         newest_s, position = vehicle.clock.newest_s, vehicle.position
         if newest_s is None or position is None or vehicle.mode is None:
             raise VehicleError("the vehicle has not told where it is")
-        name = self.record.vehicle.get("autopilot")
-        if name != kind.name:
-            raise VehicleError(f"the flight was one with {name}, and this vehicle flies with {kind.name}")
         if newest_s < self.last_s:
             raise VehicleError("the vehicle was restarted since; its flight cannot be taken up again")
         if vehicle.mode not in kind.left_modes:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mission.fly.circumstances import FIRMWARE
 from mission.fly.listening import Listening
 from mission.fly.nearness import Nearness
 from mission.fly.recording import RecordWriter, Routine
@@ -279,7 +280,7 @@ class FlightWatch:
         elif isinstance(event, Anchored):
             self._record.write("event", event.t_s, name="anchored", origin_ned_m=event.origin_ned_m)
         elif isinstance(event, VersionTold):
-            self._record.write("event", None, name="firmware", firmware=event.firmware)
+            self._record.write("event", None, name=FIRMWARE, firmware=event.firmware, board=event.board)
         elif isinstance(event, Identified):
             self.vehicle = event.autopilot
             self._record.write(

@@ -8,6 +8,9 @@ clocks of a vehicle do not agree, it lies between 0 and the time from the reques
 
 Only an answer to a request of ours counts, once, and the median of the last ones: so what is lost, doubled, late or
 out of order costs a sample at most.
+
+A request that came twice is answered twice, both times before the second answer is heard. Answers that tell of times
+farther apart than that allows are of two vehicles with one system id.
 """
 
 import math
@@ -24,6 +27,10 @@ ASK_S: Final = 0.2
 
 MOST_S: Final = 5.0
 """An answer that takes longer is none."""
+
+_APART_S: Final = 1.0
+_APART: Final = 3
+"""So far apart, of time here, and so many of them: how long a way takes may change meanwhile."""
 
 _SAMPLES: Final = 9
 _WAITING: Final = 64
@@ -54,6 +61,8 @@ class Arrival:
         self.asked = self.answered = 0
         self._clock = clock
         self._asked: OrderedDict[int, float] = OrderedDict()
+        self._first_told: OrderedDict[int, tuple[float, int]] = OrderedDict()
+        self._apart = 0
         self._seen: deque[float] = deque(maxlen=_SAMPLES)
         self._asked_s: float | None = None
         self._followed_s = math.inf
@@ -76,14 +85,30 @@ class Arrival:
 
     def take(self, answer: TimeAnswer, now_s: float) -> None:
         """Learn from an answer; one that was not asked for, or came already, or too late, changes nothing."""
+        if answer.asked_ns in self._first_told:
+            self._compare(answer, *self._first_told[answer.asked_ns], now_s)
+            return
         asked_s, shown_s = self._asked.pop(answer.asked_ns, None), self._clock.now_s(now_s)
         if answer.told_ns == 0 or asked_s is None or shown_s is None or shown_s - asked_s > MOST_S:
             return
         self.answered += 1
+        self._first_told[answer.asked_ns] = asked_s, answer.told_ns
+        if len(self._first_told) > _WAITING:
+            self._first_told.popitem(last=False)
         told_s = self._clock.unwrapped_s(answer.told_ns // 1_000_000 & 0xFFFFFFFF)
         self._seen.append(min(max(told_s - asked_s, 0.0), shown_s - asked_s))
         if len(self._seen) >= _FIRST:
             self.largest_s = max(self.largest_s, self.measured_s)
+
+    def _compare(self, answer: TimeAnswer, asked_s: float, told_ns: int, now_s: float) -> None:
+        """Compare a further answer with the first one to the same request."""
+        passed_s = (self._clock.now_s(now_s) or asked_s) - asked_s + _APART_S * max(self._clock.rate, 1.0)
+        self._apart += abs(answer.told_ns - told_ns) > passed_s * 1e9
+
+    @property
+    def doubled(self) -> bool:
+        """Whether two vehicles answer."""
+        return self._apart >= _APART
 
     @property
     def measured_s(self) -> float:

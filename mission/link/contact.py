@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from mission.errors import LinkError, MissionError, VehicleError
 from mission.link.arrival import Arrival
+from mission.link.company import Company
 from mission.link.connection import StreamRequests, autopilot_of, is_vehicle
 from mission.link.events import Answered, Asked, Event, Identified, Said, VersionTold
 from mission.link.identity import LinkOptions
@@ -60,6 +61,7 @@ class Contact:
         photography: Switches the camera.
         pictures: What was told of its pictures; None where they do not count.
         parameters: What is asked of its parameters, and what has come.
+        company: Which other vehicles were heard.
         fence: Its geofence, where that is to guard the flight: whoever departs says so before.
         late_s: How long what was handled last had waited, on the clock here.
         out: Frames to send, likewise; answers to PINGs come after them.
@@ -74,6 +76,7 @@ class Contact:
         self.waiting_for = "no heartbeat yet"
         self.events: deque[Event] = deque()
         self.inbox = Inbox()
+        self.company = Company()
         self.late_s = 0.0
         self.out: deque[bytes] = deque()
         self._pings: list[tuple[Received, Ping]] = []
@@ -86,7 +89,6 @@ class Contact:
         self.fence: FenceGuard | None = None
         self._streams: StreamRequests | None = None
         self._system_id = 0
-        self._others: set[int] = set()
         self._heard_s = -math.inf
         self._began_s: float | None = None
         self._beat_s = self._beat_vehicle_s = -math.inf
@@ -119,16 +121,18 @@ class Contact:
         frame, came_s = self.inbox.take()
         self.late_s = now_s - came_s
         received = self._codec.read(frame)
-        if self.autopilot is None and is_vehicle(received):
-            self._others.add(received.system_id)
-            if self.options.vehicle_id in (0, received.system_id):
+        if is_vehicle(received):
+            self.company.systems.add(received.system_id)
+            if self.autopilot is None and self.options.vehicle_id in (0, received.system_id):
                 self._meet(received)
         if isinstance(received.body, Ping):
             self._answer(received, received.body)
         known = self.autopilot is not None and received.system_id == self._system_id
-        if not known or received.component_id != AUTOPILOT_COMPONENT:
+        silent = isinstance(received.body, Heartbeat) and not is_vehicle(received)
+        if not known or silent or received.component_id != AUTOPILOT_COMPONENT:
             return None
         self._heard_s = now_s
+        self.company.take(received.body)
         if isinstance(received.body, TimeAnswer):
             self.arrival.take(received.body, now_s)
             return None
@@ -157,7 +161,7 @@ class Contact:
         if not isinstance(body, LocalPosition) or body is self.vehicle.position:  # what comes late renews nothing
             self._watchdog.take(body, now_s, self.vehicle.clock.seen_s)
         if isinstance(body, Version):
-            self.events.append(VersionTold(".".join(map(str, body.firmware))))
+            self.events.append(VersionTold(".".join(map(str, body.firmware)), body.board))
         return None
 
     def advance(self, now_s: float) -> Answer | None:
@@ -188,12 +192,17 @@ class Contact:
     def trouble(self, now_s: float, *, departed: bool) -> MissionError | None:
         """Why nobody can go on with this vehicle; None where one can.
 
-        It has fallen silent, or was restarted, or, once it has departed, does not tell what a flight needs.
+        It fell silent, is one of two with one id, was restarted, or, once departed, does not tell what a flight needs.
         """
         if self.autopilot is None:
             return None
         if now_s - self._heard_s > self.options.lost_s:
             return LinkError(f"nothing was heard from the vehicle for {now_s - self._heard_s:.1f} s")
+        if self.company.doubled or self.arrival.doubled:
+            return VehicleError(
+                f"two vehicles with the system id {self._system_id} are heard, and both obey what is told to one: "
+                f"give one another id (ArduPilot's MAV_SYSID or SYSID_THISMAV, PX4's MAV_SYS_ID)"
+            )
         if self.vehicle.clock.restarted:
             return VehicleError("the vehicle was restarted")
         lost = self._watchdog.lost(now_s, self.vehicle.clock.seen_s) if departed else ""
@@ -201,8 +210,8 @@ class Contact:
 
     def _unheard(self) -> str:
         """Which vehicle was not heard, and what was heard instead."""
-        if self._others:
-            heard = ", ".join(map(str, sorted(self._others)))
+        if self.company.systems:
+            heard = ", ".join(map(str, sorted(self.company.systems)))
             return f"no vehicle of system id {self.options.vehicle_id} was heard, only of {heard},"
         if self._codec.refused:
             return f"no vehicle was heard that signs with this key, but {self._codec.refused} other packets,"

@@ -19,9 +19,10 @@ class Identified:
 
 @dataclass(frozen=True, slots=True)
 class VersionTold:
-    """Which firmware it runs."""
+    """Which firmware it runs, on which board; that is empty where it has told none."""
 
     firmware: str
+    board: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -157,7 +157,8 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
     "PING": lambda m: Ping(m.time_usec, m.seq, m.target_system),
     "TIMESYNC": lambda m: TimeAnswer(m.tc1, m.ts1),
     "AUTOPILOT_VERSION": lambda m: Version(
-        (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF)
+        (m.flight_sw_version >> 24, m.flight_sw_version >> 16 & 0xFF, m.flight_sw_version >> 8 & 0xFF),
+        bytes(m.uid2).hex() if any(m.uid2) else f"{m.uid:x}" if m.uid else "",
     ),
     **OF_SERVICES,
 }

@@ -237,9 +237,10 @@ class Landing:
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """AUTOPILOT_VERSION: major, minor and patch of the firmware."""
+    """AUTOPILOT_VERSION: major, minor and patch of the firmware; the board's own number, empty where it tells none."""
 
     firmware: tuple[int, int, int]
+    board: str = ""
 
 
 @dataclass(frozen=True, slots=True)

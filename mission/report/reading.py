@@ -125,7 +125,7 @@ class Record:
 
     Attributes:
         mission: Name of the mission; empty where not even the header is whole.
-        vehicle: Identity of the vehicle, the last one recorded; empty where none was.
+        vehicle: Identity of the vehicle, the first one recorded; empty where none was. Others may have answered since.
         verdict: The last verdict recorded; None for a flight that did not come to its end.
         cut: Whether the last line was cut, as by a kill in mid-write.
         later: The plans that were flown after the first, which lie beside the record (``takeovers``).
@@ -221,7 +221,7 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
     telemetry, setpoints = of("telemetry"), of("setpoint")
     return Record(
         mission=str(of("header")[0].get("mission", "")) if of("header") else "",
-        vehicle=_values(of("vehicle")[-1]) if of("vehicle") else {},
+        vehicle=_values(of("vehicle")[0]) if of("vehicle") else {},
         track=_track(telemetry, stages),
         setpoints=Setpoints(
             t_s=_numbers(setpoints, "t_s"),

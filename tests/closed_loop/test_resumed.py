@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from mission.errors import MissionError, NoPlanError, RecordError, VehicleError
+from mission.errors import LinkError, MissionError, NoPlanError, RecordError, VehicleError
 from mission.fly import FlightOptions
 from mission.fly.amendments import Amendment, AmendmentAnswer
 from mission.fly.resuming import RETURNING, unfinished
+from mission.link.contact import Contact
 from mission.link.ending import Ending
+from mission.link.identity import LinkOptions
+from mission.link.values import Version
 from mission.plan import FlightPlan
 from mission.report.reading import LaterPlan
 from mission.report.replay import judged_again
@@ -20,12 +23,16 @@ from mission.report.tracking import tracking_of
 from mission.spec.model import MissionSpec
 from mission.verify.flown.judging import Judged, judged
 from mission.verify.logs.flight_record import track_of_record
-from tests.support.fault_grid import KilledError
+from tests.support.fault_grid import Bench, FullDisk, KilledError
+from tests.support.lockstep import LINK
 from tests.support.resumed import Killed
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
+from tests.support.station import Station
 from tests.support.usual_cases import ARDUPILOT, EACH, PX4, sampled
 from vehicle_sim.autopilot import Mode
+from vehicle_sim.faults import NO_FAULTS
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.endpoint import Endpoint
 from vehicle_sim.protocol.plan_store import PlanItem, PlanKind
 
 ALONE_S = 8.0
@@ -308,3 +315,33 @@ def test_a_vehicle_on_the_ground_gets_its_own_fence_back(small: FlightPlan, flav
     with pytest.raises(VehicleError, match="somebody else has given the vehicle another geofence since"):
         killed.resume()
     assert killed.bench.endpoint._plans.store.plans[PlanKind.FENCE] == (FAR_CIRCLE,)
+
+
+def _stands_there(flavour: Flavour, system_id: int, sink: FullDisk) -> Bench:
+    """Another vehicle, with a flight's record."""
+    other = Bench(None, math.inf, flavour, NO_FAULTS, wind=False)
+    other.endpoint = Endpoint(other.vehicle, flavour, system_id=system_id)
+    other.endpoint.add_link(LINK)
+    other.sink, other.station = sink, Station(other.endpoint)
+    return other
+
+
+def test_another_vehicle_that_answers_is_refused_and_changes_nothing(small: FlightPlan) -> None:
+    """Neither is it given the fence of the flight's own one; and that one is known all the same afterwards."""
+    killed = Killed(small, Flavour.ARDUPILOT, 24.0, FlightOptions(fence=True))
+    for flavour, system_id, link, words in (
+        (Flavour.PX4, 1, LinkOptions(), "was one with ArduPilot, and this vehicle flies with PX4"),
+        (Flavour.ARDUPILOT, 7, LinkOptions(), "no vehicle of system id 1 was heard, only of 7,"),
+        (Flavour.ARDUPILOT, 7, LinkOptions(vehicle_id=7), "was one of system id 1, and this vehicle has 7"),
+    ):
+        other = _stands_there(flavour, system_id, killed.bench.sink)
+        killed.bench, killed.options = other, FlightOptions(fence=True, link=replace(link, connect_s=2.0))
+        revision = other.vehicle.parameters.revision
+        with pytest.raises((VehicleError, LinkError), match=words):
+            killed.resume()
+        assert other.vehicle.parameters.revision == revision
+    left, contact = unfinished(small, killed.record), Contact(LinkOptions(), needs_origin=False)
+    assert (left.record.vehicle["autopilot"], left.system_id) == ("ArduPilot", 1)
+    contact.vehicle.version = Version((4, 7, 0), "another")
+    with pytest.raises(VehicleError, match="its board has another number"):
+        left.check_whose(contact)

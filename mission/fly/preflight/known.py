@@ -49,6 +49,7 @@ def asked_of(plan: FlightPlan, link: LinkOptions, *, fenced: bool = True) -> Ask
         battery=spec.battery,
         fenced=fenced,
         system_id=link.system_id,
+        chosen=link.vehicle_id != 0,
     )
 
 
@@ -75,6 +76,8 @@ def told_of(contact: Contact, plan: FlightPlan) -> Told:
         battery_critical=vehicle.battery_critical,
         wind=vehicle.wind,
         firmware=None if vehicle.version is None else vehicle.version.firmware,
+        system_id=contact.system_id,
+        systems=frozenset(contact.company.systems),
     )
 
 

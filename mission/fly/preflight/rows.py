@@ -61,6 +61,7 @@ class Asked:
         battery: What the file says of it.
         fenced: Whether the flight sets a geofence of its own.
         system_id: Ours on the link.
+        chosen: Whether the vehicle was named by its system id.
     """
 
     speed_m_s: float
@@ -76,6 +77,7 @@ class Asked:
     battery: Battery | None = None
     fenced: bool = True
     system_id: int = 255
+    chosen: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,8 @@ class Told:
         battery_critical: Whether it calls that critical.
         wind: Its estimate; None where it has none.
         firmware: Major, minor and patch; None where it does not say.
+        system_id: Its own.
+        systems: Those of all vehicles that are heard.
     """
 
     autopilot: str
@@ -109,6 +113,8 @@ class Told:
     battery_critical: bool = False
     wind: Wind | None = None
     firmware: tuple[int, int, int] | None = None
+    system_id: int = 1
+    systems: frozenset[int] = frozenset({1})
 
 
 class Value(NamedTuple):

@@ -6,6 +6,7 @@ from typing import Final
 from mission.fly.preflight.rows import ARDUPILOT, PX4, Asked, Judgement, Level, Row, Setting, Told
 from mission.monitor.attitude import GRAVITY_M_S2
 from mission.spec.battery import Battery
+from mission.spec.finding import listed
 
 _PERCENT: Final = 100.0
 _LITTLE_PERCENT: Final = 30.0
@@ -128,6 +129,17 @@ def _estimator(_asked: Asked, told: Told) -> Judgement:
     return Judgement(Level.GO, ratio)
 
 
+def _vehicle(asked: Asked, told: Told) -> Judgement:
+    """Whether it is known which vehicle is meant."""
+    others = listed(sorted(told.systems - {told.system_id}))
+    if not others:
+        return Judgement(Level.GO, f"system id {told.system_id}, the only one on this link")
+    if asked.chosen:
+        return Judgement(Level.GO, f"system id {told.system_id}, as asked for; also heard: {others}")
+    figure = f"system id {told.system_id} was heard first; also heard: {others}"
+    return Judgement(Level.NO_GO, figure, f"say which one is meant, such as `--system-id {told.system_id}`")
+
+
 def _mode(_asked: Asked, told: Told) -> Judgement:
     """Whether the vehicle can be told to begin."""
     if told.busy:
@@ -161,6 +173,7 @@ def _firmware(_asked: Asked, told: Told) -> Judgement:
 _NO_PLAN: Final = "nothing can be planned from elsewhere: carry the vehicle to the start, or see the file's `origin`"
 
 SURROUNDING_ROWS: Final = (
+    Row("vehicle", _vehicle),
     Row("firmware", _firmware),
     Row("mode", _mode),
     Row("estimator", _estimator),
