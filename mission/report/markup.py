@@ -23,6 +23,7 @@ th, td { text-align: left; vertical-align: top; padding: .25rem .8rem .25rem 0; 
   overflow-wrap: anywhere; }
 tbody th { font-weight: normal; color: #444; width: 34%; padding-right: 1.2rem; }
 .log td:first-child, .log th:first-child { white-space: nowrap; width: 1%; padding-right: 1.2rem; }
+.checks td:nth-child(2) { white-space: nowrap; width: 1%; }
 .small { font-size: .9rem; color: #333; }
 summary { cursor: pointer; padding: .3rem 0; }
 figure { margin: 1.6rem 0; break-inside: avoid; }
@@ -76,10 +77,9 @@ def facts(rows: Iterable[Row]) -> str:
     return "<table><tbody>\n" + "\n".join(lines) + "\n</tbody></table>" if lines else "<p>Nothing is known.</p>"
 
 
-def folded(title: str, html: str, *, kind: str = "") -> str:
-    """A piece of a page that is folded away under its title; ``kind`` is its class."""
-    attribute = f' class="{kind}"' if kind else ""
-    return f"<details{attribute}><summary>{escape(title)}</summary>{html}</details>"
+def folded(title: str, html: str, *, is_open: bool = False) -> str:
+    """A piece of a page that is folded away under its title, or can be."""
+    return f"<details{' open' * is_open}><summary>{escape(title)}</summary>{html}</details>"
 
 
 def moment(t_s: float | None) -> Html:

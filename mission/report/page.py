@@ -17,6 +17,9 @@ from mission.report.word import in_short, passages, told
 from mission.spec.model import RegionKind
 from mission.spec.tasks import task_text
 
+_FEW: Final = 12
+"""So many letters are shown without being asked for."""
+
 _SAID_OF_THE_ENDING: Final = (
     ("vehicle", "Vehicle"),
     ("ending", "Ending"),
@@ -140,7 +143,7 @@ def _word(plan: FlightPlan, record: Record, numbers: Mapping[str, Any]) -> str:
     ]
     return (
         f"<h2>What was flown</h2><p>{escape(' '.join(filter(None, sentences)))}</p>"
-        + (folded(f"The word, letter by letter ({len(rows)})", letters) if letters else "")
+        + (folded(f"The word, letter by letter ({len(rows)})", letters, is_open=len(rows) <= _FEW) if letters else "")
         + (
             folded("Its triangles", table(("time, s", "labels", "triangles"), triangles, kind="log"))
             if triangles
@@ -206,7 +209,7 @@ def _preflight(checked: Entry) -> str:
         for each in checked.values["rows"]
     ]
     title = f"Check before the flight: {'go' if checked.values['go'] else 'no-go'}"
-    return f"<h2>{title}</h2>{table(('', '', 'figures', 'what to do'), rows, kind='log')}"
+    return f"<h2>{title}</h2>{table(('', '', 'figures', 'what to do'), rows, kind='log checks')}"
 
 
 def _figure(picture: Picture, address: str) -> str:
