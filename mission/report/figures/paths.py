@@ -131,23 +131,24 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
     coloured = plan.spec.flight.guidance != FIELD and len(tracking.t_s) > 1
     with drawing():
         legend: list[Artist] = [
-            Line2D([], [], color=FLOWN, lw=3.2, label="flown, as reported"),
+            Line2D([], [], color=ERROR_COLOURS(0.3) if coloured else FLOWN, lw=3.2, label="flown, as reported"),
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
             *([Line2D([], [], color=PLANNED, lw=1.0, ls="--", label="planned in flight")] if later else []),
         ]
         figure, axes = chart.figure(
             "Flown and planned path",
             legend=legend + end_handles(),
-            note=_ERROR_NOTE if coloured else "",
+            note=_ERROR_NOTE * coloured + "White in it: the planned path.",
             beside_pt=COLOUR_BAR_PT if coloured else 0.0,
         )
         chart.draw_domain(axes)
         axes.plot(*flown.T, color=FLOWN, lw=3.2, zorder=3, gid="flown")
         if coloured:
             _draw_error(figure, axes, tracking, plan.certificate.tube_m)
-        axes.plot(*planned.T, color=PLANNED, lw=1.0, zorder=2.9, gid="planned")
-        for number, line in enumerate(later, 2):
-            axes.plot(*line.T, color=PLANNED, lw=1.0, ls="--", zorder=2.9, gid=f"planned {number}")
+        for number, line in enumerate((planned, *later), 1):
+            style, gid = ("-", "planned") if number == 1 else ("--", f"planned {number}")
+            axes.plot(*line.T, color=PLANNED, lw=1.0, ls=style, zorder=2.9, gid=gid)
+            axes.plot(*line.T, color=WHITE, lw=0.6, ls=style, zorder=3.2)  # is seen on the flown path alone
         if len(flown):
             draw_arrows(axes, flown, chart.em_m, BLACK, FLOWN_PACE_PT)
             draw_ends(axes, flown)
@@ -155,7 +156,7 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
     return figure
 
 
-_ERROR_NOTE = "Colour of the flown path: the largest horizontal distance from the setpoint in each stretch of it."
+_ERROR_NOTE = "Colour of the flown path: the largest horizontal distance from the setpoint in each stretch of it. "
 
 
 def _draw_error(figure: Figure, axes: Axes, tracking: Tracking, tube_m: float) -> None:
