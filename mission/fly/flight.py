@@ -24,6 +24,7 @@ from mission.fly.preflight import Gate
 from mission.fly.recording import Recording
 from mission.fly.replanner import Replanner, answered
 from mission.fly.replanning import Replanning
+from mission.fly.requests import Heeding, Requests
 from mission.fly.result import FlightResult, Progress
 from mission.fly.resuming import RETURNING, Unfinished, is_still
 from mission.fly.retreat import put_back, retreat, speak
@@ -59,6 +60,7 @@ class Flight:
         on_plan: Callable[[int, str], None],
         amendments: Amendments | None,
         unfinished: Unfinished | None,
+        requests: Requests,
     ) -> None:
         self.plan, self.record, self.options = plan, record, options
         self.clock = SteadyClock(clock)
@@ -78,8 +80,9 @@ class Flight:
         self.interrupted = False
         self._given_up = False
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
-        self._amendments = amendments
+        self._amendments, self._requests = amendments, requests
         self._replanning, self._in_time, self._amending = self._replans()
+        self._heeding = self._heeds()
         self._lookout = Lookout(options.stray_m)
         self.listening = Listening(self.session, self.clock)
         self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
@@ -103,7 +106,7 @@ class Flight:
     @property
     def remarks(self) -> str:
         """What was lost of the record, and what the flight was made against; empty where nothing was."""
-        return joined(self._in_time.text, self.record.lost_text, self.gate.forced_text)
+        return joined(self._in_time.text or self.watch.legs.undone, self.record.lost_text, self.gate.forced_text)
 
     def turn(self, transport: Transport, stop_request: Callable[[], StopRequest | None]) -> None:
         """One turn of the loop: listen, think, speak."""
@@ -127,6 +130,7 @@ class Flight:
             for part in (self._replanning, self._in_time):
                 if reason := part.turn(self.clock.now_s()):
                     self.stop(reason)
+        self._heeding.turn(self.clock.now_s())
         if request := stop_request():
             self.heed(request)
         for frame in (*self.announcements(), *session.outgoing()):
@@ -154,7 +158,8 @@ class Flight:
     @property
     def progress(self) -> Progress:
         """Where the flight is now."""
-        return replace(self.watch.progress(self.session, self.listening), told=self._told)
+        progress = self.watch.progress(self.session, self.listening)
+        return replace(progress, told=self._told, held=self._replanning.held)
 
     @property
     def _state(self) -> int:
@@ -191,6 +196,7 @@ class Flight:
             name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
             self.watch.vehicle = name
             self._replanning, self._in_time, self._amending = self._replans()
+            self._heeding = self._heeds()
         self.record.write(
             "event",
             self.newest_s,
@@ -250,6 +256,7 @@ class Flight:
             raise NoPlanError(answer.refusal)
         self.plan, self._fenced = answer.plan, now
         self._replanning, self._in_time, self._amending = self._replans()
+        self._heeding = self._heeds()
         laps, due = left.laps
         before = laps + int(due is not None), due is not None
         again = Cause(f"taken up again after {at_s - left.last_s:.0f} s", taken_up=True)
@@ -282,6 +289,12 @@ class Flight:
             Amending(self.session, self.watch, replanning, self._amendments, mission),
         )
 
+    def _heeds(self) -> Heeding:
+        """What grants what is asked of this flight."""
+        return Heeding(
+            self.session, self.watch, self.record, self._replanning, self._requests, say=self.say, land=self.land
+        )
+
     def say(self, text: str) -> None:
         """Tell whoever watches the vehicle, or this flight, what is intended."""
         self.record.write("event", self.newest_s, name="intention", reason=text)
@@ -309,6 +322,12 @@ class Flight:
         else:
             self.stop(request.reason)
             self._given_up = True
+
+    def land(self, reason: str) -> None:
+        """Land on the spot, because the user wants it, even if the flight has been given up already."""
+        self.interrupted = True
+        self.record.write("event", self.newest_s, name="stop", reason=reason)
+        self.session.stop(reason, self.clock.now_s(), lands=True)
 
     def stop(self, reason: str) -> None:
         """Give the flight up, once."""

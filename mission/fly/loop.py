@@ -11,6 +11,7 @@ from mission.fly.interruption import INTERRUPTED, StopRequest
 from mission.fly.options import FlightOptions
 from mission.fly.recording import Recording, RecordWriter
 from mission.fly.replanner import Replanner, SynchronousReplanner
+from mission.fly.requests import NoRequests, Requests
 from mission.fly.result import FlightResult, Progress
 from mission.fly.resuming import Unfinished
 from mission.link.transport import Transport
@@ -37,6 +38,7 @@ def fly(
     on_plan: Callable[[int, str], None] | None = None,
     amendments: Amendments | None = None,
     unfinished: Unfinished | None = None,
+    requests: Requests | None = None,
 ) -> FlightResult:
     """Fly a plan.
 
@@ -61,6 +63,7 @@ def fly(
         on_plan: Given each plan that is taken over in flight, before it is: its number, from 2, and its JSON text.
         amendments: Where changes of the mission come from, while it is flown.
         unfinished: A flight that was left in the air, by this plan at first, to go on with from where the vehicle is.
+        requests: Where it is asked from, in flight, to hold, to go on, to return or to land.
         on_warning: Told, in plain words, what went wrong on this side and does not end the flight.
 
     Whatever else ends the flight, an error of this program too, the vehicle is first told to hold, or to land.
@@ -82,6 +85,7 @@ def fly(
         on_plan=on_plan or _unwritten,
         amendments=amendments,
         unfinished=unfinished,
+        requests=requests or NoRequests(),
         replanner=replanner or SynchronousReplanner(clock.now_s, 0.0),
     )
     gone = vehicle_failure or _nothing

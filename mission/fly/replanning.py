@@ -72,6 +72,8 @@ class Replanning:
     Attributes:
         plans: How many plans were flown so far.
         replanner: Who plans.
+        held: Whether the vehicle waits on its plan because it was asked to; it goes on only when that is asked for, or
+            by another plan.
     """
 
     def __init__(
@@ -102,6 +104,7 @@ class Replanning:
         self._calm_from_s = math.inf
         self._excused_s = -math.inf
         self._laps: int | None = watch.plan.trajectory.laps
+        self.held = False
 
     @property
     def busy(self) -> bool:
@@ -165,7 +168,8 @@ class Replanning:
 
     @property
     def _left_tube(self) -> bool:
-        return self._watch.plan.spec.flight.replan and self._watch.tracking.excess_s >= _LEFT_FOR_S
+        replans = self._watch.plan.spec.flight.replan and not self.held
+        return replans and self._watch.tracking.excess_s >= _LEFT_FOR_S
 
     def _ask(self, cause: Cause, guidance: Guidance, vehicle_s: float, now_s: float) -> None:
         """Ask for the rest of the mission from where a new plan can begin."""
@@ -282,6 +286,7 @@ class Replanning:
             begun=begun,
             duration_s=plan.trajectory.duration_s,
         )
+        self.held = False
         onward = next((letter for letter in plan.certificate.word[1:] if letter), frozenset({"its end"}))
         self._say(f"going on from here to {', '.join(sorted(onward))}")
         self._watch.take_over(plan, at_s, laps_before, begun=begun, **why)
@@ -308,7 +313,7 @@ class Replanning:
                 self._excused_s = vehicle_s + _AGAIN_S
                 return ""
             return f"{'' if cause is None else cause.reason}, and there is no plan from there: {why}"
-        if not cause.holds:
+        if not cause.holds and not self.held:
             self.go_on(guidance, vehicle_s)
         return ""
 
@@ -345,6 +350,7 @@ class Replanning:
         self._session.redirect(
             Course(onward, 0.0, bounds, nose, planned_s=onward.planned_s), max(approach.until_s, vehicle_s)
         )
+        self.held = False
         return ""
 
     def _end(self, why: str) -> None:

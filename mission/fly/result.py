@@ -10,6 +10,7 @@ from mission.monitor.monitor import Violation
 from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
+from mission.spec.model import Point
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,11 @@ class Progress:
         error_m: How far it is from the trajectory on the axis where that is more; None where it flies none.
         battery_percent: What is left of its charge; None where it does not tell.
         nearest: The restricted region that is nearest, as it is drawn, and how far, m; None where there is none.
+        held: Whether the vehicle waits because it was asked to.
+        plan: What is flown; None before anything is watched.
+        place_m: Where the vehicle is by its last report, ENU in the domain; None before one.
+        heading_rad: Where its nose points, clockwise from north; None where it does not tell.
+        word: The letters that were spelled by the plan that is flown.
     """
 
     stage: Stage
@@ -61,6 +67,11 @@ class Progress:
     error_m: float | None = None
     battery_percent: float | None = None
     nearest: tuple[str, float] | None = None
+    held: bool = False
+    plan: FlightPlan | None = None
+    place_m: Point | None = None
+    heading_rad: float | None = None
+    word: tuple[frozenset[str], ...] = ()
 
     @property
     def left_s(self) -> float:

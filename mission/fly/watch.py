@@ -180,6 +180,10 @@ class FlightWatch:
             error_m=self.tracking.error_m if session.stage is Stage.FLY else None,
             battery_percent=None if session.vehicle.battery is None else session.vehicle.battery.percent,
             nearest=None if self.altitude_m is None else self._nearness.of(self.plan, self.place_m),
+            plan=self.plan,
+            place_m=None if self.altitude_m is None else self.place_m,
+            heading_rad=None if session.vehicle.attitude is None else session.vehicle.attitude.angles_rad[2],
+            word=self.monitor.word,
         )
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:

@@ -199,10 +199,11 @@ class Session:
         if photographs is not None:
             self.contact.photography.follow(photographs)
 
-    def stop(self, reason: str, now_s: float) -> None:
+    def stop(self, reason: str, now_s: float, *, lands: bool = False) -> None:
         """Give the mission up: hold, and land on the spot if wanted; on the ground, disarm. A landing goes on."""
         if self.stage is Stage.DONE or self.stage in _LANDING:
             return
+        self._land_when_stopped |= lands
         goes_on = self._retreat(now_s)
         step, kind = self._procedure.step, self.contact.autopilot
         if step is not None and step.stage is Stage.HOLD and not self._land_when_stopped and kind is not None:
@@ -384,8 +385,7 @@ class Session:
 
     def _stands_still(self, now_s: float) -> bool:
         """Whether the way out cannot end by the vehicle's time, because that stands still."""
-        lost_s = self.contact.options.lost_s
-        return min(now_s - self._failing_from_s, now_s - self.vehicle.clock.heard_s) > 2.0 * lost_s
+        return min(now_s - self._failing_from_s, now_s - self.vehicle.clock.heard_s) > 2.0 * self.contact.options.lost_s
 
     def _end(self, ending: Ending, reason: str) -> None:
         self.ending, self.ending_reason = ending, reason

@@ -11,6 +11,7 @@ from typing import Any
 from mission.fly import FlightOptions, Progress, fly
 from mission.fly.amending import Amendments
 from mission.fly.replanner import Replanner, SynchronousReplanner
+from mission.fly.requests import Requests
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan, plan_to_json
 from mission.report.reading import parse_record
@@ -31,6 +32,7 @@ class Replanned:
         at_step: Callable[["Replanned", float], None] | None = None,
         options: FlightOptions | None = None,
         amendments: Amendments | None = None,
+        requests: Requests | None = None,
         drag_per_s: float = 0.3,
         parameters: Mapping[str, float] | None = None,
         wind_m_s: float = 0.0,
@@ -57,6 +59,7 @@ class Replanned:
             on_progress=self._look,
             options=options,
             amendments=amendments,
+            requests=requests,
             on_plan=self.texts.__setitem__,
             replanner=replanner(self.vehicle) if replanner else SynchronousReplanner(self.vehicle.now_s),
         )
