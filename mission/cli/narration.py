@@ -9,6 +9,9 @@ _NAMES = {"text": "vehicle", "vehicle": "found", "verdict": "verdict"}
 _KEPT = frozenset({"event", *_NAMES})
 """What comes now and then; positions, setpoints and visits come many times a second."""
 
+_PLAIN = frozenset({"command", "stage", "text"})
+"""What needs no word before it."""
+
 _LONGEST = 160
 
 
@@ -26,7 +29,7 @@ class Narrated:
             return
         told = {**values}
         name = _NAMES.get(kind) or str(told.pop("name", kind))
-        words = ", ".join(f"{key} {value}" for key, value in told.items())
+        words = ", ".join(str(value) if key in _PLAIN else f"{key} {value}" for key, value in told.items())
         when = "" if t_s is None else f"{t_s:.1f} s"
         with suppress(OSError):  # nobody reads it: the flight goes on
             err.print(f"{when:>9}  {name}{': ' if words else ''}{words}"[:_LONGEST], markup=False)

@@ -155,8 +155,8 @@ def test_a_flight_is_told_as_it_comes_and_recorded_as_before(capsys: pytest.Capt
         narrated.write(kind, t_s, **values)
     assert kept.lines == lines
     said = capsys.readouterr().err.splitlines()
-    assert said[0] == "   12.3 s  command: command arm, attempt 1"
-    assert said[1].endswith(r"text Arming \x1b[2Jmotors")
+    assert said[0] == "   12.3 s  command: arm, attempt 1"
+    assert said[1].endswith(r"severity 6, Arming \x1b[2Jmotors")
     assert said[2].startswith("           stop: reason xxx")
     assert len(said) == 3
     assert max(map(len, said)) < 170
