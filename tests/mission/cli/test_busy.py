@@ -4,13 +4,16 @@ import io
 import os
 import re
 import shutil
+import signal
 import sys
+from typing import NoReturn
 
 import pytest
 
 from mission.cli import main, schema
 from mission.cli.busy import doing as told
 from mission.cli.busy import erase
+from mission.cli.signals import EndingSignals
 from tests.support.commands import MISSIONS, ran
 
 
@@ -75,6 +78,21 @@ def test_a_program_that_ends_on_the_spot_leaves_no_line(monkeypatch: pytest.Monk
         terminal.write("^C")  # as terminals echo it
         erase()
         assert terminal.line == ""
+
+
+def test_a_second_signal_leaves_no_line_either(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = on_terminal(monkeypatch)
+
+    def ended(code: int) -> NoReturn:
+        assert terminal.line == ""
+        raise SystemExit(code)
+
+    monkeypatch.setattr(os, "_exit", ended)
+    with EndingSignals() as signals, told("drawing the report"):
+        with pytest.raises(KeyboardInterrupt):
+            signals._interrupt(signal.SIGINT, None)
+        with pytest.raises(SystemExit, match="130"):
+            signals._interrupt(signal.SIGINT, None)
 
 
 def test_planning_is_said_on_a_terminal_only(
