@@ -20,6 +20,7 @@ from mission.link.plan_values import (
 )
 from mission.link.services import (
     ACCEPTED,
+    PASSING,
     Message,
     parameter_request,
     parameter_setting,
@@ -149,6 +150,7 @@ class PlanReading(Question):
         self.items: list[PlanItem] = []
         self._kind, self._own = kind, own
         self._count: int | None = None
+        self._refusal = ""
 
     def message(self, system_id: int) -> Message:
         """Ask how many there are, or for the next one."""
@@ -165,8 +167,10 @@ class PlanReading(Question):
         if not _is_for(self._own, self._kind, body):
             return False
         if isinstance(body, PlanAnswer) and body.result != ACCEPTED:
-            self.trouble = f"the vehicle does not tell {self.about}: {plan_result_name(body.result)}"
-        elif isinstance(body, PlanCount) and self._count is None:
+            self._refusal = f"the vehicle does not tell {self.about}: {plan_result_name(body.result)}"
+            self.trouble = "" if body.result in PASSING else self._refusal
+            return bool(self.trouble)
+        if isinstance(body, PlanCount) and self._count is None:
             self._count = min(body.count, _MOST_ITEMS)
         elif isinstance(body, PlanPart) and self._count is not None and body.number == len(self.items):
             self.items.append(body.item)
@@ -174,6 +178,12 @@ class PlanReading(Question):
             return False
         self.done = len(self.items) == self._count
         return True
+
+    def unanswered(self) -> None:
+        """It is refused all the time, or nobody answers."""
+        super().unanswered()
+        if self._refusal:
+            self.silent, self.trouble = False, self._refusal
 
 
 class PlanWriting(Question):
@@ -209,6 +219,8 @@ class PlanWriting(Question):
             # After the last item this may be the answer to one that was sent twice.
             self.answer = "" if body.result == ACCEPTED else plan_result_name(body.result)
             self.done = not self.answer or self._all_given
+            if not self.done and body.result in PASSING:
+                return False
             self.trouble = "" if self.done else f"the vehicle refuses {self.about} ({self.answer})"
         elif isinstance(body, PlanRequest) and body.number < len(self._items) and body.number != self._asked:
             # The same again is what came twice, or follows from that; where it was lost, it is sent again in time.
@@ -220,8 +232,11 @@ class PlanWriting(Question):
     def unanswered(self) -> None:
         """The answer to the whole may have been lost."""
         self.done = self._all_given
-        if not self.done:
-            super().unanswered()
+        if self.done:
+            return
+        super().unanswered()
+        if self.answer:
+            self.silent, self.trouble = False, f"the vehicle refuses {self.about} ({self.answer})"
 
     @property
     def _all_given(self) -> bool:

@@ -289,6 +289,8 @@ class FenceGuard:
             yield from _answered(reading)
             if _same(reading.items, items):
                 return
+            if writing.trouble:
+                break  # it was refused, for as long as it is asked
         said = f": {answer}" if answer else ""
         raise VehicleError(f"the vehicle does not keep the geofence that it was given{said}; {_HINT}")
 

@@ -24,6 +24,14 @@ Message = Any
 """A message of pymavlink, which ships no types."""
 
 ACCEPTED: Final = int(mavlink.MAV_MISSION_ACCEPTED)
+PASSING: Final = frozenset(
+    (mavlink.MAV_MISSION_ERROR, mavlink.MAV_MISSION_INVALID_SEQUENCE, mavlink.MAV_MISSION_DENIED)
+)
+"""Answers that may be about something else, such as an item that came twice, or that hold as long as an upload does.
+
+ArduPilot denies to tell a plan while one is uploaded, and takes an upload that has stopped to last for 8 s.
+"""
+
 GLOBAL_FRAME: Final = int(mavlink.MAV_FRAME_GLOBAL)
 CORNER_TO_STAY_IN: Final = int(mavlink.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION)
 CORNER_TO_STAY_OUT_OF: Final = int(mavlink.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION)

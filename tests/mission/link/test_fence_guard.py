@@ -7,15 +7,17 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.errors import LinkError, VehicleError
 from mission.geometry.geodesy import LatLon
 from mission.interchange.autopilot_plan import FenceCircle, FencePolygon
 from mission.link.connection import AUTOPILOTS
-from mission.link.exchanges import PlanReading
+from mission.link.exchanges import ATTEMPTS, Asking, PlanReading, PlanWriting, Question
 from mission.link.fence_guard import FenceGuard, fence_items
 from mission.link.messages import AUTOPILOT_ARDUPILOT, AUTOPILOT_PX4, Codec
-from mission.link.plan_values import Partner, PlanAnswer, PlanCount, PlanItem, PlanKind, PlanPart
+from mission.link.plan_values import Partner, PlanAnswer, PlanCount, PlanItem, PlanKind, PlanPart, PlanRequest
+from mission.link.values import Body
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from vehicle_sim.protocol import plan_store
 
@@ -267,3 +269,74 @@ def test_what_another_ground_station_reads_is_not_taken_for_ours() -> None:
     refused = PlanReading(PlanKind.FENCE, OWN, "it")
     refused.take(PlanAnswer(OWN, PlanKind.FENCE, 1))
     assert refused.trouble
+
+
+@pytest.mark.parametrize("flavour", BOTH)
+@pytest.mark.parametrize("asked", [8, 11])
+def test_one_that_was_being_uploaded_when_the_program_was_killed_is_put_back_by_the_next(
+    flavour: str, asked: int
+) -> None:
+    """ArduPilot denies to tell its fence for the 8 s that it takes an upload that has stopped to last."""
+    link = Link(flavour)
+    before = link.parameters(), link.kept()
+    link.until_over(most=asked)
+    link.guard = taken_up(link, link.guard)
+    link.guard.put_back()
+    link.until_over()
+    assert not link.guard.trouble
+    assert (link.parameters(), link.kept()) == before
+
+
+@pytest.mark.parametrize("flavour", BOTH)
+def test_a_vehicle_whose_store_is_full_keeps_what_it_had(flavour: str) -> None:
+    link = Link(flavour)
+    link.owned()
+    before = link.parameters(), link.kept()
+    keepers = link.vehicle.endpoint._plans.keepers
+    keepers[plan_store.PlanKind.FENCE] = lambda _items: mavlink.MAV_MISSION_NO_SPACE
+    link.until_over()
+    assert isinstance(link.guard.failure, VehicleError)
+    assert "no space; `--no-fence`" in str(link.guard.failure)
+    link.guard.put_back()
+    link.until_over()
+    assert not link.guard.trouble
+    assert (link.parameters(), link.kept()) == before
+
+
+DENIED, ERROR, UNSUPPORTED = (
+    PlanAnswer(OWN, PlanKind.FENCE, result)
+    for result in (mavlink.MAV_MISSION_DENIED, mavlink.MAV_MISSION_ERROR, mavlink.MAV_MISSION_UNSUPPORTED)
+)
+
+
+def asked(question: Question, *answers: Body) -> Question:
+    """Ask it until it is over, or has been answered so; the last way is for good where it is a refusal."""
+    asking = Asking(question)
+    for turn in range(ATTEMPTS + len(answers) + 1):
+        asking.due(1, 10.0 * turn)
+        if turn < len(answers) or isinstance(answers[-1], PlanAnswer):
+            asking.take(answers[min(turn, len(answers) - 1)])
+    return question
+
+
+@pytest.mark.parametrize("items", [(), OURS[:2]])
+def test_a_refusal_that_may_pass_is_waited_for(items: tuple[PlanItem, ...]) -> None:
+    parts = [PlanPart(OWN, PlanKind.FENCE, number, item) for number, item in enumerate(items)]
+    reading = asked(
+        PlanReading(PlanKind.FENCE, OWN, "it"), DENIED, ERROR, PlanCount(OWN, PlanKind.FENCE, len(items)), *parts
+    )
+    assert (reading.done, reading.trouble) == (True, "")
+    requests = [PlanRequest(OWN, PlanKind.FENCE, number) for number, _ in enumerate(items)]
+    accepted = PlanAnswer(OWN, PlanKind.FENCE, mavlink.MAV_MISSION_ACCEPTED)
+    writing = asked(
+        PlanWriting(PlanKind.FENCE, items, OWN, "it"), DENIED, *requests[:1], ERROR, *requests[1:], accepted
+    )
+    assert (writing.done, writing.trouble) == (True, "")
+
+
+@pytest.mark.parametrize(("answer", "word"), [(DENIED, "denied"), (UNSUPPORTED, "unsupported")])
+def test_a_refusal_that_does_not_pass_is_told(answer: PlanAnswer, word: str) -> None:
+    for question in (PlanReading(PlanKind.FENCE, OWN, "it"), PlanWriting(PlanKind.FENCE, OURS, OWN, "it")):
+        asked(question, answer)
+        assert word in question.trouble
+        assert not question.silent
