@@ -353,15 +353,20 @@ class Flight:
         return result
 
     def say_stop(self, transport: Transport) -> None:
-        """Tell the vehicle to stop, without waiting for it."""
+        """Tell the vehicle to stop, without waiting for it; how it is left is said, as far as that is known."""
         with contextlib.suppress(Exception):
             self.interrupted = True
             self.stop(INTERRUPTED.reason)
         with contextlib.suppress(Exception):
             speak(self.session, transport, self.clock)
-        fence = self.session.contact.fence
+        fence, words = self.session.contact.fence, [self.session.left]
         if fence is not None and fence.unfinished:
-            self.record.warn("the geofence of this flight stays on the vehicle; what was there before is in the record")
+            words += ["the geofence of this flight stays on the vehicle; what was there before is in the record"]
+        for each in filter(None, words):
+            self.record.warn(each)
+        with contextlib.suppress(Exception):
+            reason = joined(INTERRUPTED.reason, "its end was not waited for", *words, self.remarks)
+            self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="left", interrupted=True)
 
     def failed(self, error: BaseException, transport: Transport, gone: Callable[[], str]) -> BaseException:
         """What the flight fails with, once the vehicle was told to hold, or to land; how it is left is part of it."""

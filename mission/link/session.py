@@ -249,9 +249,9 @@ class Session:
         kind = self.contact.autopilot
         if self.ending is not None and self._failure is not None:
             return self.ending_reason
-        if kind is None or not self.departed or not self.vehicle.armed or self.stage is Stage.DONE:
+        if kind is None or not self.departed or self.stage is Stage.DONE:
             return ""
-        return how_left(kind, self.vehicle)
+        return how_left(kind, self.vehicle, self.stage)
 
     def end_laps(self, now_s: float) -> bool:
         """Let the present lap be the last one; then the vehicle returns and lands. False where no lap is flown now."""

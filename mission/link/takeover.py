@@ -69,8 +69,10 @@ class Takeover:
         return None if waits and step.stage in _WAITS else (Ending.HANDED_OVER, self.words)
 
 
-def how_left(kind: Autopilot, vehicle: VehicleState) -> str:
-    """How a vehicle with running motors is left, in plain words."""
+def how_left(kind: Autopilot, vehicle: VehicleState, stage: Stage) -> str:
+    """How a vehicle is left at a stage, in plain words; empty where its motors are off and nothing is to be said."""
+    if not vehicle.armed:
+        return "that its motors stay off was not confirmed" if stage in (Stage.ARM, Stage.DISARM) else ""
     mode = kind.mode_name(vehicle.mode)
     if vehicle.mode == kind.hold_mode:
         return f"the vehicle is left holding in {mode}"

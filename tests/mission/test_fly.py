@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from mission.errors import LinkError, NoPlanError, VehicleError
+from mission.errors import LinkError, VehicleError
 from mission.fly import FlightOptions, StopRequest
 from mission.fly.preflight import Checks, NoGoError
 from mission.link.ending import Ending
@@ -110,7 +110,7 @@ def test_a_flight_from_where_none_was_proved_is_refused(start_m: tuple[float, fl
     assert words in flight.record.verdict["reason"]
     flight = Flight(vehicle, placed)
     flight.options = FlightOptions(checks=Checks(forced=("origin",)))
-    with pytest.raises(NoPlanError, match=words):
+    with pytest.raises(NoGoError, match=words):
         flight.run()
     assert not vehicle.setpoints
     assert not vehicle.armed
@@ -209,16 +209,36 @@ def test_ctrl_c_holds_and_lands_only_what_may_be_landed(plan: FlightPlan, land: 
     assert flight.record.verdict["interrupted"] is True
 
 
-def test_a_second_ctrl_c_is_obeyed_at_once(plan: FlightPlan) -> None:
-    flight = Flight(ScriptedVehicle("ardupilot"), plan)
+@pytest.mark.parametrize(
+    ("stage", "words"),
+    [
+        (Stage.READY, ""),
+        (Stage.ARM, "that its motors stay off was not confirmed"),
+        (Stage.CLIMB, "that it holds was not confirmed: it was last heard in GUIDED"),
+        (Stage.FLY, "that it holds was not confirmed: it was last heard in GUIDED"),
+        (Stage.TOUCH_DOWN, "the vehicle is landing"),
+    ],
+)
+def test_a_second_ctrl_c_is_obeyed_at_once_and_how_the_vehicle_is_left_is_said(
+    plan: FlightPlan, stage: Stage, words: str
+) -> None:
+    flight, wishes = Flight(ScriptedVehicle("ardupilot"), plan), list[StopRequest]()
 
     def interrupt() -> None:
+        wishes.append(StopRequest("enough"))
         raise KeyboardInterrupt
 
-    flight.at_stage = {Stage.FLY: interrupt, Stage.HOLD: interrupt, Stage.LAND: interrupt}
-    flight.options = FlightOptions(land_when_stopped=True)
-    with pytest.raises(KeyboardInterrupt):
-        flight.run()
+    flight.at_stage[stage] = interrupt
+    flight.stop_request = lambda: wishes.pop() if wishes else None
+    try:
+        reason = flight.run().reason
+    except KeyboardInterrupt:
+        verdict = flight.record.verdict
+        assert verdict is not None
+        reason = str(verdict["reason"])
+        assert "its end was not waited for" in reason
+        assert flight.warnings == [words] * bool(words)
+    assert words in reason
 
 
 def test_a_reason_to_stop_before_take_off_ends_it_on_the_ground(plan: FlightPlan) -> None:
