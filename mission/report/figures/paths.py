@@ -42,6 +42,7 @@ FINE_PT = 1.0
 SAME_PLACE_M = 1e-3
 MOST_STRETCHES = 400
 COLOUR_BAR_PT = 64.0
+FLOWN_PT = 3.2
 ERROR_COLOURS = LinearSegmentedColormap.from_list("error", colormaps["plasma"](np.linspace(0.08, 0.85, 64)))
 """Ever lighter, so that all eyes and a grey print tell them apart, and none too light for paper."""
 
@@ -131,7 +132,7 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
     coloured = plan.spec.flight.guidance != FIELD and len(tracking.t_s) > 1
     with drawing():
         legend: list[Artist] = [
-            Line2D([], [], color=ERROR_COLOURS(0.3) if coloured else FLOWN, lw=3.2, label="flown, as reported"),
+            Line2D([], [], color=ERROR_COLOURS(0.3) if coloured else FLOWN, lw=FLOWN_PT, label="flown, as reported"),
             Line2D([], [], color=PLANNED, lw=1.0, label="planned"),
             *([Line2D([], [], color=PLANNED, lw=1.0, ls="--", label="planned in flight")] if later else []),
         ]
@@ -142,13 +143,12 @@ def flown_path(plan: FlightPlan, record: Record) -> Figure:
             beside_pt=COLOUR_BAR_PT if coloured else 0.0,
         )
         chart.draw_domain(axes)
-        axes.plot(*flown.T, color=FLOWN, lw=3.2, zorder=3, gid="flown")
+        axes.plot(*flown.T, color=FLOWN, lw=FLOWN_PT, zorder=3, gid="flown")
         if coloured:
             _draw_error(figure, axes, tracking, plan.certificate.tube_m)
         for number, line in enumerate((planned, *later), 1):
             style, gid = ("-", "planned") if number == 1 else ("--", f"planned {number}")
-            axes.plot(*line.T, color=PLANNED, lw=1.0, ls=style, zorder=2.9, gid=gid)
-            axes.plot(*line.T, color=WHITE, lw=0.6, ls=style, zorder=3.2)  # is seen on the flown path alone
+            draw_planned(axes, line, flown, chart.em_m, style=style, gid=gid)
         if len(flown):
             draw_arrows(axes, flown, chart.em_m, BLACK, FLOWN_PACE_PT)
             draw_ends(axes, flown)
@@ -167,7 +167,7 @@ def _draw_error(figure: Figure, axes: Axes, tracking: Tracking, tube_m: float) -
         [tracking.position_m[each] for each in stretches],
         array=[float(tracking.distance_m[each].max()) for each in stretches],
         cmap=ERROR_COLOURS,
-        linewidths=3.2,
+        linewidths=FLOWN_PT,
         capstyle="butt",
         zorder=3.1,
         gid="error",
@@ -244,6 +244,18 @@ def draw_region_names(
         frame=None,
     )
     draw_names(axes, small, colour=QUIET, bold=False, gid="number")
+
+
+def draw_planned(
+    axes: Axes, line: FloatArray, flown: FloatArray, em_m: float, *, style: str = "-", gid: str = "planned"
+) -> None:
+    """A thin planned line under a strong flown one, white where that covers it."""
+    axes.plot(*line.T, color=PLANNED, lw=1.0, ls=style, zorder=2.9, gid=gid)
+    if len(flown) > 1:
+        over = shapely.LineString(flown)
+        shapely.prepare(over)
+        covered = shapely.dwithin(over, shapely.points(line), 0.5 * FLOWN_PT * em_m)
+        axes.plot(*np.where(covered[:, None], line, np.nan).T, color=WHITE, lw=0.6, ls=style, zorder=3.2)
 
 
 def draw_ends(axes: Axes, position: FloatArray) -> None:

@@ -8,7 +8,7 @@ from mission.plan import FlightPlan
 from mission.report.figures.canvas import drawing
 from mission.report.figures.chart import chart_of
 from mission.report.figures.histories import AXIS_NAMES, MOST_DRAWN, grid_of, name_quantity
-from mission.report.figures.paths import draw_arrows, draw_ends, draw_region_names, end_handles
+from mission.report.figures.paths import FLOWN_PT, draw_arrows, draw_ends, draw_planned, draw_region_names, end_handles
 from mission.report.palette import FLOWN, PLANNED
 from mission.simulate import Simulation
 
@@ -70,10 +70,11 @@ def true_path(plan: FlightPlan, simulation: Simulation) -> Figure:
     step = _step(simulation)
     true, planned = simulation.position_m[::step], simulation.asked_position_m[::step]
     with drawing():
-        figure, axes = chart.figure("Planned path and true trajectory", legend=_legend() + end_handles())
+        note = "White in the true trajectory: the planned path."
+        figure, axes = chart.figure("Planned path and true trajectory", legend=_legend() + end_handles(), note=note)
         chart.draw_domain(axes)
-        axes.plot(*true.T, color=FLOWN, lw=3.2, zorder=3, gid="true")
-        axes.plot(*planned.T, color=PLANNED, lw=1.0, zorder=3.2, gid="planned")
+        axes.plot(*true.T, color=FLOWN, lw=FLOWN_PT, zorder=3, gid="true")
+        draw_planned(axes, planned, true, chart.em_m)
         draw_arrows(axes, true, chart.em_m, FLOWN)
         draw_ends(axes, true)
         draw_region_names(axes, chart, [planned, true])

@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 
 from mission.geometry.arrays import FloatArray
 from mission.report.figures.fitting import GAPS_EM, place_names
-from mission.report.figures.paths import ARROW_EVERY_PT, MOST_STRETCHES, draw_arrows, flown_path, smoothed_path
+from mission.report.figures.paths import (
+    ARROW_EVERY_PT,
+    MOST_STRETCHES,
+    draw_arrows,
+    draw_planned,
+    flown_path,
+    smoothed_path,
+)
 from mission.report.reading import parse_record
 from tests.support.drawn_plans import PAPER_TOUR, SURVEY_TOUR, flight_of, plan_of
 
@@ -71,6 +78,16 @@ def test_the_error_is_told_by_colour_with_a_scale() -> None:
     assert "error, m" in scale.get_ylabel()
     assert "±0.05 m" in scale.get_ylabel()
     assert scale.get_window_extent().x1 < figure.bbox.x1
+
+
+def test_the_planned_path_is_white_where_the_flown_one_covers_it_and_black_elsewhere() -> None:
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    draw_planned(axes, LINE, LINE[:2500] + np.array([0.0, 1.0]), 1.0)
+    black, white = axes.lines
+    np.testing.assert_array_equal(np.asarray(black.get_xydata()), LINE)
+    seen = np.isfinite(np.asarray(white.get_xydata())).all(axis=1)
+    assert seen[:2500].all()
+    assert not seen[2520:].any()
 
 
 def test_a_flight_that_never_began_has_no_colours() -> None:
