@@ -98,6 +98,7 @@ class FlightFolder:
             TypeError: A value that JSON cannot hold.
             OSError: The record cannot be written.
         """
+        self._record.write(kind, t_s, **values)
         if kind not in _SERIES:
             utc = (_EPOCH + timedelta(microseconds=self._utc_us())).isoformat(timespec="milliseconds")
             line = json_line({"kind": kind, "utc": utc, "t_s": t_s, **values})
@@ -106,7 +107,6 @@ class FlightFolder:
                 if kind == "verdict":
                     told = {name: value for name, value in json.loads(line).items() if name != "kind"}
                     write_whole(self.path / VERDICT_FILE, json.dumps(told, indent=2) + "\n")
-        self._record.write(kind, t_s, **values)
 
     def close(self) -> None:
         """Write no more."""

@@ -87,6 +87,14 @@ def test_what_is_left_out_of_a_record_follows_from_what_is_there() -> None:
     np.testing.assert_allclose(one.asked_velocity_m_s[led], other.asked_velocity_m_s[led], atol=0.05)
 
 
+def test_a_record_of_before_that_was_so_is_read() -> None:
+    every, data = recorded(every=True)
+    assert b'"kind":"at"' not in data
+    old = parse_record(data.replace(b'"schema":2', b'"schema":1'))
+    np.testing.assert_array_equal(old.track.position_m, every.track.position_m)
+    np.testing.assert_array_equal(old.setpoints.trajectory_s, every.setpoints.trajectory_s)
+
+
 def test_a_program_that_is_killed_loses_no_place() -> None:
     _, data = recorded(every=False)
     sink = io.BytesIO()
