@@ -3,7 +3,7 @@
 import io
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -108,7 +108,7 @@ def calibrate(
         transport,
         clock,
         FlightRecord(sink, mission="calibration"),
-        options=options,
+        options=replace(options or FlightOptions(), record_all=True),
         on_progress=on_progress,
         vehicle_failure=vehicle_failure,
         stop_request=stop_request,

@@ -76,7 +76,7 @@ class Flight:
         )
         self._unfinished = unfinished
         self.gate = Gate(self.session.contact, options.checks)
-        self.watch = FlightWatch(plan, record)
+        self.watch = FlightWatch(plan, record, record_all=options.record_all)
         self.interrupted = False
         self._given_up = False
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
@@ -193,7 +193,8 @@ class Flight:
             stands_m, anchoring = placed(spec.origin, vehicle)
             check_stand(self.plan, stands_m)
             self.plan = self._planner(stands_m)
-            name, self.watch = self.watch.vehicle, FlightWatch(self.plan, self.record)
+            name = self.watch.vehicle
+            self.watch = FlightWatch(self.plan, self.record, record_all=self.options.record_all)
             self.watch.vehicle = name
             self._replanning, self._in_time, self._amending = self._replans()
             self._heeding = self._heeds()

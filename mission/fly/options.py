@@ -21,6 +21,8 @@ class FlightOptions:
         keep_fence: Whether that fence stays after the flight.
         resume_when_handed_back: Whether a flight that a pilot has taken over waits to be handed back, and goes on.
         stray_m: A vehicle that is farther from its trajectory than this for some seconds does not follow it.
+        record_all: Whether each report and setpoint is recorded whole, as it takes to measure a vehicle by them; the
+            record of an hour then has some 40 MB instead of 8.
         checks: What is checked before the vehicle is armed, and what of it does not count.
     """
 
@@ -30,4 +32,5 @@ class FlightOptions:
     fence: bool = False
     keep_fence: bool = False
     stray_m: float = _STRAY_M
+    record_all: bool = False
     checks: Checks = field(default_factory=Checks)

@@ -72,9 +72,10 @@ class Routine:
     are needed to draw a curve through; of the setpoints those are left out that follow from the ones around them.
     """
 
-    def __init__(self, record: RecordWriter) -> None:
-        """Write to ``record``."""
+    def __init__(self, record: RecordWriter, *, everything: bool = False) -> None:
+        """Write to ``record``; ``everything``: each report and setpoint whole, to measure by."""
         self._record = record
+        self._whole_s, self._setpoint_s = (0.0, 0.0) if everything else (_WHOLE_S, _SETPOINT_S)
         self._whole: Moved | None = None
         self._largest_m_s = 0.0
         self._written: SetpointSent | None = None
@@ -104,7 +105,7 @@ class Routine:
             if before is not None:
                 self._write(before)
             self._write(event)
-        elif event.t_s - last.t_s >= _SETPOINT_S:
+        elif event.t_s - last.t_s >= self._setpoint_s:
             self._write(event)
         else:
             self._left_out = event
@@ -123,7 +124,7 @@ class Routine:
         return (
             farther
             or last is None
-            or not 0.0 <= event.t_s - last.t_s < _WHOLE_S
+            or not 0.0 <= event.t_s - last.t_s < self._whole_s
             or not math.dist(event.velocity_m_s, last.velocity_m_s) < _WHOLE_M_S
             or (last.attitude_rad is None) is not (event.attitude_rad is None)
             or not all(map(math.isfinite, (*event.position_m, *event.velocity_m_s)))

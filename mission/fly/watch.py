@@ -63,8 +63,8 @@ class FlightWatch:
         altitude_m: How high; None before a report.
     """
 
-    def __init__(self, plan: FlightPlan, record: RecordWriter) -> None:
-        """Watch from the ground."""
+    def __init__(self, plan: FlightPlan, record: RecordWriter, *, record_all: bool = False) -> None:
+        """Watch from the ground; ``record_all``: write down each report and setpoint whole."""
         self.legs = FlightLegs(plan)
         self.tracking = TrackingWatch(plan.certificate.tube_m)
         self.largest_distance_m = 0.0
@@ -79,7 +79,7 @@ class FlightWatch:
         self.cadence = CadenceWatch()
         self.pictures: list[int] = []
         self._told_s = math.inf
-        self._record, self._routine = record, Routine(record)
+        self._record, self._routine = record, Routine(record, everything=record_all)
         self._nearness = Nearness()
         self._stage = Stage.CONNECT
         self._written = (0, 0, 0)

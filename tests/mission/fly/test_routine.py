@@ -54,16 +54,13 @@ def events() -> Iterator[Moved | SetpointSent]:
 def recorded(*, every: bool) -> tuple[Record, bytes]:
     """The record of that flight; ``every`` line of it, or what is usual."""
     sink = io.BytesIO()
-    routine = Routine(FlightRecord(sink, mission="m"))
-    with pytest.MonkeyPatch.context() as patch:
-        for name in ("_SETPOINT_S", "_WHOLE_S") if every else ():
-            patch.setattr(f"mission.fly.recording.{name}", 0.0)
-        for event in events():
-            if isinstance(event, Moved):
-                routine.moved(event)
-            else:
-                routine.sent(event)
-        routine.settle()
+    routine = Routine(FlightRecord(sink, mission="m"), everything=every)
+    for event in events():
+        if isinstance(event, Moved):
+            routine.moved(event)
+        else:
+            routine.sent(event)
+    routine.settle()
     return parse_record(sink.getvalue()), sink.getvalue()
 
 
