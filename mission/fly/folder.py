@@ -11,8 +11,6 @@ events.jsonl          what happened, for whoever looks at it: what the record ha
 verdict.json          the verdict, once there is one
 plan.json, ...        what was planned (``mission.cli.fly``, ``mission.library``)
 ====================  ================================================================================================
-
-The tables of a report are made of the plan and the record alone, whatever else was lost.
 """
 
 import json
