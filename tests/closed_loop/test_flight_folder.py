@@ -66,12 +66,8 @@ def test_events_and_the_verdict_are_those_of_the_record(folder: Path) -> None:
     events = [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
     told = [{name: value for name, value in event.items() if name != "utc"} for event in events]
     assert told == [line for line in lines if line["kind"] in {each["kind"] for each in told}]
-    assert {line["kind"] for line in lines} - {each["kind"] for each in told} == {
-        "header",
-        "telemetry",
-        "at",
-        "setpoint",
-    }
+    series = {"header", "telemetry", "at", "setpoint", "conditions"}
+    assert {line["kind"] for line in lines} - {each["kind"] for each in told} == series
     times = [event["utc"] for event in events]
     assert times == sorted(times)
     assert times[0].startswith("2026-09-21T")
