@@ -1,6 +1,9 @@
 """Files that grow by whole entries: a program that is killed leaves all of them, and at most cuts the last."""
 
+import errno
+import os
 from collections.abc import Callable
+from io import FileIO
 from pathlib import Path
 from typing import Protocol, Self
 
@@ -16,10 +19,15 @@ class Sink(Protocol):
 
 
 class GrowingFile:
-    """Writes entries one after the other, each at once: what ``add`` returned from is out of this process."""
+    """Writes entries one after the other, each at once: what ``add`` returned from is out of this process.
+
+    Attributes:
+        failure: Why an entry was lost first; None where all were written.
+    """
 
     def __init__(self, sink: Sink) -> None:
         """Go on at the end of ``sink``."""
+        self.failure: OSError | None = None
         self._sink = sink
         self._rest = b""
 
@@ -42,10 +50,17 @@ class GrowingFile:
         """Write one entry; one that was cut by a failure is completed before, so that the file stays readable.
 
         Raises:
-            OSError: The disk is full, say; this entry is lost, or begun and completed by the next call.
+            OSError: The disk is full, say, or the file was removed; this entry is lost, or begun and completed by the
+                next call.
         """
-        self._put(b"")
-        self._put(entry)
+        try:
+            if isinstance(self._sink, FileIO) and os.fstat(self._sink.fileno()).st_nlink == 0:
+                raise FileNotFoundError(errno.ENOENT, "removed")
+            self._put(b"")
+            self._put(entry)
+        except OSError as error:
+            self.failure = self.failure or error
+            raise
 
     def _put(self, entry: bytes) -> None:
         """Write what is left of the last entry, or else this one: whole, or begun, or not at all."""

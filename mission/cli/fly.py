@@ -24,6 +24,7 @@ from mission.clock import Clock, WallClock
 from mission.errors import LinkError, MissionError, reason
 from mission.fly import FlightOptions, FlightResult, StopSignals, fly
 from mission.fly.amendments import AmendmentFolder
+from mission.fly.folder import FlightFolder
 from mission.fly.planner_process import PlannerProcess
 from mission.fly.preflight import Checks, NoGoError, check_forced
 from mission.fly.replanner import Replanner, SynchronousReplanner
@@ -70,7 +71,7 @@ def run(arguments: Namespace) -> int:
         print_json(_document(flight, plan))
     with suppress(OSError):
         if flight.result is not None:
-            _print_verdict(flight.result, flight.folder, flight.elapsed_s)
+            _print_verdict(flight.result, flight.folder, flight.elapsed_s, reported=reported)
         else:
             report = f", its report is {flight.folder / PAGE_FILE}" if reported else ""
             err.print(f"the flight is kept in {flight.folder}{report}", markup=False)
@@ -132,6 +133,7 @@ def _flown(
         else:
             kept = reopened(Path(arguments.resume), left.record, clock)
         folder = stack.enter_context(kept).path
+        stack.callback(_tell_losses, kept)
         _note_run(arguments, folder)
         replanner = _replanner(clock, stack, bundled=vehicle is not None)
         with suppress(OSError):
@@ -201,6 +203,12 @@ def _replanner(clock: Clock, stack: ExitStack, *, bundled: bool) -> Replanner:
     return process
 
 
+def _tell_losses(kept: FlightFolder) -> None:
+    """Say what is missing beside the record; of that the verdict tells."""
+    for name, why in kept.incomplete.items():
+        warn(f"{name} is not whole: {why}")
+
+
 def _keep_pictures(folder: Path) -> None:
     """Write down where pictures were taken, of a flight that is left without a report."""
     with suppress(MissionError, OSError):
@@ -229,14 +237,14 @@ def _report(folder: Path, *, pictures: bool, form: str, hurried: bool) -> bool:
                 hurried = True
                 write_again(folder, pictures=False)
         except (MissionError, OSError) as error:  # a flight is not lost for want of a picture of it
-            err.print(f"the report could not be written: {error}; try `mission report {folder}`", markup=False)
+            err.print(f"the report could not be written: {reason(error)}; try `mission report {folder}`", markup=False)
             return False
     if pictures and hurried:
         err.print(f"the pictures are left out; `mission report {folder}` draws them", markup=False)
     return True
 
 
-def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None:
+def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float, *, reported: bool) -> None:
     word = " ".join("{" + ",".join(sorted(letter)) + "}" for i, letter in enumerate(result.word) if _new(result, i))
     out.print(f"flown     {_duration_s(result):.0f} s of vehicle time in {elapsed_s:.1f} s", markup=False)
     out.print(f"word      {word}", markup=False)
@@ -250,7 +258,8 @@ def _print_verdict(result: FlightResult, folder: Path, elapsed_s: float) -> None
     if result.plan.run.recurrent:
         asked = result.plan.trajectory.laps
         out.print(f"laps      {result.laps}{'' if asked is None else f' of {asked}'}", markup=False)
-    out.print(f"report    {folder / PAGE_FILE}", markup=False)
+    if reported:
+        out.print(f"report    {folder / PAGE_FILE}", markup=False)
     colour, name = ("green", "ACHIEVED") if result.achieved else ("red", "NOT ACHIEVED")
     out.print(f"[bold {colour}]{name}[/]  ", end="")
     out.print(f"{result.reason}{without(result.plan)}", markup=False)

@@ -353,7 +353,7 @@ class Flight:
         self.record.write("verdict", self.newest_s, **result.values(), **self.watch.legs.now.judged.known())
         return result
 
-    def say_stop(self, transport: Transport) -> None:
+    def say_stop(self, transport: Transport, why: str = INTERRUPTED.reason) -> None:
         """Tell the vehicle to stop, without waiting for it; how it is left is said, as far as that is known."""
         with contextlib.suppress(Exception):
             self.interrupted = True
@@ -366,7 +366,7 @@ class Flight:
         for each in filter(None, words):
             self.record.warn(each)
         with contextlib.suppress(Exception):
-            reason = joined(INTERRUPTED.reason, "its end was not waited for", *words, self.remarks)
+            reason = joined(why, "its end was not waited for", *words, self.remarks)
             self.record.write("verdict", self.newest_s, achieved=False, reason=reason, ending="left", interrupted=True)
 
     def failed(self, error: BaseException, transport: Transport, gone: Callable[[], str]) -> BaseException:

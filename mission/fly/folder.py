@@ -21,6 +21,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
+from mission.errors import reason
 from mission.growing_file import GrowingFile, whole_lines
 from mission.link.transport import Transport
 from mission.link.wire_log import LoggedLink, whole_frames
@@ -105,6 +106,12 @@ class FlightFolder:
                 if kind == "verdict":
                     told = {name: value for name, value in json.loads(line).items() if name != "kind"}
                     write_whole(self.path / VERDICT_FILE, json.dumps(told, indent=2) + "\n")
+
+    @property
+    def incomplete(self) -> dict[str, str]:
+        """The files beside the record in which something is missing, each with why, in plain words."""
+        files = {EVENTS_FILE: self._events, LINK_FILE: self._frames}
+        return {name: reason(file.failure) for name, file in files.items() if file.failure}
 
     def close(self) -> None:
         """Write no more."""

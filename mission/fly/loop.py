@@ -95,7 +95,11 @@ def fly(
         flight.say_stop(transport)
         raise
     except BaseException as error:
-        failure = flight.failed(error, transport, gone)
+        try:
+            failure = flight.failed(error, transport, gone)
+        except KeyboardInterrupt:  # that is not waited for
+            flight.say_stop(transport, str(error))
+            raise
         if failure is error:
             raise
         raise failure from error

@@ -157,3 +157,23 @@ def test_a_record_that_cannot_be_written_costs_a_warning_and_not_the_flight(plan
     assert flight.warnings == ["the record cannot be written: no space left on device; the flight goes on without it"]
     lost = [event.values["lines"] for event in flight.record.events if event.text == "lines lost"]
     assert lost == ([501] if last == 800 else [])
+
+
+def test_a_way_out_that_is_interrupted_says_how_the_vehicle_is_left(
+    plan: FlightPlan, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vehicle = ScriptedVehicle("ardupilot")
+    flight = Flight(vehicle, plan)
+
+    def fail() -> None:
+        monkeypatch.setattr(vehicle, "receive", raising(KeyboardInterrupt()))
+        raise FULL
+
+    flight.at_stage[Stage.FLY] = fail
+    with pytest.raises(KeyboardInterrupt):
+        flight.run()
+    left = "that it holds was not confirmed: it was last heard in GUIDED"
+    assert flight.warnings == [left]
+    assert flight.record.verdict is not None
+    assert flight.record.verdict["reason"] == f"{FULL}; its end was not waited for; {left}"
+    assert vehicle.mode == BRAKE  # it was told to
