@@ -11,7 +11,7 @@ from mission import __version__
 from mission.cli.changes import add_changes
 from mission.cli.drafting_options import add_drafting
 from mission.cli.examples import EXAMPLES, examples_of
-from mission.cli.flight_options import add_check, add_flights, add_run
+from mission.cli.flight_options import add_check, add_flights, add_open, add_run
 from mission.cli.option_values import add_format, offset, place, positive, positive_whole, system_id
 from mission.cli.voice import add_voice
 from mission.printable import printable
@@ -91,6 +91,14 @@ _EXPORT = """\
 Write a plan for autopilots to fly by themselves (.plan of QGroundControl with geofence and rally points, .waypoints of
 all ground stations), or for looking at (.geojson, .kml, .kmz, .gpx): the path on straight legs, which satisfy the
 mission like the path itself.
+"""
+
+
+_VIEW = """\
+Show a flight that is over, moment by moment, on a page in the browser of this computer: the map with the plan, the path
+that was flown and the vehicle, the automaton with its present states, what was still to be done. Of a plan, or of a
+mission file that is planned first, the page shows a vehicle that is exactly where the plan says. Nothing can be
+commanded here; `mission fly --view` shows a flight while it is flown. Ctrl-C ends it.
 """
 
 
@@ -224,6 +232,16 @@ def build_parser() -> argparse.ArgumentParser:
     amend.add_argument(
         "--within", type=positive, metavar="S", default=60.0, help="how long to wait for an answer, s (default: 60)"
     )
+
+    view = commands.add_parser(
+        "view",
+        help="show a flight that is over, or a plan, moment by moment on a page of this computer",
+        description=_VIEW,
+    )
+    view.add_argument(
+        "shown", metavar="FOLDER|PLAN", help="a folder that 'mission fly' wrote, a written plan, or a mission file"
+    )
+    add_open(view)
 
     report = commands.add_parser(
         "report",

@@ -45,6 +45,7 @@ EXAMPLES: Final[dict[str, tuple[tuple[str, str], ...]]] = {
         ("mission fly survey.yaml", "with the bundled vehicle, at twenty times real time"),
         ("mission fly survey.yaml --wind 4@270 --flavour px4 --speed 1", "in a west wind, as PX4, in real time"),
         ("mission fly survey.yaml --connect udpin:0.0.0.0:14550", "with the vehicle that calls there"),
+        ("mission fly survey.yaml --speed 1 --view --open", "watch it on a page, and hold or land it from there"),
         ("mission fly survey.yaml --json > flight.json", "for programs"),
     ),
     "calibrate": (
@@ -53,6 +54,10 @@ EXAMPLES: Final[dict[str, tuple[tuple[str, str], ...]]] = {
     "amend": (
         ("mission amend flights/survey-20250131-120000 amended.yaml", "a whole mission"),
         ("echo 'drop K2' | mission amend flights/survey-20250131-120000", "a single change"),
+    ),
+    "view": (
+        ("mission view flights/survey-20250131-120000 --open", "a flight again, with a slider for the time"),
+        ("mission view survey.yaml", "a plan, before anything is flown"),
     ),
     "report": (
         ("mission report flights/survey-20250131-120000", "draw it all again"),

@@ -74,6 +74,11 @@ def add_run(command: argparse.ArgumentParser) -> None:
     )
 
 
+def add_open(command: argparse.ArgumentParser) -> None:
+    """Add the wish to have the page opened."""
+    command.add_argument("--open", action="store_true", help="open the page in the browser, not only say where it is")
+
+
 def _add_flight(fly: argparse.ArgumentParser) -> None:
     fly.add_argument("file", nargs="?", metavar="FILE", help="mission file (YAML), - for standard input")
     add_run(fly)
@@ -95,6 +100,12 @@ def _add_flight(fly: argparse.ArgumentParser) -> None:
         metavar="ROW",
         help="fly although this row of the check before the flight is a no-go, by its name; several times for several",
     )
+    fly.add_argument(
+        "--view",
+        action="store_true",
+        help="show the flight on a page of this computer, with buttons to hold, resume, return and land",
+    )
+    add_open(fly)
     fly.add_argument("--no-pictures", action="store_true", help="write the record and the report without pictures")
     add_format(fly, beside_png=True)
     fly.add_argument(

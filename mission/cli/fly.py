@@ -1,10 +1,12 @@
 """``mission fly``: fly a mission, show how it goes, and leave a record, a report and a verdict."""
 
 from argparse import Namespace
-from contextlib import ExitStack, suppress
+from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mission.cli.busy import doing
 from mission.cli.extent import extent, without
@@ -22,7 +24,7 @@ from mission.cli.signals import EndingSignals
 from mission.cli.vehicle_link import UNHEARD, check_vehicle_options, link_options, link_to, warn
 from mission.clock import Clock, WallClock
 from mission.errors import LinkError, MissionError, reason
-from mission.fly import FlightOptions, FlightResult, StopSignals, fly
+from mission.fly import FlightOptions, FlightResult, Progress, StopSignals, fly
 from mission.fly.amendments import AmendmentFolder
 from mission.fly.folder import FlightFolder
 from mission.fly.planner_process import PlannerProcess
@@ -38,6 +40,9 @@ from mission.report.reading import read_record
 from mission.report.report import PAGE_FILE
 from mission.spec.model import FIELD
 from mission.whole_file import write_whole
+
+if TYPE_CHECKING:
+    from mission.view.server import PageServer
 
 
 def run(arguments: Namespace) -> int:
@@ -126,6 +131,7 @@ def _flown(
 ) -> _Flown:
     """Fly, and let go of the vehicle; a failure is told here."""
     with ExitStack() as stack:
+        page = stack.enter_context(_page(plan, opens=arguments.open)) if arguments.view or arguments.open else None
         with doing("reaching the vehicle" if arguments.connect else "starting the vehicle"):
             vehicle, transport, clock = link_to(arguments, link, plan.spec, stack)
         if left is None:
@@ -156,7 +162,8 @@ def _flown(
                     checks=Checks(arguments.force, partial(print_departure, bundled=vehicle is not None)),
                 ),
                 run=arguments.run,
-                on_progress=display.show,
+                on_progress=display.show if page is None else _both(display.show, page.feed.show),
+                requests=None if page is None else page.feed,
                 vehicle_failure=None if vehicle is None else vehicle.failure,
                 stop_request=stop.take,
                 on_warning=warn,
@@ -166,6 +173,8 @@ def _flown(
                 on_plan=lambda number, text: _keep_plan(folder / later_plan_file(number), text),
             )
         except MissionError as failure:
+            if page is not None:
+                page.say_at_the_end(f"the flight failed: {failure}")
             stack.close()
             if isinstance(failure, NoGoError) and not err.quiet:
                 yields = not all(row.firm for row in failure.findings.forbidding)
@@ -181,6 +190,8 @@ def _flown(
             err.print(f"interrupted; the record is kept in {folder}", markup=False)
             raise
         elapsed_s = wall.now_s() - began_s
+        if page is not None:
+            page.say_at_the_end(f"the flight is over: {'' if result.achieved else 'NOT '}ACHIEVED, {result.reason}")
     _keep_plan(folder / PLAN_FILE, plan_to_json(result.plans[0]))
     return _Flown(folder, heard=True, exit_code=result.exit_code, result=result, elapsed_s=elapsed_s)
 
@@ -192,6 +203,21 @@ def _note_run(arguments: Namespace, folder: Path) -> None:
         note_run(folder, arguments.command_line, None if arguments.connect else seed)
     except OSError as error:
         warn(f"what flies could not be written down: {reason(error)}")
+
+
+def _page(plan: FlightPlan, *, opens: bool) -> "AbstractContextManager[PageServer]":
+    """The page of the flight; what it takes is loaded for those who ask for it."""
+    from mission.cli.view import live  # noqa: PLC0415 - see above
+
+    return live(plan, opens=opens)
+
+
+def _both(one: Callable[[Progress], None], other: Callable[[Progress], None]) -> Callable[[Progress], None]:
+    def show(moment: Progress) -> None:
+        one(moment)
+        other(moment)
+
+    return show
 
 
 def _replanner(clock: Clock, stack: ExitStack, *, bundled: bool) -> Replanner:

@@ -48,10 +48,15 @@ def automaton(plan: FlightPlan) -> Figure:
     Guards are written in full where they find room, else as short as the labels of the domain allow, else by a key.
     """
     machine = plan.shown_automaton
-    part, arrangement = _first_that_fits(machine, _parts(plan))
+    part, arrangement = shown_part(plan)
     name = "Automaton" if plan.shown_parts == 1 else f"Automata of {plan.shown_parts} parts"
     title = f"{name}: {machine.size} states, {machine.edge_count} edges"
     return _drawn(machine, part, arrangement, title, plan)
+
+
+def shown_part(plan: FlightPlan) -> tuple[Part, Arrangement]:
+    """What is shown of a plan's automaton, and where it stands."""
+    return _first_that_fits(plan.shown_automaton, _parts(plan))
 
 
 def automaton_of_formula(machine: BuchiAutomaton, formula: str) -> Figure:
