@@ -31,6 +31,8 @@ def coverage(plan: FlightPlan, record: Record | None) -> Figure:
     images = np.array([each.position_m[:2] for each in record.pictures if each.position_m] if record else [])
     missed = shapely.MultiPolygon([part for part in _parts(flown) if part.area > 0.0])
     legend: list[Artist] = [Line2D([], [], color=PLANNED, lw=1.2, label="lanes")]
+    if record is not None:
+        legend.append(Line2D([], [], color=FLOWN, lw=0.9, label="flown, as reported"))
     if flown:
         legend.append(Patch(facecolor=LOOP, label="not covered"))
     if len(images):
@@ -48,7 +50,7 @@ def coverage(plan: FlightPlan, record: Record | None) -> Figure:
         if record is not None:
             track = record.track.position_m[:, :2]
             track = track[np.isfinite(track).all(axis=1)]
-            axes.plot(*track.T, color=FLOWN, lw=0.6, zorder=2.8, gid="flown")
+            axes.plot(*track.T, color=FLOWN, lw=0.9, zorder=2.8, gid="flown")
         if len(images):
             axes.plot(*images.T, color=BLACK, lw=0, marker=".", ms=3, zorder=3.5, gid="images")
         draw_region_names(axes, chart, list(lanes))
