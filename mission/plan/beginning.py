@@ -15,7 +15,6 @@ from mission.steering.bezier import DEGREE, BezierCurve
 from mission.steering.motion import Motion, Pace
 from mission.steering.stopping import Stopping, stopping
 
-_SLOW: Final = 0.25  # of the speed that is flown
 _TINY: Final = 1e-12
 _OF_LIMITS: Final = 0.75
 """With which the vehicle brakes, in what it can do."""
@@ -78,7 +77,7 @@ class Beginning:
         """How a curve begins, and the law with which it is flown; None at rest.
 
         What the acceleration has along the way is the law's, what it has across it the curve's. A slow vehicle's curve
-        does not begin as slowly, but for how much it bends.
+        begins as fast as it goes on, but for how much it bends: so its parameter is even.
         """
         if not self.moves:
             return None
@@ -88,7 +87,7 @@ class Beginning:
         along = float(acceleration @ forward)
         across = acceleration - along * forward
         bent = float(np.sqrt(pace.acceleration_m_s2 / max(float(np.hypot(*across)), _TINY)))
-        slope_m_s = max(speed, min(_SLOW * pace.speed_m_s, bent * speed))
+        slope_m_s = max(speed, min(pace.speed_m_s, bent * speed))
         return Onward(slope_m_s * forward, across * (slope_m_s / speed) ** 2, (speed / slope_m_s, along / slope_m_s))
 
     def each(self) -> Iterator["Beginning"]:

@@ -14,7 +14,7 @@ soonest is kept. Any of them is admissible, so that how far this goes is a matte
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from typing import Any, Final, NamedTuple
 
 import clarabel
@@ -229,13 +229,17 @@ class _Programme:
         self._sides, places = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         shift = np.tile(start_m, _POINTS * self._count)
         self._limits = np.concatenate(offsets) - sp.csc_matrix((self._sides, places), shape=(height, size)) @ shift
-        # Likewise, in eight directions, the control points of the third derivative of the first piece.
+        # Likewise, in eight directions, the control points of the third derivative of the pieces up to the first bend.
         most = np.inf if ends.onward is None else ends.onward.jerk
-        jerks = np.einsum("pc,na->pnca", _THIRD, _AROUND).reshape(-1, 2 * _POINTS)[: None if most < np.inf else 0]
+        straight = sum(1 for _ in takewhile(lambda piece: piece.cell is row.pieces[0].cell, row.pieces))
+        first = range(straight if most < np.inf else 0)
+        jerks = np.kron(
+            np.eye(len(first), self._count), np.einsum("pc,na->pnca", _THIRD, _AROUND).reshape(-1, 2 * _POINTS)
+        )
         each, of = np.nonzero(jerks)
         self._sides = np.append(self._sides, jerks[each, of])
         places = np.append(places[0], height + each), np.append(places[1], of)
-        self._jerks = np.full(len(jerks), most / (DEGREE * (DEGREE - 1) * (DEGREE - 2)))
+        self._jerks = np.full((len(first), len(_THIRD) * len(_AROUND)), most / (DEGREE * (DEGREE - 1) * (DEGREE - 2)))
         height += len(jerks)
         joints, joined, _, given = self._joints(np.ones(self._count), 1.0)
         self._matrix = Pattern(
@@ -266,7 +270,7 @@ class _Programme:
         cost = self._cost.filled(np.kron(blocks, np.eye(2))[:, *_UPPER])
         _, _, entries, values = self._joints(lasts_s, unit)
         matrix = self._matrix.filled(np.append(entries, self._sides))
-        limits = np.append(self._limits, self._jerks * lasts_s[0] ** 3) / unit
+        limits = np.append(self._limits, self._jerks * lasts_s[: len(self._jerks), None] ** 3) / unit
         offsets = np.append(values, limits)
         cones = [clarabel.ZeroConeT(values.size), clarabel.NonnegativeConeT(len(limits))]
         solver = clarabel.DefaultSolver(cost, np.zeros(cost.shape[0]), matrix, offsets, cones, _settings())

@@ -107,7 +107,7 @@ def test_it_ends_as_another_curve_begins() -> None:
 
 
 def test_it_bends_at_first_no_more_than_who_cannot_slow_down_at_once_can_fly() -> None:
-    most, onward = 1.0, Motion(np.array([3.0, 0.0]), np.zeros(2))
+    most, onward = 3.0, Motion(np.array([3.0, 0.0]), np.zeros(2))
     free, bound = (
         smooth_ways([Way(TAUT, HALL, None)], PACE, onward=onward._replace(jerk=jerk))[0] for jerk in (np.inf, most)
     )
