@@ -32,7 +32,7 @@ LINK_FILE: Final = "flight.tlog"
 EVENTS_FILE: Final = "events.jsonl"
 VERDICT_FILE: Final = "verdict.json"
 
-_SERIES: Final = ("telemetry", PLACE, "setpoint", "conditions")
+_SERIES: Final = ("telemetry", PLACE, "setpoint", "conditions", "truth")
 _EPOCH: Final = datetime(1970, 1, 1, tzinfo=UTC)
 
 

@@ -48,8 +48,11 @@ _BODIES: Final[dict[Stream, type[Body]]] = {
     Stream.AUTOPILOT_VERSION: Version,
     Stream.GPS_RAW_INT: Fix,
 }
-_NOT_ALWAYS: Final = frozenset((Stream.WIND, Stream.WIND_COV))
-"""A vehicle that makes no estimate of the wind sends none, however often it is asked."""
+_NOT_ALWAYS: Final = frozenset((Stream.WIND, Stream.WIND_COV, Stream.SIMSTATE))
+"""What makes no estimate of the wind, or is no simulator, sends none, however often it is asked."""
+
+_SPARE: Final = (Stream.SIMSTATE,)
+"""No flight waits for these: they are asked for after all others, while the vehicle becomes ready."""
 
 
 def is_vehicle(received: Received) -> bool:
@@ -91,9 +94,14 @@ class StreamRequests:
         """Ask for what this autopilot sends."""
         self._rates_hz = autopilot.rates_hz
         self._turn = 0
+        self._spare = [stream for stream in _SPARE if stream in autopilot.rates_hz]
         self._round = deque(
             (
-                *(set_message_interval(stream, rate) for stream, rate in autopilot.rates_hz.items()),
+                *(
+                    set_message_interval(stream, rate)
+                    for stream, rate in autopilot.rates_hz.items()
+                    if stream not in _SPARE
+                ),
                 request_message(Stream.GPS_GLOBAL_ORIGIN),
                 request_message(Stream.AUTOPILOT_VERSION),
                 request_message(Stream.HOME_POSITION),
@@ -109,6 +117,8 @@ class StreamRequests:
         for stream, rate_hz in self._rates_hz.items():
             if stream not in _NOT_ALWAYS and _BODIES[stream] not in heard:
                 self._round += (set_message_interval(stream, rate_hz), request_message(stream))
+        self._round += [set_message_interval(stream, self._rates_hz[stream]) for stream in self._spare]
+        self._spare.clear()
 
     def renewal(self, bodies: tuple[type[Body], ...]) -> Command:
         """The command of one of these messages, in turn; each is one that this autopilot is asked for."""

@@ -40,6 +40,7 @@ from mission.link.values import (
     Result,
     Sensors,
     TimeAnswer,
+    TruePlace,
     Version,
     Wind,
     Words,
@@ -67,6 +68,7 @@ class Stream(IntEnum):
     AUTOPILOT_VERSION = mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION
     GPS_RAW_INT = mavlink.MAVLINK_MSG_ID_GPS_RAW_INT
     HOME_POSITION = mavlink.MAVLINK_MSG_ID_HOME_POSITION
+    SIMSTATE = mavlink.MAVLINK_MSG_ID_SIMSTATE
     WIND = mavlink.MAVLINK_MSG_ID_WIND
     WIND_COV = mavlink.MAVLINK_MSG_ID_WIND_COV
 
@@ -143,6 +145,7 @@ _READERS: Final[Mapping[str, Callable[[Any], Body]]] = {
         m.charge_state in _CRITICAL_CHARGES, _told(m.current_consumed), _told(m.battery_remaining)
     ),
     "HOME_POSITION": lambda m: Home(m.latitude * _E7, m.longitude * _E7),
+    "SIMSTATE": lambda m: TruePlace(m.lat * _E7, m.lng * _E7),
     "WIND": lambda m: Wind(m.speed, m.direction % 360.0),
     "WIND_COV": lambda m: _wind_of(m.wind_x, m.wind_y),
     "EKF_STATUS_REPORT": lambda m: _estimator(
@@ -181,6 +184,7 @@ STATES: Final = frozenset(
         Stream.EKF_STATUS_REPORT,
         Stream.ESTIMATOR_STATUS,
         Stream.GPS_RAW_INT,
+        Stream.SIMSTATE,
     )
 )
 """Messages that are out of date once there is a newer one of the same sender."""

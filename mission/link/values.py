@@ -215,6 +215,14 @@ class Wind:
 
 
 @dataclass(frozen=True, slots=True)
+class TruePlace:
+    """SIMSTATE: where a simulated vehicle really is, whatever it estimates; WGS 84."""
+
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True, slots=True)
 class EstimatorReport:
     """EKF_STATUS_REPORT or ESTIMATOR_STATUS.
 
@@ -315,6 +323,7 @@ Body = (
     | ParameterValue
     | Home
     | Wind
+    | TruePlace
     | EstimatorReport
     | Landing
     | Version

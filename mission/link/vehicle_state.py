@@ -21,6 +21,7 @@ from mission.link.values import (
     LocalPosition,
     Origin,
     Sensors,
+    TruePlace,
     Version,
     Wind,
     Words,
@@ -68,6 +69,7 @@ class VehicleState:
         position_at_s: Vehicle time of ``position``.
         fix: What its satellite receiver says.
         wind: Its own estimate, if it makes one.
+        true_place: Where it really is, if it is a simulator that tells.
         home: Where it was armed, by its own word; None where it has not told.
     """
 
@@ -90,6 +92,7 @@ class VehicleState:
         self.version: Version | None = None
         self.fix: Fix | None = None
         self.wind: Wind | None = None
+        self.true_place: TruePlace | None = None
         self.home: Home | None = None
         self.heard_kinds: set[type[Body]] = set()
         self._no_numbers: set[type[Body]] = set()
@@ -250,6 +253,8 @@ class VehicleState:
             self.fix = body
         elif isinstance(body, Home):
             self.home = body
+        elif isinstance(body, TruePlace):
+            self.true_place = body
         elif isinstance(body, Wind):
             self.wind = body if math.isfinite(body.speed_m_s + body.from_deg) else None
 

@@ -96,8 +96,17 @@ class Conditions:
     wind_from_deg: FloatArray
 
 
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """Where a simulated vehicle really was: shapes (N,) and (N, 2), domain ENU."""
+
+    t_s: FloatArray
+    position_m: FloatArray
+
+
+NO_TRUTH = Truth(frozen_floats([]), frozen_floats(np.empty((0, 2))))
 NO_CONDITIONS = Conditions(*(frozen_floats([]) for _ in range(5)))
-"""Of a record of an earlier version."""
+"""Of records of an earlier version."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +141,7 @@ class Record:
         size: Bytes of its whole lines.
         charges: What was left of the battery, as it changed.
         conditions: The link and the wind.
+        truth: Where it really was; empty where nobody told.
     """
 
     mission: str
@@ -148,6 +158,7 @@ class Record:
     size: int = 0
     charges: tuple[Charge, ...] = ()
     conditions: Conditions = NO_CONDITIONS
+    truth: Truth = NO_TRUTH
 
     @property
     def takeovers(self) -> tuple[tuple[float, int, int, bool], ...]:
@@ -245,6 +256,10 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
         conditions=Conditions(
             *(_numbers(of("conditions"), name) for name in ("t_s", "delay_s", "lost", "wind_m_s", "wind_from_deg"))
         ),
+        truth=Truth(
+            _numbers(of("truth"), "t_s"),
+            frozen_floats(np.array([_numbers_of(line["m"]) for line in of("truth")]).reshape(-1, 2)),
+        ),
     )
 
 
@@ -317,6 +332,10 @@ def _values(line: Line) -> Line:
 def _number(value: Any) -> float:  # noqa: ANN401 - whatever JSON holds
     number = math.nan if value is None else float(value)
     return number if math.isfinite(number) else math.nan
+
+
+def _numbers_of(values: Sequence[Any]) -> list[float]:
+    return [_number(value) for value in values]
 
 
 def _numbers(lines: Sequence[Line], name: str) -> FloatArray:

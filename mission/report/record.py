@@ -31,6 +31,7 @@ charge                  percent, drawn_mah: of the battery, each per cent once; 
 conditions              once a second: delay_s (of the link, both ways), lost (share of the requests for the time that
                         stayed without an answer in the last ten seconds), wind_m_s and wind_from_deg as the vehicle
                         tells them; what is not known is null
+truth                   m (east, north): where a simulated vehicle really was, as far as it tells that
 text                    severity (MAVLink), text: a STATUSTEXT
 verdict                 achieved, reason, and any values; of a flight that came to its end also what was known of the
                         word: so_far (true, false, open), done and total (progress of the automaton), awaited (regions)

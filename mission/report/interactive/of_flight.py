@@ -63,7 +63,7 @@ def scene_of(plan: FlightPlan, record: Record | None) -> Scene:
         areas=tuple(Area(name, chart.kinds[name], shape) for name, shape in chart.shapes.items()),
         margins=tuple(more for _, more, _ in chart.margins),
         covers=(*_tubes(plans, fine_m), *_left_out(plan, record)),
-        layers=(*_lanes(plans), *_paths(plans, fine_m)),
+        layers=(*_lanes(plans), *_paths(plans, fine_m), *_truth(record)),
         dots=_images(record),
         nearest=() if record is None else _nearest(plan, record),
     )
@@ -80,7 +80,7 @@ def flown_of(plan: FlightPlan, record: Record) -> tuple[Flown, Timeline]:
         "tilt": np.rad2deg(tilt(track.attitude_rad[known])),
         **_asked(plan, record, t_s),
     }
-    columns |= _surroundings(record, t_s)
+    columns |= _surroundings(record, t_s, position)
     rows = _thinned(t_s, columns)
     flown = Flown(t_s[rows], position[rows, :2], {name: values[rows] for name, values in columns.items()})
     restricted = list(restricted_as_drawn(plan.spec, plan.partition, plan.labelling).values())
@@ -110,6 +110,7 @@ def _histories(plan: FlightPlan) -> tuple[History, ...]:
             tube,
             from_zero=True,
         ),
+        History("Estimate off the truth, simulated", "m", (Trace("misjudged", "", BLUE),), from_zero=True),
         History("Distance to the nearest restricted region", "m", (Trace("nearness", "", BLUE),), from_zero=True),
         History(
             "Tilt",
@@ -126,8 +127,8 @@ def _histories(plan: FlightPlan) -> tuple[History, ...]:
     )
 
 
-def _surroundings(record: Record, t_s: FloatArray) -> dict[str, FloatArray]:
-    """Battery, link and wind at the times of the reports: as they were told last."""
+def _surroundings(record: Record, t_s: FloatArray, position_m: FloatArray) -> dict[str, FloatArray]:
+    """Battery, link and wind at the times of the reports, as they were told last, and how far off the reports were."""
     told, charges = record.conditions, record.charges
     charged_s, percent = np.array([each.t_s for each in charges]), np.array([each.percent for each in charges])
     return {
@@ -135,7 +136,18 @@ def _surroundings(record: Record, t_s: FloatArray) -> dict[str, FloatArray]:
         "delay": _last_told(t_s, told.t_s, 1e3 * told.delay_s),
         "lost": _last_told(t_s, told.t_s, 1e2 * told.lost),
         "wind": _last_told(t_s, told.t_s, told.wind_m_s),
+        "misjudged": _misjudged(record, t_s, position_m),
     }
+
+
+def _misjudged(record: Record, t_s: FloatArray, position_m: FloatArray) -> FloatArray:
+    """How far the reports were from the truth; NaN where that was not told."""
+    truth = record.truth
+    if not len(truth.t_s):
+        return np.full(len(t_s), np.nan)
+    true_m = np.stack([np.interp(t_s, truth.t_s, axis, left=np.nan, right=np.nan) for axis in truth.position_m.T], 1)
+    distance: FloatArray = np.hypot(*(position_m[:, :2] - true_m).T)
+    return distance
 
 
 def _last_told(t_s: FloatArray, told_s: FloatArray, values: FloatArray) -> FloatArray:
@@ -247,6 +259,13 @@ def _lanes(plans: Sequence[FlightPlan]) -> tuple[Layer, ...]:
         return ()
     broken = [np.concatenate([lane, [[np.nan, np.nan]]]) for each in lanes for lane in each]
     return (Layer("lanes", np.concatenate(broken), ORANGE, 1.2),)
+
+
+def _truth(record: Record | None) -> tuple[Layer, ...]:
+    """Where a simulated vehicle really was."""
+    if record is None or len(record.truth.t_s) == 0:
+        return ()
+    return (Layer("true path of the simulated vehicle", record.truth.position_m, GREEN, 1.6),)
 
 
 def _images(record: Record | None) -> tuple[Dots, ...]:

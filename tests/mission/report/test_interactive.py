@@ -139,3 +139,17 @@ def test_battery_link_and_wind_are_shown_as_they_were_told_last() -> None:
     assert np.isnan(flown.columns["wind"][early])
     assert flown.columns["wind"][late] == 4.5
     assert [history.traces[0].column for history in timeline.histories][-4:] == ["charge", "delay", "lost", "wind"]
+
+
+def test_the_true_path_of_a_simulated_vehicle_is_on_the_map_and_the_estimate_is_compared_with_it() -> None:
+    plan = plan_of(PAPER_TOUR)
+    data, positions = flight_of(plan)
+    record = parse_record(data)
+    lines = [
+        f'{{"kind":"truth","t_s":{t_s},"m":[{x + 0.3},{y - 0.4}]}}\n'
+        for t_s, (x, y) in zip(record.track.t_s[1:].tolist(), positions.tolist(), strict=True)
+    ]
+    record = parse_record(data + "".join(lines).encode())
+    assert [layer.label for layer in scene_of(plan, record).layers][-1] == "true path of the simulated vehicle"
+    flown, _ = flown_of(plan, record)
+    assert flown.columns["misjudged"][1:] == pytest.approx(0.5, abs=1e-6)
