@@ -5,7 +5,7 @@ from typing import Final
 from mission.link.autopilot import Autopilot
 from mission.link.ending import Ending
 from mission.link.steps import Step
-from mission.link.values import Heartbeat
+from mission.link.values import Heartbeat, LandedState
 from mission.link.vehicle_state import HEARTBEATS, VehicleState
 from mission.monitor.stage import Stage
 
@@ -74,6 +74,8 @@ def how_left(kind: Autopilot, vehicle: VehicleState, stage: Stage) -> str:
     if not vehicle.armed:
         return "that its motors stay off was not confirmed" if stage in (Stage.ARM, Stage.DISARM) else ""
     mode = kind.mode_name(vehicle.mode)
+    if vehicle.landed is LandedState.ON_GROUND:
+        return f"that its motors stop was not confirmed: it was last heard in {mode}"
     if vehicle.mode == kind.hold_mode:
         return f"the vehicle is left holding in {mode}"
     if vehicle.mode == kind.land_mode:

@@ -1,7 +1,13 @@
 """A pilot who is waited for has the vehicle, whatever it says of its battery meanwhile."""
 
+import pytest
+
 from mission.link.ending import Ending
+from mission.link.px4 import PX4
 from mission.link.session import Session
+from mission.link.takeover import how_left
+from mission.link.values import Heartbeat, LandedState
+from mission.link.vehicle_state import VehicleState
 from mission.monitor.stage import Stage
 from tests.support.scripted_vehicle import RTL, STABILIZE, ScriptedVehicle
 from tests.support.sessions import Driven
@@ -39,3 +45,24 @@ def test_another_mode_that_comes_with_it_is_the_failsafe_s() -> None:
     driven.fly()
     assert driven.session.ending is Ending.FAILSAFE
     assert "a failsafe put the vehicle into RTL" in driven.session.ending_reason
+
+
+@pytest.mark.parametrize(
+    ("armed", "landed", "stage", "words"),
+    [
+        (True, LandedState.ON_GROUND, Stage.TAKE_OFF, "that its motors stop was not confirmed"),
+        (True, LandedState.IN_AIR, Stage.CLIMB, "the vehicle is left holding in AUTO.LOITER"),
+        (False, LandedState.ON_GROUND, Stage.ARM, "that its motors stay off was not confirmed"),
+        (False, LandedState.ON_GROUND, Stage.CHECKS, ""),
+    ],
+)
+def test_how_it_is_left_is_said_by_what_was_heard_last(
+    armed: bool,  # noqa: FBT001 - a test's parameter
+    landed: LandedState,
+    stage: Stage,
+    words: str,
+) -> None:
+    vehicle = VehicleState()
+    vehicle.take(Heartbeat(2, 12, 128 * armed, PX4.hold_mode, 4), 0.0)
+    vehicle.landed = landed
+    assert how_left(PX4, vehicle, stage).startswith(words or "\0") == bool(words)
