@@ -15,6 +15,7 @@ _ROW_PX, _STRIP_PX, _LEFT_PX = 132, 96, 58
 _TOOLS = "xpan,xwheel_zoom,xbox_zoom,reset"
 _STRIP_ROWS = ("phase", "region")
 _SHORTEST_S = 1.0
+_ROOM_FOR_A_LEGEND = 0.35
 _LETTERS = 75
 """So many of the strip's letters stand beside each other on a narrow screen; longer texts show when pointed at."""
 
@@ -121,6 +122,8 @@ def _history(
         plot.line(ends, level, line_color=QUIET, line_width=1.4, line_dash="dashed", legend_label=bound.label)
     if history.from_zero:
         plot.y_range.start = 0.0
+    if plot.legend:
+        plot.y_range.range_padding = _ROOM_FOR_A_LEGEND
     _place_legend(plot.legend)
     _draw_cursor(plot, cursor)
     return plot

@@ -14,6 +14,7 @@ from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.report.coverage import covered_again
 from mission.report.figures.chart import chart_of
+from mission.report.figures.filtering import filtered, time_constant
 from mission.report.figures.paths import tube_pieces
 from mission.report.interactive.scene import (
     Area,
@@ -38,6 +39,7 @@ from mission.spec.restricted import restricted_as_drawn
 
 MOST_ROWS: Final = 2400
 """So many reports are shown at most: more than a screen has columns."""
+_NOISY: Final = ("speed", "error", "tilt", "misjudged")
 _SAMPLES: Final = 1200
 _SIMPLER: Final = 2e-4
 """Of the size of the domain: as much may a drawn line be off."""
@@ -81,17 +83,40 @@ def flown_of(plan: FlightPlan, record: Record) -> tuple[Flown, Timeline]:
         **_asked(plan, record, t_s),
     }
     columns |= _surroundings(record, t_s, position)
+    constant_s = time_constant(t_s)
+    columns |= {_low(name): _low_passed(t_s, columns[name], constant_s) for name in _NOISY}
     rows = _thinned(t_s, columns)
     flown = Flown(t_s[rows], position[rows, :2], {name: values[rows] for name, values in columns.items()})
     restricted = list(restricted_as_drawn(plan.spec, plan.partition, plan.labelling).values())
     if restricted:
         nearness = shapely.distance(shapely.points(flown.position_m), shapely.union_all(restricted))
         flown = Flown(flown.t_s, flown.position_m, {**flown.columns, "nearness": nearness})
-    histories = tuple(each for each in _histories(plan) if _is_known(each, flown))
+    histories = tuple(each for each in _histories(plan, constant_s) if _is_known(each, flown))
     return flown, Timeline(_regions(plan, record, t_s), _phases(record, t_s), histories)
 
 
-def _histories(plan: FlightPlan) -> tuple[History, ...]:
+def _low(name: str) -> str:
+    """The column of a noisy quantity without its noise."""
+    return f"{name} low"
+
+
+def _low_passed(t_s: FloatArray, values: FloatArray, constant_s: float) -> FloatArray:
+    """A quantity without its noise at the same times; NaN where it is not known."""
+    if not np.isfinite(values).any():
+        return np.full(len(t_s), np.nan)
+    seen = filtered(t_s, values, constant_s)
+    return np.where(np.isfinite(values), np.interp(t_s, seen.t_s, seen.line), np.nan)
+
+
+def _noisy(name: str, label: str, constant_s: float) -> tuple[Trace, Trace]:
+    """A quantity as it was reported, light, and without its noise, strong."""
+    return (
+        Trace(name, label, SKY_BLUE, 0.8),
+        Trace(_low(name), f"low-pass, {constant_s:g} s", BLUE, 2.0),
+    )
+
+
+def _histories(plan: FlightPlan, constant_s: float) -> tuple[History, ...]:
     tube_m, by_field = plan.certificate.tube_m, plan.spec.flight.guidance == FIELD
     tube = (Bound(f"tube, {tube_m:.3g} m", tube_m),) if tube_m > 0.0 and not by_field else ()
     tilt_deg = float(np.rad2deg(plan.spec.limits.tilt_rad))
@@ -100,22 +125,22 @@ def _histories(plan: FlightPlan) -> tuple[History, ...]:
         History(
             "Speed over ground",
             "m/s",
-            (Trace("speed", "reported", BLUE, 2.4), Trace("asked_speed", "asked for", PLANNED, 1.0)),
+            (*_noisy("speed", "reported", constant_s), Trace("asked_speed", "asked for", PLANNED, 1.0)),
             from_zero=True,
         ),
         History(
             "Distance from the trajectory, on the worse axis",
             "m",
-            (Trace("error", "error", BLUE),),
+            _noisy("error", "error", constant_s),
             tube,
             from_zero=True,
         ),
-        History("Estimate off the truth, simulated", "m", (Trace("misjudged", "", BLUE),), from_zero=True),
+        History("Estimate off the truth, simulated", "m", _noisy("misjudged", "error", constant_s), from_zero=True),
         History("Distance to the nearest restricted region", "m", (Trace("nearness", "", BLUE),), from_zero=True),
         History(
             "Tilt",
             "°",
-            (Trace("tilt", "tilt", BLUE, 1.2),),
+            _noisy("tilt", "tilt", constant_s),
             (Bound(f"limit, {tilt_deg:.3g}°", tilt_deg),),
             digits=1,
             from_zero=True,
