@@ -10,7 +10,7 @@
         entry_m=(x, y),      # in free space
         exit_m=None,         # or (x, y)
         heading_deg=None,    # clockwise from north; None is for the program to choose
-        pace=Pace(speed_m_s=5.0, acceleration_m_s2=2.5),
+        pace=Pace(speed_m_s=5.0, acceleration_m_s2=2.5, jerk_m_s3=4.0, reach_m=4.0),
         share=0.98,          # of the region; 1 for all that can be reached
     )
     coverage.lanes_m         # (n, 2, 2) in the order flown: lane, begin and end, xy

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 import shapely
 
-from mission.coverage.coverage import Pace
+from mission.coverage.pace import Pace
 from mission.coverage.sweeps import Sweep, axes, sweep
 from mission.geometry.arrays import FloatArray
 

@@ -2,68 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
 
 import numpy as np
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-
-_STRAIGHT: Final = 1e-12
-_STILL: Final = 1e-9
-_AT_ONCE: Final = 1e9
-"""Metres per second squared: what is faster than that takes no time."""
-
-
-@dataclass(frozen=True)
-class Pace:
-    """How fast the vehicle is, so that turns cost time.
-
-    A corner that turns by an angle phi is flown at the speed v (1 - sin(phi / 2)), so that turning back means to stop.
-
-    Attributes:
-        speed_m_s: Cruise speed v, positive.
-        acceleration_m_s2: Along the path, positive.
-    """
-
-    speed_m_s: float
-    acceleration_m_s2: float
-
-    def corner_s(self, arriving: FloatArray, leaving: FloatArray) -> FloatArray:
-        """Time that corners cost over flying on, of unit vectors of shape (..., 2): the speed is lost and regained."""
-        share = (1.0 - (arriving * leaving).sum(axis=-1)) / 2.0  # sin(phi / 2) squared
-        time_s: FloatArray = np.clip(share, 0.0, 1.0) * self.speed_m_s / self.acceleration_m_s2
-        return time_s
-
-    def duration_s(self, line_m: FloatArray, widest_m: float) -> float:
-        """Time that a polyline of shape (k, 2) takes from rest to rest, its corners rounded by arcs.
-
-        An arc reaches as far as half of the shorter piece beside it, and no farther than is given; where more than a
-        right angle is turned, less: turning back it would cut off all that lies before it.
-        """
-        acceleration = min(self.acceleration_m_s2, _AT_ONCE)
-        steps = np.diff(line_m, axis=0)
-        lengths = np.linalg.norm(steps, axis=1)
-        steps, lengths = steps[lengths > 0.0], lengths[lengths > 0.0]
-        if not len(lengths):
-            return 0.0
-        units = steps / lengths[:, None]
-        cosines = np.clip((units[:-1] * units[1:]).sum(axis=1), -1.0, 1.0)
-        reaches = np.minimum(np.minimum(lengths[:-1], lengths[1:]) / 2.0, widest_m) * np.minimum(1.0, 1.0 + cosines)
-        radii = reaches * np.sqrt((1.0 + cosines) / np.maximum(1.0 - cosines, _STRAIGHT))
-        squares = np.concatenate(([0.0], np.minimum(acceleration * radii, self.speed_m_s**2), [0.0]))
-        lengths = lengths - np.append(reaches, 0.0) - np.insert(reaches, 0, 0.0)
-        gain = 2.0 * acceleration * lengths
-        # One sweep forwards and one backwards: no corner is passed faster than one can get there, or slow down after.
-        for i in range(len(gain)):
-            squares[i + 1] = min(squares[i + 1], squares[i] + gain[i])
-        for i in range(len(gain) - 1, -1, -1):
-            squares[i] = min(squares[i], squares[i + 1] + gain[i])
-        top = np.minimum(self.speed_m_s, np.sqrt((squares[:-1] + squares[1:] + gain) / 2.0))
-        speeds = np.sqrt(squares)
-        changing = (2.0 * top**2 - squares[:-1] - squares[1:]) / (2.0 * acceleration)
-        times = (2.0 * top - speeds[:-1] - speeds[1:]) / acceleration
-        times += np.maximum(lengths - changing, 0.0) / np.maximum(top, _STILL)
-        return float(times.sum() + (2.0 * reaches / np.maximum(speeds[1:-1], _STILL)).sum())
 
 
 @dataclass(frozen=True, eq=False)

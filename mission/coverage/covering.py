@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from mission.coverage.area import Area, area_of
 from mission.coverage.cells import cells_swept
-from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.coverage import Coverage
 from mission.coverage.flight_line import flight_line
 from mission.coverage.headings import candidates
+from mission.coverage.pace import Pace
 from mission.coverage.rims import needless, rim_lanes
 from mission.coverage.sequence import Lanes, Sequence, sequence
 from mission.coverage.sweeps import Sweep, axes, sweep
@@ -74,7 +75,7 @@ def cover(
         lanes = _complete(area, _joined(area, sweeps), heading, left)
         order = sequence(lanes, area.grounds, area.everywhere, entry_m=entry, exit_m=leave, pace=pace).settled()
         line = flight_line(order, lanes.lanes_m, lanes.cell_of < 0)
-        found.append((pace.duration_s(line.whole_m, spacing_m / 2.0), heading, lanes, order))
+        found.append((pace.duration_s(line.whole_m), heading, lanes, order))
         least_s = min(least_s, found[-1][0])
     _, heading, lanes, order = min(found, key=lambda one: one[0])
     order = order.shaken()
@@ -88,7 +89,7 @@ def cover(
         approach_m=frozen_floats(_ended(line.ways_m[0] + origin, 0, entry_m)),
         leaving_m=frozen_floats(np.empty((0, 2)) if leave is None else _ended(line.ways_m[-1] + origin, -1, exit_m)),
         exact=order.exact,
-        duration_s=pace.duration_s(line.whole_m, spacing_m / 2.0),
+        duration_s=pace.duration_s(line.whole_m),
         complete=left == 0.0,
     )
 

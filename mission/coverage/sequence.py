@@ -7,8 +7,8 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.spatial import KDTree
 
-from mission.coverage.coverage import Pace
 from mission.coverage.order import Tours, best_order, settled, shaken
+from mission.coverage.pace import Pace
 from mission.coverage.travel import Travel
 from mission.coverage.ways import Network
 from mission.errors import GeometryError

@@ -13,7 +13,7 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from mission.coverage.coverage import Pace
+from mission.coverage.pace import Pace
 from mission.geometry.arrays import FloatArray, IntArray
 
 _SHORTEST: Final = 0.02
@@ -73,12 +73,15 @@ class Sweep:
 
     def guessed_s(self, pace: Pace) -> float:
         """About what it takes to fly: for a choice of headings to try."""
-        stop_s = pace.speed_m_s / pace.acceleration_m_s2
         lengths = np.linalg.norm(self.lanes_m[:, 1] - self.lanes_m[:, 0], axis=1)
         steps = np.hypot(self.jumps_m, self.spacing_m)
         beyond = np.maximum(steps - self.spacing_m * _SLANTED, 0.0)  # of slanted rims, where lanes of their own will be
-        way_m = lengths.sum() + steps.mean(axis=1).sum() + _CROSSING * self.spacing_m * self.cells + beyond.sum() / 2.0
-        return float(way_m / pace.speed_m_s + (len(lengths) + (beyond > 0.0).sum() / 2.0) * stop_s)
+        slants = self.jumps_m / steps
+        turns_s = pace.link_s(steps, slants, -slants).mean(axis=1).sum()
+        plain = np.zeros(1)
+        turn_s = float(pace.link_s(np.full(1, self.spacing_m), plain, plain)[0])
+        way_m = lengths.sum() + _CROSSING * self.spacing_m * self.cells + beyond.sum() / 2.0
+        return float(way_m / pace.speed_m_s + turns_s + self.cells * turn_s)
 
 
 def axes(heading_deg: float) -> FloatArray:

@@ -4,7 +4,7 @@ from typing import Final
 
 import numpy as np
 
-from mission.coverage.coverage import Pace
+from mission.coverage.pace import Pace
 from mission.coverage.ways import Network, Ways
 from mission.geometry.arrays import FloatArray, IntArray
 
@@ -90,7 +90,8 @@ class Travel:
             near = (self.lengths_m < _NEAR)[:, None]
             leave = np.where(near, arriving, self._outwards[:, direction])
             reach = np.where(near, arriving, -self._outwards[:, 1 - direction])
-            corners = lane * pace.corner_s(arriving, leave) + on * pace.corner_s(reach, onwards)
-            counted = np.where(lane & on, _BETWEEN, 1.0)
-            times[np.where(lane, begin ^ 1, begin), end] = counted * self.lengths_m / pace.speed_m_s + corners
+            leaving = np.where(lane, (arriving * leave).sum(axis=1), np.nan)
+            links = pace.link_s(self.lengths_m, leaving, np.where(on, (reach * onwards).sum(axis=1), np.nan))
+            more = np.where(lane & on, _BETWEEN - 1.0, 0.0)
+            times[np.where(lane, begin ^ 1, begin), end] = links + more * self.lengths_m / pace.speed_m_s
         return np.round(times, _DIGITS)

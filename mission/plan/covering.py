@@ -3,18 +3,21 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any, Final
 
 import numpy as np
 import shapely
 
-from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.coverage import Coverage
 from mission.coverage.covering import cover
 from mission.coverage.flown import covered_share, swath_of
+from mission.coverage.pace import Pace
 from mission.errors import GeometryError, NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, frozen_floats
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
+from mission.plan.reached import nearest_m, reached, shrunk
 from mission.spec.camera import spacing_of, trigger_of
 from mission.spec.finding import listed
 from mission.spec.model import Cost, Cover, MissionSpec, Point, Region
@@ -29,13 +32,13 @@ _ROOM: Final = 1.0 / 20.0
 _MOST_ROOM_M: Final = 0.25  # likewise for ways, at most, since passages may be narrow
 _STEPS: Final = 1.0 / 30.0  # of the spacing: smaller steps to the side are left out
 _LANE_ENDS: Final = (1.0 / 2.0, 1.0 / 3.0)
-"""Widest reaches at the end of a lane, of the spacing: the first that leaves enough covered; for cameras the last."""
+"""Widest reaches at the end of a lane, of the spacing; for cameras the last."""
 SHARE_TO_SPARE: Final = 0.005
 """Of a region, what a flight may leave out that its lanes cover: as much as is usual in wind."""
 _ROUND_ENDS: Final = 0.5  # of that: what the round ends of lanes are expected to leave out
+_MISSING: Final = 1.5  # times what they leave out beside that, that is asked for in addition
 _WAY: Final = 1.0  # widest reach elsewhere, likewise
 _SAMPLES: Final = 9  # of a rounded corner
-_QUARTER: Final = 16  # chords of a quarter circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +159,7 @@ class Passage:
 
 @dataclass(frozen=True, eq=False)
 class _Lanes:
-    """Lanes as they are flown from one place, and when each begins and ends, as in ``CoveredVisit``."""
+    """Lanes as they are flown from one place, when each begins and ends, as in ``CoveredVisit``, and about how long."""
 
     region: str
     cover: Cover
@@ -164,6 +167,7 @@ class _Lanes:
     curve: RoundedPolyline
     lanes_s: FloatArray
     share: float
+    lasts_s: float
 
 
 _Through = tuple[Point, Point] | None
@@ -220,10 +224,11 @@ class Covering:
 
     def _lanes(self, name: str, passage: Passage, place_m: Point, through: _Through) -> _Lanes:
         region = next(region for region in self.spec.regions if region.name == name)
-        if region.cover is None:
+        asked = region.cover
+        if asked is None:
             raise ValueError(f"{region.name} is not to be covered")
-        flight, limits = self.spec.flight, self.spec.limits
-        spacing_m = spacing_of(region.cover, flight.altitude_m)
+        flight = self.spec.flight
+        spacing_m = spacing_of(asked, flight.altitude_m)
         inside = np.zeros(len(self.restricted), dtype=np.bool_)
         inside[self.labelling.triangles_of(region.name)] = True
         inside &= ~self.restricted
@@ -240,43 +245,57 @@ class Covering:
         tube_m = _ROUNDING * math.sqrt(2.0) * flight.tube_m
         room_m = _ROOM * spacing_m
         narrow_m = min(room_m, _MOST_ROOM_M)
-        free = _shrunk(union_of(self.partition, np.array(plain)[of] & ~self.restricted), tube_m)
-        ground = _shrunk(union_of(self.partition, entered), tube_m + room_m)
+        free = shrunk(union_of(self.partition, np.array(plain)[of] & ~self.restricted), tube_m)
+        ground = shrunk(union_of(self.partition, entered), tube_m + room_m)
         place = shapely.Point(place_m)
-        ways = shapely.union_all([_shrunk(free, narrow_m), ground, place.buffer(narrow_m).intersection(free)])
+        ways = shapely.union_all([shrunk(free, narrow_m), ground, place.buffer(narrow_m).intersection(free)])
         forbidden = sorted(set().union(*(letters[i] for i in np.unique(of[inside & ~entered]).tolist())) - own)
         lost = f"; the lanes keep out of {listed(forbidden)}, as the mission asks then" if forbidden else ""
-        ground, ways = _reached(region, ground, ways, place, lost)
-        entry_m, exit_m = (_nearest_m(ways, there) for there in through) if through else (place_m, place_m)
-        least = region.cover.share + SHARE_TO_SPARE
-        # Where rounding takes more than expected, all is covered that can be.
-        for asked in (least + _ROUND_ENDS * SHARE_TO_SPARE, 1.0):
+        ground, ways = reached(region, ground, ways, place, lost)
+        entry_m, exit_m = (nearest_m(ways, there) for there in through) if through else (place_m, place_m)
+        least = asked.share + SHARE_TO_SPARE
+        reaches = _LANE_ENDS if trigger_of(asked, flight.altitude_m) is None else _LANE_ENDS[-1:]
+
+        def planned(share: float, reach: float) -> Coverage:
             try:
-                coverage = cover(
+                return cover(
                     area,
                     ground,
                     ways,
                     spacing_m=spacing_m,
                     entry_m=entry_m,
                     exit_m=exit_m,
-                    pace=Pace(
-                        min(flight.speed_m_s, limits.speed_m_s),
-                        # By length, turns cost nothing: as if they were flown at full speed.
-                        math.inf
-                        if self.spec.search.cost is Cost.DISTANCE
-                        else level_acceleration(limits.acceleration_m_s2, limits.tilt_rad),
-                    ),
-                    heading_deg=region.cover.heading_deg,
-                    share=asked,
+                    pace=self._pace(reach * spacing_m),
+                    heading_deg=asked.heading_deg,
+                    share=share,
                 )
             except GeometryError as error:
                 widths = f"lanes {spacing_m:.4g} m apart in a tube of {flight.tube_m:.3g} m on each side"
-                message = f"{region.name} cannot be covered by {widths}: {error}{lost}"
-                raise NoPlanError(message, regions=(region.name,)) from error
-            lanes = self._flown(region.name, region.cover, coverage, area, free, alone=through is None)
-            if lanes.share >= least or coverage.complete:
-                break
-        return lanes
+                message = f"{name} cannot be covered by {widths}: {error}{lost}"
+                raise NoPlanError(message, regions=(name,)) from error
+
+        def flown(coverage: Coverage, reach: float) -> _Lanes:
+            return self._flown(name, asked, coverage, area, free, reach=reach, alone=through is None)
+
+        wanted, wide = least + _ROUND_ENDS * SHARE_TO_SPARE, reaches[0]
+        coverage = planned(wanted, wide)
+        found = [flown(coverage, wide)]
+        if found[0].share < least:
+            # Rounding takes more than expected: ends are less round, or that is asked for as well, whichever is sooner.
+            more = planned(min(1.0, wanted + _MISSING * (least - found[0].share)), wide)
+            found += [flown(lanes, reach) for lanes, reach in product((coverage, more), reaches)]
+        if all(lanes.share < least for lanes in found):
+            found.append(flown(planned(1.0, reaches[-1]), reaches[-1]))
+        return min(found, key=lambda lanes: (lanes.share < least, lanes.lasts_s))
+
+    def _pace(self, reach_m: float) -> Pace:
+        """How fast lanes are flown, with their corners rounded within so much."""
+        flight, limits = self.spec.flight, self.spec.limits
+        acceleration = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
+        # By length, turns cost nothing: as if they were flown at full speed.
+        by_length = self.spec.search.cost is Cost.DISTANCE
+        speed_m_s = min(flight.speed_m_s, limits.speed_m_s)
+        return Pace(speed_m_s, math.inf if by_length else acceleration, limits.jerk_m_s3, reach_m)
 
     def _flown(
         self,
@@ -286,9 +305,10 @@ class Covering:
         area: shapely.Geometry,
         free: shapely.Geometry,
         *,
+        reach: float,
         alone: bool,
     ) -> _Lanes:
-        """Lanes rounded as widely as leaves enough of an area covered; alone, with the ways there and back."""
+        """Lanes rounded within a reach, of the spacing, at their ends; alone, with the ways there and back."""
         flight, spacing_m = self.spec.flight, coverage.spacing_m
         before, after = (coverage.approach_m[:-1], coverage.leaving_m[1:]) if alone else (coverage.line_m[:0],) * 2
         line = np.concatenate((before, coverage.line_m, after))
@@ -296,15 +316,19 @@ class Covering:
         begins = len(before) + np.flatnonzero(coverage.on_lane)
         ends = np.stack((begins, begins + 1), axis=1)
         widest = np.full(len(line), _WAY * spacing_m)
-        for reach in _LANE_ENDS if trigger_of(asked, flight.altitude_m) is None else _LANE_ENDS[-1:]:
-            widest[ends] = reach * spacing_m
-            curve, passed_s = rounded_within(
-                line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
-            )
-            share = covered_share(area, swath_along(curve, passed_s[ends], spacing_m))
-            if share >= asked.share + SHARE_TO_SPARE:
-                break
-        return _Lanes(name, asked, coverage, curve, passed_s[ends], share)
+        widest[ends] = reach * spacing_m
+        curve, passed_s = rounded_within(
+            line, free, tolerance_m=_STEPS * spacing_m, widest_m=widest, speed_m_s=flight.speed_m_s
+        )
+        share = covered_share(area, swath_along(curve, passed_s[ends], spacing_m))
+        beside_m = (
+            0.0
+            if alone
+            else sum(map(shapely.length, map(shapely.linestrings, (coverage.approach_m, coverage.leaving_m))))
+        )
+        lasts_s = self._pace(reach * spacing_m).duration_s(curve.corners_m, curve.reaches_m)
+        lasts_s += beside_m / flight.speed_m_s
+        return _Lanes(name, asked, coverage, curve, passed_s[ends], share, lasts_s)
 
     def _visit(self, lanes: _Lanes, start_s: float) -> CoveredVisit:
         coverage = lanes.coverage
@@ -346,39 +370,3 @@ def swath_along(curve: RoundedPolyline, lanes_s: FloatArray, spacing_m: float) -
     times_s, at = np.unique(knots, return_inverse=True)
     track, (begins, ends) = curve.position(times_s), at[: lanes_s.size].reshape(-1, 2).T.tolist()
     return swath_of((track[begin : end + 1] for begin, end in zip(begins, ends, strict=True)), spacing_m)
-
-
-def _reached(
-    region: Region, ground: shapely.Geometry, ways: shapely.Geometry, place: shapely.Point, why: str
-) -> tuple[shapely.Geometry, shapely.Geometry]:
-    """Of the ground and of where ways may lie, what a place is connected with.
-
-    Raises:
-        NoPlanError: More of the ground is not than the mission leaves uncovered; ``why`` is what else there is to say.
-    """
-    parts = shapely.get_parts(ways)
-    if ground.is_empty or len(parts) < 2:  # noqa: PLR2004 - nothing is apart
-        return ground, ways
-    here = parts[np.argmin(shapely.distance(parts, place))]
-    pieces = shapely.get_parts(ground)
-    near = shapely.intersects(pieces, here)
-    lost = shapely.area(pieces[~near])
-    if region.cover is not None and lost.sum() > (1.0 - region.cover.share) * ground.area:
-        x, y = shapely.get_coordinates(shapely.point_on_surface(pieces[~near][np.argmax(lost)]))[0]
-        raise NoPlanError(
-            f"{region.name} cannot be covered: no way leads to {lost.sum() / ground.area:.1%} of it, about "
-            f"({x:.1f}, {y:.1f}), from ({place.x:.1f}, {place.y:.1f}), where its lanes begin and end; leave that out, "
-            f"visit it as a region of its own, or set a lower `regions.{region.name}.cover.share`{why}",
-            regions=(region.name,),
-        )
-    return shapely.union_all(pieces[near]), here
-
-
-def _nearest_m(area: shapely.Geometry, place_m: Point) -> Point:
-    """The nearest place of an area."""
-    (x, y), _ = shapely.get_coordinates(shapely.shortest_line(area, shapely.Point(place_m)))
-    return float(x), float(y)
-
-
-def _shrunk(shape: shapely.Geometry, margin_m: float) -> shapely.Geometry:
-    return shapely.buffer(shape, -margin_m, quad_segs=_QUARTER) if margin_m > 0.0 else shape

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 import shapely
 
-from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.coverage import Coverage
 from mission.coverage.covering import cover
+from mission.coverage.pace import Pace
 from mission.plan import plan_mission
 from mission.spec.loader import parse_mission
 from tests.support.measuring import TURNS, compared, seconds, turn_s
 
-PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
+PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5, jerk_m_s3=4.0, reach_m=2.0)
 MOST_TURNS = 15_000_000
 MOST_BETWEEN = 0.25
 ASIDE_M = 0.7

@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from scipy.ndimage import distance_transform_edt
 
 from mission.coverage.area import INSET
-from mission.coverage.coverage import Coverage, Pace
+from mission.coverage.coverage import Coverage
 from mission.coverage.covering import SPARED, TOLERANCE, cover
+from mission.coverage.pace import Pace
 from mission.coverage.sequence import MOST_ALONE
 from mission.errors import GeometryError
 from tests.support.drawn_cases import tried
 
-PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5)
+PACE = Pace(speed_m_s=5.0, acceleration_m_s2=2.5, jerk_m_s3=4.0, reach_m=2.0)
 AWAY = np.array([-60.0, -60.0])
 
 
@@ -216,8 +217,9 @@ def cost_s(lanes: np.ndarray) -> float:
     steps = np.diff(places, axis=0)
     lengths = np.linalg.norm(steps, axis=1)
     units = steps / lengths[:, None]
-    turns = (1.0 - (units[:-1] * units[1:]).sum(axis=1)) / 2.0 * PACE.speed_m_s / PACE.acceleration_m_s2
-    return float((lengths[0] + 1.25 * lengths[2::2].sum()) / PACE.speed_m_s + turns.sum())
+    cosines = np.concatenate(([np.nan], (units[:-1] * units[1:]).sum(axis=1)))
+    links = PACE.link_s(lengths[::2], cosines[::2], cosines[1::2])
+    return float(links.sum() + 0.25 * lengths[2::2].sum() / PACE.speed_m_s)
 
 
 def test_few_lanes_are_flown_in_the_best_of_all_orders() -> None:
@@ -286,23 +288,6 @@ def test_ways_lead_from_a_place_on_the_very_rim_and_from_none_outside() -> None:
     assert (coverage.approach_m[0].tolist(), coverage.leaving_m[-1].tolist()) == ([1.0, 1.0], [59.0, 39.0])
     with pytest.raises(GeometryError, match="not in free space"):
         cover(region, ground, ground, spacing_m=8.0, entry_m=(0.0, 0.0), pace=PACE)
-
-
-def test_turns_cost_time() -> None:
-    straight = np.array([[0.0, 0.0], [100.0, 0.0]])
-    assert PACE.duration_s(straight, 4.0) == pytest.approx(100.0 / 5.0 + 5.0 / 2.5)
-    there_and_back = np.array([[0.0, 0.0], [100.0, 0.0], [0.0, 0.0]])
-    assert PACE.duration_s(there_and_back, 4.0) == pytest.approx(2.0 * PACE.duration_s(straight, 4.0))
-    bent = np.array([[0.0, 0.0], [50.0, 0.0], [50.0, 50.0]])
-    # Within 4 m of the corner on either side there is an arc of 4 m, flown at the root of 10 m/s.
-    slow = np.sqrt(2.5 * 4.0)
-    lost_s = 2.0 * (4.0 / slow - 4.0 / 5.0 + (5.0 - slow) ** 2 / (2.0 * 2.5 * 5.0))
-    assert PACE.duration_s(bent, 4.0) == pytest.approx(PACE.duration_s(straight, 4.0) + lost_s)
-    assert PACE.duration_s(bent, 25.0) == pytest.approx(PACE.duration_s(straight, 25.0))
-    assert PACE.duration_s(np.array([[0.0, 0.0], [1.0, 0.0]]), 4.0) == pytest.approx(2.0 * np.sqrt(1.0 / 2.5))
-    assert PACE.duration_s(straight[:1], 4.0) == 0.0
-    by_length = Pace(speed_m_s=5.0, acceleration_m_s2=np.inf)
-    assert by_length.duration_s(np.concatenate((bent, bent[::-1])), 4.0) == pytest.approx(200.0 / 5.0)
 
 
 @tried(12)

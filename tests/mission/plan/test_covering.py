@@ -245,7 +245,7 @@ _LONG_AND_SHORT = """
 domain: {boundary: [[0, 0], [170, 0], [170, 60], [0, 60]]}
 regions:
   yard: {kind: home, polygon: [[150, 44], [166, 44], [166, 58], [150, 58]]}
-  field: {kind: survey, polygon: [[10, 14], [100, 8], [130, 20], [126, 48], [60, 46], [14, 54]], cover: {spacing_m: 16}}
+  field: {kind: survey, polygon: [[10, 14], [100, 8], [130, 20], [126, 48], [60, 46], [14, 54]], cover: {spacing_m: 18}}
 mission: {formula: F (field & F yard)}
 start: {position_m: [158, 50]}
 flight: {speed_m_s: 8, disturbance_m_s2: 1.2}
