@@ -62,7 +62,10 @@ def run(arguments: Namespace) -> int:
         out.print(f"{printable(plan.spec.name)}: {extent(plan)}, {proved}{without(plan)}", markup=False)
     print_warnings(plan.warnings, shown(arguments.file or arguments.resume))
     with StopSignals() as stop:
-        flight = _flown(arguments, link, plan, left, stop)
+        try:
+            flight = _flown(arguments, link, plan, left, stop)
+        except KeyboardInterrupt:  # what was interrupted has been said
+            return stop.exit_code
         hurried = stop.take() is not None
     if link.signatures is not None:
         link.signatures.end()

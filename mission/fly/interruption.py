@@ -20,6 +20,8 @@ class StopRequest:
     after_lap: bool = False
 
 
+_OF_SIGNALS = 128
+
 INTERRUPTED = StopRequest("interrupted by the user", after_lap=True)
 
 
@@ -33,12 +35,18 @@ class StopSignals:
     def __init__(self) -> None:
         """Note nothing yet."""
         self._request: StopRequest | None = None
+        self._number = signal.SIGINT
         self._before: dict[signal.Signals, Any] = {}
 
     def take(self) -> StopRequest | None:
         """The wish that has come since the last call, if one has; whoever takes it heeds it."""
         request, self._request = self._request, None
         return request
+
+    @property
+    def exit_code(self) -> int:
+        """What a program ends with that the last signal interrupts, as shells have it."""
+        return _OF_SIGNALS + self._number
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
@@ -55,6 +63,7 @@ class StopSignals:
             signal.signal(number, handler)
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
+        self._number = signal.Signals(number)
         if self._request is not None:
             raise KeyboardInterrupt
         interrupted = number == signal.SIGINT

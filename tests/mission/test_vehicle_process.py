@@ -142,6 +142,7 @@ def test_a_signal_is_a_wish_and_the_next_before_it_is_heeded_an_order(
         signal.raise_signal(number)
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(number)
+        assert stop.exit_code == 128 + number
     assert signal.getsignal(number) is before
 
 
