@@ -1,5 +1,6 @@
 """``mission view``: a page with a flight that is over, moment by moment, or with a plan as if it were flown."""
 
+import sys
 import threading
 import webbrowser
 from argparse import Namespace
@@ -24,7 +25,7 @@ def run(arguments: Namespace) -> int:
     with server, suppress(KeyboardInterrupt):
         _tell(server, opens=arguments.open)
         err.print("Ctrl-C ends it", markup=False)
-        threading.Event().wait()
+        _wait()
     return 0
 
 
@@ -38,9 +39,13 @@ def live(plan: FlightPlan, *, opens: bool) -> Iterator[PageServer]:
         yield server
 
 
+def _wait() -> None:
+    threading.Event().wait()
+
+
 def _tell(server: PageServer, *, opens: bool) -> None:
     """Say where the page is; open it if that is wanted."""
-    err.print(f"the page is {server.address}", markup=False, soft_wrap=True)
+    sys.stderr.write(f"the page is {server.address}\n")  # however little is to be said
     if opens:
         webbrowser.open(server.address)
 

@@ -149,11 +149,8 @@ class Heeding:
         self._answer(Request.HOLD, "the vehicle slows to rest on its path and holds there", granted=True)
 
     def _resume(self, guidance: Guidance, vehicle_s: float) -> None:
-        if not guidance.course_at(vehicle_s).waits:
-            self._answer(Request.RESUME, "nothing waits: the plan is flown on as it is", granted=False)
-        elif self._replanning.go_on(guidance, vehicle_s):
-            # Off its plan, such as where a pilot has left it: from there it takes another one.
-            self._plan(Request.RESUME, "the mission goes on from here", returns=False)
+        if why := self._replanning.go_on(guidance, vehicle_s):
+            self._answer(Request.RESUME, why, granted=False)
         else:
             self._answer(Request.RESUME, "the plan is flown on", granted=True)
 
@@ -161,16 +158,13 @@ class Heeding:
         if self._watch.legs.given_up is not None:
             self._answer(Request.RETURN, "the vehicle returns already", granted=False)
         else:
-            self._plan(Request.RETURN, "the vehicle returns home, and what is left is given up", returns=True)
+            self._replanning.begin(Cause("asked to return", returns=True, told=self._answer_return))
 
-    def _plan(self, request: Request, words: str, *, returns: bool) -> None:
-        """Ask for another plan from here; the answer waits for it."""
-
-        def told(why: str) -> None:
-            onward = "the vehicle holds" if self._replanning.held else "the old plan is flown on"
-            self._answer(request, f"{why}; {onward}" if why else words, granted=not why)
-
-        self._replanning.begin(Cause(f"asked to {request}", returns=returns, told=told))
+    def _answer_return(self, why: str) -> None:
+        """Say why there is no way home, or, with no words, that it is flown."""
+        onward = "the vehicle holds" if self._replanning.held else "the old plan is flown on"
+        words = f"{why}; {onward}" if why else "the vehicle returns home, and what is left is given up"
+        self._answer(Request.RETURN, words, granted=not why)
 
     def _answer(self, request: Request, words: str, *, granted: bool) -> None:
         self._record.write(

@@ -61,6 +61,12 @@ def test_planning_draws_nothing_and_speaks_to_nobody() -> None:
     assert not modules & {"matplotlib", "pymavlink", "serial", "filterpy"}
 
 
+def test_a_flight_loads_what_its_page_takes_only_where_that_is_asked_for() -> None:
+    modules = loaded("fly", "no-such-mission.yaml")
+    assert "mission.fly.loop" in modules
+    assert not modules & {"bokeh", "tornado", "mission.view"}
+
+
 def test_a_plan_is_the_same_bytes_whatever_the_hash_seed(tmp_path: Path) -> None:
     survey = str(MISSIONS / "survey.yaml")
     said = []

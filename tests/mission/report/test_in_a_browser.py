@@ -2,7 +2,6 @@
 
 import io
 import json
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -10,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image, ImageColor
-from selenium.webdriver import Chrome, ChromeOptions, ChromeService
+from selenium.webdriver import Chrome
 from selenium.webdriver.common.keys import Keys
-from selenium.webdriver.support.ui import WebDriverWait
 
 from mission.report.palette import FLOWN
 from mission.report.reading import parse_record
 from mission.report.report import write_report
+from tests.support.chromium import chromium, logged, sized, wait
 from tests.support.drawn_plans import PAPER_TOUR, flight_of, plan_of
 
 EVIL = "</script><img src=x onerror=document.title='hacked'>"
@@ -34,30 +33,7 @@ CURSOR = "const {t, x, y} = Bokeh.documents[0].get_model_by_name('cursor').data;
 @pytest.fixture(scope="session")
 def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Chrome]:
     """One Chromium for all tests, with a profile of its own and nothing that calls home."""
-    program, driver = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
-    if program is None or driver is None:
-        pytest.skip("no Chromium with its chromedriver is installed")
-    options = ChromeOptions()
-    options.binary_location = program
-    for switch in (
-        "headless",
-        "no-sandbox",
-        "disable-gpu",
-        "disable-dev-shm-usage",
-        "disable-background-networking",
-        "disable-component-update",
-        "disable-sync",
-        "no-first-run",
-        f"user-data-dir={tmp_path_factory.mktemp('profile')}",
-        "window-size=1200,900",
-    ):
-        options.add_argument(f"--{switch}")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    chrome = Chrome(options=options, service=ChromeService(driver))
-    try:
-        yield chrome
-    finally:
-        chrome.quit()
+    yield from chromium(tmp_path_factory.mktemp("profile"))
 
 
 @pytest.fixture(scope="session")
@@ -81,15 +57,6 @@ def page(browser: Chrome, report: Path) -> Chrome:
     return browser
 
 
-def sized(browser: Chrome, width: int) -> None:
-    metrics = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-
-
-def wait(browser: Chrome, script: str) -> None:
-    WebDriverWait(browser, 60, poll_frequency=0.05).until(lambda each: each.execute_script(script))
-
-
 def point(page: Chrome, plot: str, x: float, y: float, *, click: bool = False) -> list[float]:
     """Move the mouse to a point of a plot; what is shown then: time and place."""
     for kind in ("mouseMoved", *(("mousePressed", "mouseReleased") if click else ())):
@@ -99,11 +66,6 @@ def point(page: Chrome, plot: str, x: float, y: float, *, click: bool = False) -
     page.execute_async_script("requestAnimationFrame(() => setTimeout(arguments[0]))")
     shown: list[float] = page.execute_script(CURSOR)
     return shown
-
-
-def logged(page: Chrome, kind: str) -> list[dict[str, str]]:
-    entries: list[dict[str, str]] = page.get_log(kind)  # type: ignore[no-untyped-call]
-    return entries
 
 
 def words(page: Chrome) -> str:
