@@ -22,7 +22,8 @@ event                   name, and any values; of a gap (no position was told, or
                         for a return), fresh (whether other things are asked for), taken_up (whether nobody led the
                         vehicle from the report before it on), start_m, laps_before, begun (whether the last of these is
                         only under way), duration_s; the plan is beside the record in plan-NUMBER.json, and trajectory_s
-                        is about it
+                        is about it; of a request (of somebody who watches the flight): request, which is hold, resume,
+                        return or land; of a request answered: request, granted, reason
 image                   of a picture that the vehicle told of: number (as the autopilot counts), utc_us (microseconds
                         since 1970), latitude_deg, longitude_deg, altitude_amsl_m, position_m, attitude_rad,
                         accuracy_m and height_accuracy_m (of the place, as the receiver told it), trajectory_s; what is

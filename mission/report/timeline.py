@@ -18,7 +18,8 @@ _ACCEPTED: Final = "accepted"
 _LONGEST: Final = 160
 _ASKS: Final = ("send ", "set the rate of ")
 """So begin the commands that ask a vehicle for its messages: they are many, and what does not come is asked again."""
-_ROUTINE: Final = frozenset({COMMAND, ANSWER, PREFLIGHT, "firmware", "anchored"})
+# What somebody asked of the flight is told as an intention, with what came of it.
+_ROUTINE: Final = frozenset({COMMAND, ANSWER, PREFLIGHT, "firmware", "anchored", "request", "request answered"})
 
 Values = Mapping[str, Any]
 

@@ -3,6 +3,7 @@
 import math
 from bisect import bisect_right
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,7 @@ from mission.report.replay import legs_of
 from mission.report.tracking import tracking_of
 from mission.spec.model import Point
 
+_INTENTION: Final = "intention"
 _MOST_ROWS: Final = 1500
 """So many moments are shown at most: more than a screen has columns."""
 
@@ -35,6 +37,8 @@ def recorded(plan: FlightPlan, record: Record) -> Iterator[Progress]:
     )
     known = np.isfinite(track.t_s) & np.isfinite(track.position_m).all(axis=1)
     rows = np.flatnonzero(known).tolist()
+    charges = [charge for charge in record.charges if math.isfinite(charge.percent + charge.t_s)]
+    intended = [event for event in record.events if event.text == _INTENTION and math.isfinite(event.t_s)]
     shown, view = _every(len(rows)), _View(legs)
     for number, row in enumerate(rows):
         t_s, stage = float(track.t_s[row]), track.stages[row]
@@ -45,7 +49,9 @@ def recorded(plan: FlightPlan, record: Record) -> Iterator[Progress]:
         trajectory_s, error_m = flown.get(t_s, (0.0, None))
         speed_m_s = float(np.hypot(*track.velocity_m_s[row, :2]))
         heading_rad = float(track.attitude_rad[row, 2])
-        yield view.moment(
+        told = intended[: bisect_right(intended, t_s, key=lambda event: event.t_s)]
+        charged = charges[: bisect_right(charges, t_s, key=lambda charge: charge.t_s)][-1:]
+        moment = view.moment(
             stage or Stage.CONNECT,
             t_s,
             ((east, north), up),
@@ -53,6 +59,11 @@ def recorded(plan: FlightPlan, record: Record) -> Iterator[Progress]:
             speed_m_s=speed_m_s,
             heading_rad=heading_rad if math.isfinite(heading_rad) else None,
             error_m=error_m,
+        )
+        yield replace(
+            moment,
+            told=tuple(str(event.values.get("reason")) for event in told),
+            battery_percent=charged[0].percent if charged else None,
         )
 
 

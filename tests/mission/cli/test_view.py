@@ -1,5 +1,6 @@
 """``mission view``: where the page is said to be, what it shows, and how it ends."""
 
+import webbrowser
 from pathlib import Path
 from urllib.request import urlopen
 
@@ -49,7 +50,7 @@ def test_a_flight_is_shown_by_its_folder_and_opened_where_that_is_asked_for(
     (folder / "mission.yaml").write_bytes(PAPER)
     (folder / "plan.json").write_text(plan_to_json(plan))
     (folder / "record.jsonl").write_bytes(flight_of(plan)[0])
-    monkeypatch.setattr(view.webbrowser, "open", opened.append)
+    monkeypatch.setattr(webbrowser, "open", opened.append)
     assert ran(capsys, "view", str(folder), "--open").code == 0
     assert 'data-shown="the flight of paper-20250131-120000"' in seen[0]
     assert opened[0].startswith("http://127.0.0.1:")

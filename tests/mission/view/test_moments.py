@@ -80,8 +80,13 @@ def test_a_replay_has_the_places_of_the_record_and_what_was_known_there() -> Non
     plan = plan_of(SURVEY_TOUR)
     header, *lines = flight_of(plan)[0].splitlines(keepends=True)
     flying = b'{"kind":"event","t_s":0.0,"name":"stage","stage":"flying"}\n'
-    record = parse_record(b"".join([header, flying, *lines]))
+    at_s = json.loads(lines[-1])["t_s"]
+    said = f'{{"kind":"event","t_s":{at_s},"name":"intention","reason":"going on"}}\n'
+    charge = f'{{"kind":"charge","t_s":{at_s},"percent":61,"drawn_mah":null}}\n'
+    record = parse_record(b"".join([header, flying, *lines, said.encode(), charge.encode()]))
     moments = [*recorded(plan, record)]
+    assert (moments[0].told, moments[0].battery_percent) == ((), None)
+    assert (moments[-1].told, moments[-1].battery_percent) == (("going on",), 61.0)
     places = [moment.place_m for moment in moments]
     assert places == [(x, y) for x, y in record.track.position_m[:, :2].tolist()]
     assert [moment.t_s for moment in moments] == record.track.t_s.tolist()
