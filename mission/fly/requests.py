@@ -16,18 +16,9 @@ from mission.link.guidance import Guidance
 from mission.link.session import Session
 from mission.monitor.stage import Stage
 
-_GROUNDED: Final = frozenset(
-    {
-        Stage.CONNECT,
-        Stage.STREAMS,
-        Stage.READY,
-        Stage.STANDBY,
-        Stage.FENCE,
-        Stage.MODE,
-        Stage.CHECKS,
-        Stage.ARM,
-    }
-)
+_CLEAR_M: Final = 2.0
+"""By this height heartbeats, one a second, tell the mode of the climb: then it is known what a landing has to end."""
+
 _DESCENDING: Final = frozenset({Stage.LAND, Stage.TOUCH_DOWN, Stage.DISARM})
 
 
@@ -110,19 +101,27 @@ class Heeding:
         elif self._session.pilot.words:
             self._answer(request, f"{self._session.pilot.words}: whoever flies it is not fought", granted=False)
         elif request is Request.LAND:
-            self._answer_land()
+            self._answer_land(now_s)
         else:
             self._answer_on_path(request, now_s)
 
-    def _answer_land(self) -> None:
-        stage = self._session.stage
-        if stage in _GROUNDED:
-            self._answer(Request.LAND, f"the vehicle is on the ground: {stage}", granted=False)
-        elif stage in _DESCENDING:
+    def _answer_land(self, now_s: float) -> None:
+        stage, vehicle_s = self._session.stage, self._session.vehicle.clock.now_s(now_s)
+        if stage in _DESCENDING:
             self._answer(Request.LAND, f"the vehicle is {stage} already", granted=False)
+        elif vehicle_s is None or not self._is_clear(vehicle_s):
+            # One that is about to lift off cannot be disarmed for sure, either.
+            words = f"the vehicle is {stage}: it can land once it is {_CLEAR_M:g} m high"
+            self._answer(Request.LAND, words, granted=False)
         else:
             self._answer(Request.LAND, "the vehicle lands where it is", granted=True)
             self._land("a landing was asked for")
+
+    def _is_clear(self, vehicle_s: float) -> bool:
+        """Whether the vehicle is in the air, and no longer about to lift off."""
+        scene = self._session.lead.scene(vehicle_s, 0.0, 0.0)
+        rises = self._session.stage in (Stage.TAKE_OFF, Stage.CLIMB)
+        return scene.airborne and (not rises or scene.height_m >= _CLEAR_M)
 
     def _answer_on_path(self, request: Request, now_s: float) -> None:
         """Answer what only makes sense while the trajectory is flown."""

@@ -23,7 +23,7 @@ class Narrator:
 
     Attributes:
         plan: What is flown, as of the last moment.
-        number: How many plans were flown up to then.
+        number: How many plans there were up to then: one is made anew before the flight, too, where it has a place.
     """
 
     def __init__(self, plan: FlightPlan) -> None:
@@ -39,8 +39,7 @@ class Narrator:
         ``states`` of the shown automaton; ``doing``, ``still`` and ``ahead`` are words.
         """
         if now.plan is not None and now.plan is not self.plan:
-            self.number += now.plan.spec.origin is None or self._read > 0  # planned anew for its start, it is no other
-            self.plan = now.plan
+            self.plan, self.number = now.plan, self.number + 1
             self._states, self._read = frozenset(self.plan.shown_automaton.initial), 0
         for letter in now.word[self._read :]:
             self._states = _after(self.plan.shown_automaton, self._states, letter)

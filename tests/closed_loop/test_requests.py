@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from mission.fly import FlightOptions
+from mission.fly import FlightOptions, Progress
 from mission.fly.requests import Request
 from mission.link.ending import Ending
 from mission.monitor.stage import Stage
@@ -124,6 +124,25 @@ def test_a_landing_lands_where_the_vehicle_is(small: FlightPlan, flavour: str) -
     assert not flight.vehicle.vehicle.autopilot.armed
     assert flight.result.reason.startswith("a landing was asked for")
     assert math.dist(places(flight, 2.0, 2.2)[0], places(flight, 2.0, math.inf)[-1]) < 10.0
+
+
+def test_a_landing_in_the_take_off_waits_for_some_height(small: FlightPlan) -> None:
+    """On the ground it would be a disarming, which an autopilot that is about to lift off refuses."""
+    asked = Asked()
+
+    class TakesOff(Replanned):
+        def _look(self, progress: Progress) -> None:
+            super()._look(progress)
+            if progress.stage in (Stage.TAKE_OFF, Stage.CLIMB) and not (asked.answers and asked.answers[-1][3]):
+                asked.waiting = [(-math.inf, HOLD), (-math.inf, LAND)]
+
+    flight = TakesOff(small, "px4", requests=asked)
+    assert not any(granted for _, request, _, granted in asked.answers if request is HOLD)
+    refused = [words for _, request, words, granted in asked.answers if request is LAND and not granted]
+    assert all(words.endswith("it can land once it is 2 m high") for words in refused)
+    assert any(Stage.TAKE_OFF in words for words in refused)
+    assert flight.result.reason.startswith("a landing was asked for")
+    assert not flight.vehicle.vehicle.autopilot.armed
 
 
 def test_a_pilot_wins(small: FlightPlan) -> None:

@@ -74,6 +74,7 @@ def test_another_plan_begins_with_a_word_of_its_own() -> None:
     narrator.moment(at(word=letters("S2", "", "S1")))
     moment = narrator.moment(at(plan=other, word=()))
     assert (moment["plan"], moment["states"]) == (2, sorted(PLAN.shown_automaton.initial))
+    assert narrator.moment(at(plan=PLAN, stage=Stage.STANDBY, word=()))["plan"] == 3  # planned anew for where it stands
 
 
 def test_a_replay_has_the_places_of_the_record_and_what_was_known_there() -> None:
