@@ -22,24 +22,28 @@ class Narrator:
     """Tells one moment after the other; it remembers where in the automaton the flight is.
 
     Attributes:
-        plan: What is flown, as of the last moment.
-        number: How many plans there were up to then: one is made anew before the flight, too, where it has a place.
+        plans: What was to be flown up to the last moment; where the mission has a place, one is made anew before it is.
     """
 
     def __init__(self, plan: FlightPlan) -> None:
         """Begin with a plan, before its word."""
-        self.plan, self.number = plan, 1
+        self.plans = [plan]
         self._states, self._read = frozenset(plan.shown_automaton.initial), 0
+
+    @property
+    def plan(self) -> FlightPlan:
+        """What is flown, as of the last moment."""
+        return self.plans[-1]
 
     def moment(self, now: Progress) -> Moment:
         """The values of a moment, all of them for JSON.
 
         ``t`` s of the vehicle, ``x`` and ``y`` m, ``heading`` degrees clockwise from north, ``height`` m, ``speed``
         m/s, ``error`` m, ``battery`` per cent, ``near`` m from the restricted region ``nearest``, ``left`` s,
-        ``states`` of the shown automaton; ``doing``, ``still`` and ``ahead`` are words.
+        ``states`` of the shown automaton of the ``plan`` with this number; ``doing``, ``still``, ``ahead`` are words.
         """
         if now.plan is not None and now.plan is not self.plan:
-            self.plan, self.number = now.plan, self.number + 1
+            self.plans.append(now.plan)
             self._states, self._read = frozenset(self.plan.shown_automaton.initial), 0
         for letter in now.word[self._read :]:
             self._states = _after(self.plan.shown_automaton, self._states, letter)
@@ -62,7 +66,7 @@ class Narrator:
             "doing": printable(doing(now, self.plan)),
             "still": printable(still(now, self.plan)),
             "ahead": printable(" → ".join(_ahead(now, self.plan)[:8])),
-            "plan": self.number,
+            "plan": len(self.plans),
         }
 
 

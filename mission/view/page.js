@@ -18,6 +18,7 @@
   function show(row) {
     const now = moments[row];
     if (now === undefined) return;
+    if (now.plan !== shownPlan) drawFigures(now.plan);
     for (const element of document.querySelectorAll("[data-value]")) {
       const value = now[element.dataset.value];
       element.textContent = value === null || value === "" ? "–" : String(value);
@@ -67,8 +68,6 @@
     for (const words of live ? message.answers : []) byId("answer").textContent = words;
     drawPath();
     show(follows ? moments.length - 1 : Math.min(Number(slider.value), moments.length - 1));
-    const {plan} = moments[moments.length - 1] ?? {plan: shownPlan};
-    if (live && shownPlan !== null && plan !== shownPlan) drawFigures();
   }
 
   function over(words) {
@@ -107,13 +106,17 @@
     }
   }
 
-  async function drawFigures() {
-    const now = moments[moments.length - 1];
-    shownPlan = now === undefined ? 1 : now.plan;
-    const told = await (await fetch("figures")).json();
+  // Of one of the plans that were flown; another one may be wanted before it is there.
+  async function drawFigures(plan) {
+    shownPlan = plan;
+    drawn = null;
+    const told = await (await fetch(`figures?plan=${plan}`)).json();
+    if (shownPlan !== plan) return;
+    Bokeh.documents.length = 0;
     byId("map").replaceChildren();
     byId("automaton").replaceChildren();
     await Bokeh.embed.embed_items(told.documents, told.items);
+    if (shownPlan !== plan) return;
     const [doc] = Bokeh.documents.slice(-1);
     const model = (name) => doc.get_model_by_name(name);
     drawn = {told, flown: model("flown"), cursor: model("cursor"), present: model("present")};
@@ -179,5 +182,5 @@
     if (dialog.returnValue === "yes") send(dialog.dataset.asksFor);
   });
   connect();
-  drawFigures();
+  drawFigures(1);
 })();

@@ -28,6 +28,7 @@ from mission.view.show import Show
 _EVERY_MS: Final = 100.0
 _MOST_BYTES: Final = 4096
 _MOST_PAGES: Final = 32
+_MOST_DRAWN: Final = 4
 _LEAVES_WITHIN_S: Final = 2.0
 _KINDS: Final[Mapping[str, str]] = {"js": "text/javascript", "css": "text/css"}
 
@@ -56,7 +57,7 @@ class PageServer:
         self._show.add(moments or (), all_of_them=True)
         self._sockets = bind_sockets(0, "127.0.0.1")
         self._guard = Guard(self._sockets[0].getsockname()[1])
-        self._drawn: tuple[FlightPlan, str] = (plan, _json(figures(plan)))
+        self._drawn = {1: _json(figures(plan))}
         self._pages: set[_Moments] = set()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._over = asyncio.Event()
@@ -110,14 +111,14 @@ class PageServer:
     def _application(self) -> Application:
         about = {"guard": self._guard}
         texts: dict[str, Callable[[], str]] = {
-            "": lambda: page(self._show.narrator.plan, self._shown, live=self._live),
+            "": lambda: page(self._show.narrator.plans[0], self._shown, live=self._live),
             "page.js": lambda: asset("page.js"),
             "page.css": lambda: asset("page.css"),
             "bokeh.js": lambda: "\n".join(Resources(mode="inline", components=["bokeh"]).js_raw),
-            "figures": self._figures,
         }
         routes: list[Any] = [
-            (r"/([^/]+)/(|page\.js|page\.css|bokeh\.js|figures)", _Text, about | {"texts": texts}),
+            (r"/([^/]+)/(|page\.js|page\.css|bokeh\.js)", _Text, about | {"texts": texts}),
+            (r"/([^/]+)/figures", _Figures, about | {"drawn": self._figures}),
             (r"/([^/]+)/moments", _Moments, about | {"pages": self._pages, "all_so_far": lambda: self._show.all}),
         ]
         if self._live:
@@ -130,11 +131,18 @@ class PageServer:
             websocket_max_message_size=_MOST_BYTES,
         )
 
-    def _figures(self) -> str:
-        plan = self._show.narrator.plan
-        if self._drawn[0] is not plan:
-            self._drawn = (plan, _json(figures(plan)))
-        return self._drawn[1]
+    def _figures(self, number: int) -> str:
+        """Of a plan that was flown, numbered from 1; those that were drawn last are kept.
+
+        Raises:
+            IndexError: There is none of this number.
+        """
+        if number not in self._drawn:
+            plan = dict(enumerate(self._show.narrator.plans, 1)).get(number)
+            if plan is None:
+                raise IndexError(number)
+            self._drawn = dict([*self._drawn.items()][1 - _MOST_DRAWN :]) | {number: _json(figures(plan))}
+        return self._drawn[number]
 
     def _push(self) -> None:
         """Tell all pages what has come up."""
@@ -190,9 +198,25 @@ class _Text(_Guarded):
         self._texts = texts
 
     def get(self, _token: str, name: str) -> None:
-        kind = "application/json" if name == "figures" else _KINDS.get(name.rpartition(".")[2], "text/html")
+        kind = _KINDS.get(name.rpartition(".")[2], "text/html")
         self.set_header("Content-Type", f"{kind}; charset=utf-8")
         self.finish(self._texts[name]())
+
+
+class _Figures(_Guarded):
+    """The figures of one plan."""
+
+    def initialize(self, guard: Guard, drawn: Callable[[int], str]) -> None:  # type: ignore[override]
+        super().initialize(guard)
+        self._drawn = drawn
+
+    def get(self, _token: str) -> None:
+        try:
+            text = self._drawn(int(self.get_query_argument("plan", "1")))
+        except (ValueError, IndexError) as error:
+            raise HTTPError(404, reason="there is no such plan") from error
+        self.set_header("Content-Type", "application/json; charset=utf-8")
+        self.finish(text)
 
 
 class _Command(_Guarded):

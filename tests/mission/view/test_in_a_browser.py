@@ -11,7 +11,7 @@ from mission.fly.requests import Request
 from mission.view.replaying import planned
 from mission.view.server import PageServer
 from tests.support.chromium import chromium, logged, sized, wait
-from tests.support.drawn_plans import PAPER_TOUR, plan_of
+from tests.support.drawn_plans import PAPER_TOUR, SURVEY_TOUR, plan_of
 
 EVIL = "</script><img src=x onerror=document.title='hacked'>"
 PLAN = replace(plan_of(PAPER_TOUR), spec=replace(plan_of(PAPER_TOUR).spec, name=EVIL))
@@ -98,3 +98,22 @@ def test_a_flight_is_seen_again_moment_by_moment(browser: Chrome, width: int) ->
         ]
         box.click()
         assert browser.execute_script(f"{mesh}.map((each) => each.visible)") == [False]
+
+
+def test_each_plan_of_a_flight_is_drawn_for_its_own_moments(browser: Chrome) -> None:
+    other = plan_of(SURVEY_TOUR)
+    moments = [MOMENTS[0], *[*planned(other)][::300]]
+    with PageServer(PLAN, "the flight of then", moments) as server:
+        opened(browser, server)
+        for row, plan in ((len(moments) - 1, other), (0, PLAN)):
+            browser.execute_script(
+                "const slider = document.getElementById('moment'); slider.value = arguments[0];"
+                "slider.dispatchEvent(new Event('input'))",
+                str(row),
+            )
+            states = (
+                "Bokeh.documents[0]?.get_model_by_name('automaton')?.renderers.map((each) => each.data_source.data)"
+            )
+            count = plan.shown_automaton.size
+            wait(browser, f"return {states}?.some((data) => data.fill?.length === {count})")
+            wait(browser, PRESENT)

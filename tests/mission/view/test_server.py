@@ -70,6 +70,8 @@ def test_the_page_and_what_it_is_made_of_come_from_here_alone(live: PageServer) 
     told = json.loads(asked(live, "GET", "figures")[1])
     assert {"triangles", "fields of the run", "smoothed"} <= set(told["layers"])
     assert len(told["states"]) == PLAN.shown_automaton.size
+    for number in ("2", "0", "-1", "x"):
+        assert asked(live, "GET", f"figures?plan={number}")[0] == 404
 
 
 def test_it_listens_on_loopback_and_its_address_cannot_be_guessed(live: PageServer) -> None:
