@@ -267,8 +267,13 @@ def test_what_another_ground_station_reads_is_not_taken_for_ours() -> None:
     assert reading.take(PlanPart(OWN, PlanKind.FENCE, 0, OURS[1]))
     assert (reading.done, reading.items) == (True, [OURS[1]])
     refused = PlanReading(PlanKind.FENCE, OWN, "it")
-    refused.take(PlanAnswer(OWN, PlanKind.FENCE, 1))
+    refused.take(PlanAnswer(OWN, PlanKind.FENCE, 3))
     assert refused.trouble
+    busy = PlanReading(PlanKind.FENCE, OWN, "it")
+    busy.take(PlanAnswer(OWN, PlanKind.FENCE, 1))
+    assert not busy.trouble
+    busy.unanswered()
+    assert busy.trouble
 
 
 @pytest.mark.parametrize("flavour", BOTH)
