@@ -89,7 +89,8 @@ def still(now: Progress, plan: FlightPlan) -> str:
         return "nothing more: whatever follows, the mission is satisfied"
     if now.verdict is Verdict.FALSE:
         return "in vain: what was flown violates the mission"
-    steps = f" ({now.done} of {now.total} steps are done)" if now.total else ""
+    # Those of laps begin anew with each.
+    steps = f" ({now.done} of {now.total} steps are done)" if now.total and not plan.run.recurrent else ""
     asked = "as many laps as wanted" if now.laps_asked is None else f"{now.laps_asked} laps"
     laps = f"; {now.laps} of {asked} are flown" if plan.run.recurrent else ""
     if now.awaited and now.done < now.total:
@@ -98,9 +99,16 @@ def still(now: Progress, plan: FlightPlan) -> str:
 
 
 def _ahead(now: Progress, plan: FlightPlan) -> list[str]:
-    """The regions that the plan still leads to, in their order; of laps, those of the next one that are awaited."""
-    stops = _stops(plan.certificate.word)[len(_stops(now.word)) :]
-    return stops or (list(now.awaited) if plan.run.recurrent else [])
+    """The regions that the plan still leads to, in their order; of laps, those of one from here on."""
+    flown = _stops(now.word)
+    loop = _stops([plan.labelling.label(triangle) for triangle in plan.run.suffix]) if plan.run.recurrent else []
+    loop = loop[:-1] if len(loop) > 1 and loop[0] == loop[-1] else loop
+    if flown and flown[-1] in loop:
+        if now.laps_asked is not None and now.laps >= now.laps_asked:
+            return []
+        here = loop.index(flown[-1]) + 1
+        return [*loop[here:], *loop[:here]]
+    return _stops(plan.certificate.word)[len(flown) :]
 
 
 def _stops(word: Sequence[frozenset[str]]) -> list[str]:

@@ -103,10 +103,11 @@ class PageServer:
         pushing.stop()
         self._push()
         for each in list(self._pages):
-            each.push(_json({"over": self._last_words}))
+            each.send(_json({"over": self._last_words}))
             each.close()
         server.stop()
-        await asyncio.wait_for(server.close_all_connections(), _LEAVES_WITHIN_S / 2)
+        with suppress(TimeoutError):  # of pages that hang
+            await asyncio.wait_for(server.close_all_connections(), _LEAVES_WITHIN_S / 2)
 
     def _application(self) -> Application:
         about = {"guard": self._guard}
@@ -257,7 +258,7 @@ class _Moments(_Guarded, WebSocketHandler):
             self.close(reason="too many pages are open")
             return
         self._pages.add(self)
-        self._send(self._all_so_far())
+        self.send(self._all_so_far())
 
     def on_message(self, _message: str | bytes) -> None:
         """Nothing is asked for here."""
@@ -271,11 +272,12 @@ class _Moments(_Guarded, WebSocketHandler):
             self._behind = True
         elif self._behind:
             self._behind = False
-            self._send(self._all_so_far())
+            self.send(self._all_so_far())
         else:
-            self._send(message)
+            self.send(message)
 
-    def _send(self, message: str) -> None:
+    def send(self, message: str) -> None:
+        """Send something, whatever is on its way."""
         try:
             self._sent = asyncio.ensure_future(self.write_message(message))
         except WebSocketClosedError:

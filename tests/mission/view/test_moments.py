@@ -58,6 +58,14 @@ def test_laps_are_counted_in_words() -> None:
     assert "as many laps as wanted" in still(replace(flying, laps_asked=None), plan)
 
 
+def test_on_laps_the_next_region_is_that_of_the_loop() -> None:
+    plan = plan_of(PATROL_TOUR)
+    flying = at(plan, laps=1, laps_asked=3, word=letters("base", "", "pond", "", "base", "", "pond", ""))
+    assert doing(flying, plan) == "over open ground, on the way to base"
+    assert doing(replace(flying, word=(*flying.word, *letters("base"))), plan) == "in base, on the way to pond"
+    assert doing(replace(flying, laps=3), plan) == "over open ground, on the way to where it ends"
+
+
 def test_the_automaton_is_where_the_word_leads() -> None:
     """F (S1 & F R): the flight begins in S2, and is done once S1 and R have been seen in that order."""
     narrator, machine = Narrator(PLAN), PLAN.shown_automaton

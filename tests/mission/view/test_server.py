@@ -265,6 +265,7 @@ def test_a_page_that_reads_nothing_is_told_again_once_it_does() -> None:
 
 def test_at_the_end_pages_are_told_how_it_ended() -> None:
     def over(server: PageServer) -> None:
+        server.feed.show(MOMENTS[1])
         server.say_at_the_end("the flight is over: ACHIEVED")
         server.__exit__(None, None, None)
 
@@ -280,3 +281,4 @@ def test_at_the_end_pages_are_told_how_it_ended() -> None:
     server = PageServer(PLAN, "live").__enter__()
     messages = asyncio.run(asyncio.wait_for(listen(server), 20))
     assert messages[-1] == {"over": "the flight is over: ACHIEVED"}
+    assert any(message["moments"] for message in messages[:-1])
