@@ -81,8 +81,7 @@ class Flight:
         self._given_up = False
         self._planner, self._replanner, self._on_plan = planner, replanner, on_plan
         self._amendments, self._requests = amendments, requests
-        self._replanning, self._in_time, self._amending = self._replans()
-        self._heeding = self._heeds()
+        self._replanning, self._in_time, self._amending, self._heeding = self._replans()
         self._lookout = Lookout(options.stray_m)
         self.listening = Listening(self.session, self.clock)
         self._circumstances = Circumstances(self.session, self.listening, self.clock, record)
@@ -196,8 +195,7 @@ class Flight:
             name = self.watch.vehicle
             self.watch = FlightWatch(self.plan, self.record, record_all=self.options.record_all)
             self.watch.vehicle = name
-            self._replanning, self._in_time, self._amending = self._replans()
-            self._heeding = self._heeds()
+            self._replanning, self._in_time, self._amending, self._heeding = self._replans()
         self.record.write(
             "event",
             self.newest_s,
@@ -256,8 +254,7 @@ class Flight:
         if answer.plan is None:
             raise NoPlanError(answer.refusal)
         self.plan, self._fenced = answer.plan, now
-        self._replanning, self._in_time, self._amending = self._replans()
-        self._heeding = self._heeds()
+        self._replanning, self._in_time, self._amending, self._heeding = self._replans()
         laps, due = left.laps
         before = laps + int(due is not None), due is not None
         again = Cause(f"taken up again after {at_s - left.last_s:.0f} s", taken_up=True)
@@ -275,26 +272,17 @@ class Flight:
         contact, now, keep = self.session.contact, left.legs.now.plan, self.options.keep_fence
         contact.fence = contact.fence or guarded_again(left.record.events, now, contact, keep=keep)
 
-    def _replans(self) -> tuple[Replanning, ReturnInTime, Amending | None]:
-        """What replans this flight, what brings it home in time, and what amends its mission."""
-        replanning = Replanning(self.session, self.watch, self.record, self._replanner, (self._on_plan, self.say))
-        in_time = ReturnInTime(
-            self.session, self.watch, self.record, replanning, replanner=self._replanner, say=self.say
-        )
+    def _replans(self) -> tuple[Replanning, ReturnInTime, Amending | None, Heeding]:
+        """What replans this flight, brings it home in time, amends its mission, and grants what is asked of it."""
+        parts = self.session, self.watch, self.record
+        replanning = Replanning(*parts, self._replanner, (self._on_plan, self.say))
+        in_time = ReturnInTime(*parts, replanning, replanner=self._replanner, say=self.say)
+        heeding = Heeding(*parts, replanning, self._requests, say=self.say, land=self.land)
         if self._amendments is None:
-            return replanning, in_time, None
+            return replanning, in_time, None, heeding
         mission = self.watch.plan.spec if self._unfinished is None else self._unfinished.mission
-        return (
-            replanning,
-            in_time,
-            Amending(self.session, self.watch, replanning, self._amendments, mission),
-        )
-
-    def _heeds(self) -> Heeding:
-        """What grants what is asked of this flight."""
-        return Heeding(
-            self.session, self.watch, self.record, self._replanning, self._requests, say=self.say, land=self.land
-        )
+        amending = Amending(self.session, self.watch, replanning, self._amendments, mission)
+        return replanning, in_time, amending, heeding
 
     def say(self, text: str) -> None:
         """Tell whoever watches the vehicle, or this flight, what is intended."""
