@@ -256,7 +256,7 @@ def _costs(plan: FlightPlan) -> str:
         return f", of {count(round(prefix + suffix), 'transition')} each"
     unit, _ = UNIT[cost]
     found = f"{prefix:.1f} {unit} up to the loop, {suffix:.1f} {unit} round it (number {plan.run_index})"
-    return f" by {cost}: {found}\n               ({MEASURED[cost]}; what is flown is the path below)"
+    return f" by {cost}: {found}\n               ({MEASURED[cost]}; what is flown is the path above)"
 
 
 def _print_guidance(plan: FlightPlan) -> None:

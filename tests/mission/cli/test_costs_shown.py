@@ -13,9 +13,10 @@ from tests.support.small_missions import SMALL
 
 @pytest.mark.parametrize("cost", list(Cost))
 def test_a_plan_says_what_its_cost_measures(cost: Cost, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The path that is flown is another figure, which stands below."""
+    """The path that is flown is another figure, which stands above."""
     file = tmp_path / "small.yaml"
     file.write_text(f"{SMALL}search: {{cost: {cost}}}\n", encoding="utf-8")
     assert json.loads(ran(capsys, "plan", str(file), "--json").out)["cost_measures"] == MEASURED[cost]
     shown = " ".join(ran(capsys, "plan", str(file)).out.split())
-    assert (f"({MEASURED[cost]}; what is flown is the path below)" in shown) == (cost is not Cost.TRANSITIONS)
+    assert shown.index("Path ") < shown.index("Best runs ")
+    assert (f"({MEASURED[cost]}; what is flown is the path above)" in shown) == (cost is not Cost.TRANSITIONS)
