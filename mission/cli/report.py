@@ -53,12 +53,12 @@ def _compare(arguments: Namespace) -> int:
         rows = comparison([(folder, summary(plan, record)) for folder, plan, record in flights])
     if arguments.json:
         print_json({"exit_code": 0, "flights": rows})
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for name in ("flight", "verdict", "took", "error rms", "most", "nearest", "battery"):
+    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    for name in ("flight", "verdict", "took", "error,\nrms", "error,\nmost", "nearest", "battery"):
         folds = name in ("flight", "nearest")
         table.add_column(name, overflow="fold", no_wrap=not folds, justify="left" if folds else "right")
     for row in rows:
-        table.add_row(*map(escape, map(printable, _cells(row))))
+        table.add_row(*map(escape, _cells(row)))
     out.print(table)
     for row in rows if arguments.verbose else ():
         out.print(f"{Path(row['folder']).name}: {row['reason']}", markup=False)
@@ -66,7 +66,7 @@ def _compare(arguments: Namespace) -> int:
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
-    """A flight in words."""
+    """A flight in words, a line for each restricted region."""
 
     def told(name: str, unit: str, digits: int = 2) -> str:
         return "" if row[name] is None else f"{row[name]:.{digits}f} {unit}"
@@ -74,12 +74,12 @@ def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     near = sorted(row["distance_to_restricted_m"].items(), key=lambda each: each[1])
     charge = row["charge_percent"]
     return (
-        Path(row["folder"]).name,
+        printable(Path(row["folder"]).name),
         _VERDICTS[row["achieved"]],
         told("duration_s", "s", 1),
         told("rms_error_m", "m"),
         told("largest_error_m", "m"),
-        ", ".join(f"{name} {distance_m:.2f} m" for name, distance_m in near),
+        "\n".join(f"{printable(name)} {distance_m:.2f} m" for name, distance_m in near),
         "" if charge is None else f"{charge[0]:.0f} to {charge[-1]:.0f} %",
     )
 
