@@ -37,15 +37,26 @@ def onward(kind: Autopilot, course: Course) -> tuple[Step, ...]:
 def way_out(kind: Autopilot, scene: Scene, left: Step | None, *, lands: bool) -> tuple[Step, ...]:
     """Out of a flight that is given up: hold in the air, and land there if wanted; on the ground, disarm.
 
-    Over another mode than those of the step that is ``left`` nothing is commanded: then somebody else flies.
+    Over another mode than those of the step that is ``left`` nothing is commanded: then somebody else flies. A vehicle
+    that lifts off while it is asked to disarm is held as one in the air.
     """
-    if not scene.airborne:
-        return (disarm_step(None) if scene.vehicle.armed else unarm_step(),)
+    if not scene.airborne and not scene.vehicle.armed:
+        return (unarm_step(),)
     modes = None if left is None or left.modes is None else left.modes | {kind.hold_mode}
+    # A vehicle that was in this mode before it took off may have told so last: two heartbeats show that it is now.
+    seen = scene.vehicle.beats + (1 if scene.vehicle.mode == kind.hold_mode else 0)
+
+    def holds(now: Scene) -> bool:
+        return not now.vehicle.armed or (now.vehicle.mode == kind.hold_mode and now.vehicle.beats > seen)
+
     hold = change_mode_step(Stage.HOLD, kind.hold, kind.hold_mode, kind.mode_name(kind.hold_mode), modes)
-    hold = replace(hold, at_once=True)
+    hold = replace(hold, at_once=True, confirmed=holds)
     landing = landing_steps(kind.land, kind.land_mode, frozenset({kind.hold_mode}), scene.height_m)
-    return (hold, *(landing if lands else ()))
+    in_air = (hold, *(landing if lands else ()))
+    if scene.airborne:
+        return in_air
+    disarm = disarm_step(None)
+    return (replace(disarm, confirmed=lambda now: now.airborne or disarm.confirmed(now)), *in_air)
 
 
 def _settled(kind: Autopilot, course: Course) -> tuple[Step, ...]:

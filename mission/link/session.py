@@ -205,9 +205,6 @@ class Session:
             return
         self._land_when_stopped |= lands
         goes_on = self._retreat(now_s)
-        step, kind = self._procedure.step, self.contact.autopilot
-        if step is not None and step.stage is Stage.HOLD and not self._land_when_stopped and kind is not None:
-            reason = f"{reason}; the vehicle is left holding in {kind.mode_name(kind.hold_mode)}"
         self._outcome = (Ending.HANDED_OVER if self.pilot.words else Ending.STOPPED, reason)
         if not goes_on:
             self._end(*self._outcome)
@@ -335,7 +332,9 @@ class Session:
         if step is None:
             if self._failure is not None:
                 raise self._failure
-            self._end(*self._outcome)
+            ending, reason = self._outcome
+            kept = ending is Ending.STOPPED and self.vehicle.armed
+            self._end(ending, f"{reason}; {self.left}" if kept else reason)
             return
         if step.stage is not self.stage:
             if step.stage is Stage.FLY and self.guidance is not None:
