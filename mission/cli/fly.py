@@ -76,7 +76,7 @@ def run(arguments: Namespace) -> int:
         hurried=hurried,
     )
     if arguments.json:
-        print_json(_document(flight, plan))
+        print_json(_document(flight, plan, reported=reported))
     with suppress(OSError):
         if flight.result is not None:
             _print_verdict(flight.result, flight.folder, flight.elapsed_s, reported=reported)
@@ -86,12 +86,12 @@ def run(arguments: Namespace) -> int:
     return flight.exit_code
 
 
-def _document(flight: "_Flown", plan: FlightPlan) -> dict[str, object]:
+def _document(flight: "_Flown", plan: FlightPlan, *, reported: bool) -> dict[str, object]:
     """What came of a flight, for programs."""
     document = {
         "mission": plan.spec.name,
         "folder": str(flight.folder),
-        "report": str(flight.folder / PAGE_FILE),
+        "report": str(flight.folder / PAGE_FILE) if reported else None,
         **({"exit_code": 0} if flight.failure is None else error_values(flight.failure)),
     }
     result = flight.result
@@ -265,8 +265,10 @@ def _report(folder: Path, *, pictures: bool, form: str, hurried: bool) -> bool:
             except KeyboardInterrupt:
                 hurried = True
                 write_again(folder, pictures=False)
-        except (MissionError, OSError) as error:  # a flight is not lost for want of a picture of it
-            err.print(f"the report could not be written: {reason(error)}; try `mission report {folder}`", markup=False)
+        except Exception as error:  # noqa: BLE001 - a flight is not lost for want of a picture of it
+            known = isinstance(error, MissionError | OSError)
+            why = reason(error) if known else f"an error of this program, {type(error).__name__}: {error}"
+            err.print(f"the report could not be written: {why}; try `mission report {folder}`", markup=False)
             return False
     if pictures and hurried:
         err.print(f"the pictures are left out; `mission report {folder}` draws them", markup=False)

@@ -103,7 +103,8 @@ class FlightFolder:
             line = json_line({"kind": kind, "utc": utc, "t_s": t_s, **values})
             with suppress(OSError):
                 self._events.add(line)
-                if kind == "verdict":
+            if kind == "verdict":
+                with suppress(OSError):
                     told = {name: value for name, value in json.loads(line).items() if name != "kind"}
                     write_whole(self.path / VERDICT_FILE, json.dumps(told, indent=2) + "\n")
 

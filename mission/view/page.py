@@ -1,5 +1,6 @@
 """The page itself, before anything is drawn into it."""
 
+import re
 from html import escape
 from importlib.resources import files
 from typing import Final
@@ -7,6 +8,7 @@ from typing import Final
 from mission.plan import FlightPlan
 from mission.printable import printable
 
+_PLACE: Final = re.compile(r"\{\{(\w+)\}\}")
 _REQUESTS: Final = (
     ("hold", "Hold", "The vehicle slows to rest on its path and waits there."),
     ("resume", "Resume", "A vehicle that waits goes on."),
@@ -28,16 +30,16 @@ _FIGURES: Final = (
 
 def page(plan: FlightPlan, shown: str, *, live: bool) -> str:
     """The page of a plan's flight, live with buttons or for looking at again; ``shown`` says what it is."""
-    name = escape(printable(plan.spec.name))
-    text = files(__package__).joinpath("page.html").read_text(encoding="utf-8")
-    return (
-        text.replace("{{name}}", name)
-        .replace("{{formula}}", escape(printable(plan.specification)))
-        .replace("{{shown}}", escape(shown))
-        .replace("{{live}}", "yes" if live else "no")
-        .replace("{{figures}}", "".join(_figure(*each) for each in _FIGURES))
-        .replace("{{buttons}}", _buttons() if live else "")
-    )
+    parts = {
+        "name": escape(printable(plan.spec.name)),
+        "formula": escape(printable(plan.specification)),
+        "shown": escape(printable(shown)),
+        "live": "yes" if live else "no",
+        "figures": "".join(_figure(*each) for each in _FIGURES),
+        "buttons": _buttons() if live else "",
+    }
+    # At once: what is put in is not looked through again.
+    return _PLACE.sub(lambda place: parts[place[1]], asset("page.html"))
 
 
 def asset(name: str) -> str:

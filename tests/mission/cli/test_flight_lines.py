@@ -1,5 +1,7 @@
 """The lines of a flight: what is proved, what was given up, how closely it was followed."""
 
+import errno
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -49,6 +51,32 @@ def shown(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     monkeypatch.setattr(fly, "_flown", lambda *_: flown)
     monkeypatch.setattr(fly, "_report", lambda *_, **__: None)
     return ran(capsys, "fly", str(file))
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (ZeroDivisionError("division by zero"), "an error of this program, ZeroDivisionError: division by zero"),
+        (OSError(errno.ENOSPC, "full"), "no space left on device"),
+    ],
+)
+def test_a_report_that_fails_costs_no_verdict(
+    error: Exception, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    report = fly._report
+    monkeypatch.setattr(fly, "write_again", fail)
+    shown(SMALL, tmp_path, monkeypatch, capsys)
+    monkeypatch.setattr(fly, "_report", report)
+    flown = ran(capsys, "fly", str(tmp_path / "small.yaml"))
+    assert flown.code == 0
+    assert flown.out.splitlines()[-1].startswith("ACHIEVED  ")
+    assert "report  " not in flown.out
+    assert f"the report could not be written: {words}; try `mission report {tmp_path}`" in flown.err
+    told = json.loads(ran(capsys, "fly", str(tmp_path / "small.yaml"), "--json").out)
+    assert (told["exit_code"], told["achieved"], told["report"]) == (0, True, None)
 
 
 def test_wishes_that_were_given_up_are_named_first_and_last(

@@ -2,13 +2,14 @@
 
 import errno
 import io
+import json
 import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
-from mission.fly.folder import EVENTS_FILE, LINK_FILE, FlightFolder
+from mission.fly.folder import EVENTS_FILE, LINK_FILE, VERDICT_FILE, FlightFolder
 from mission.fly.recording import Recording
 from mission.growing_file import GrowingFile
 
@@ -39,6 +40,14 @@ def test_a_folder_that_is_removed_is_told_of_once_and_costs_no_flight(tmp_path: 
         assert folder.incomplete == dict.fromkeys((EVENTS_FILE, LINK_FILE), "no such file or directory")
     assert warnings == ["the record cannot be written: no such file or directory; the flight goes on without it"]
     assert record.lost_text == "2 lines of the record could not be written"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="files that are open cannot be removed")
+def test_a_verdict_is_kept_whatever_became_of_the_events(tmp_path: Path) -> None:
+    with FlightFolder.begun(tmp_path, "small", lambda: 0) as folder:
+        (folder.path / EVENTS_FILE).unlink()
+        folder.write("verdict", 1.0, achieved=True)
+    assert json.loads((folder.path / VERDICT_FILE).read_text())["achieved"] is True
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a file on a disk that is full")

@@ -74,6 +74,16 @@ def test_the_page_and_what_it_is_made_of_come_from_here_alone(live: PageServer) 
         assert asked(live, "GET", f"figures?plan={number}")[0] == 404
 
 
+def test_what_is_put_into_the_page_is_not_filled_in_itself() -> None:
+    plan = replace(PLAN, spec=replace(PLAN.spec, name="{{buttons}} {{shown}}"))
+    with PageServer(plan, "the flight of \udcff{{figures}}") as server:
+        status, text, _ = asked(server, "GET", "")
+    assert status == 200
+    assert "<h1>{{buttons}} {{shown}}</h1>" in text
+    assert 'data-shown="the flight of \\udcff{{figures}}"' in text
+    assert text.count('id="buttons"') == 1
+
+
 def test_it_listens_on_loopback_and_its_address_cannot_be_guessed(live: PageServer) -> None:
     address = urlsplit(live.address)
     assert address.hostname == "127.0.0.1"
