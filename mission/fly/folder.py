@@ -14,7 +14,7 @@ plan.json, ...        what was planned (``mission.cli.fly``, ``mission.library``
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -97,16 +97,21 @@ class FlightFolder:
             TypeError: A value that JSON cannot hold.
             OSError: The record cannot be written.
         """
-        self._record.write(kind, t_s, **values)
-        if kind not in _SERIES:
-            utc = (_EPOCH + timedelta(microseconds=self._utc_us())).isoformat(timespec="milliseconds")
-            line = json_line({"kind": kind, "utc": utc, "t_s": t_s, **values})
+        try:
+            self._record.write(kind, t_s, **values)
+        finally:  # each is written whatever became of the others
+            if kind not in _SERIES:
+                self._repeat(kind, t_s, values)
+
+    def _repeat(self, kind: str, t_s: float | None, values: Mapping[str, object]) -> None:
+        utc = (_EPOCH + timedelta(microseconds=self._utc_us())).isoformat(timespec="milliseconds")
+        line = json_line({"kind": kind, "utc": utc, "t_s": t_s, **values})
+        with suppress(OSError):
+            self._events.add(line)
+        if kind == "verdict":
             with suppress(OSError):
-                self._events.add(line)
-            if kind == "verdict":
-                with suppress(OSError):
-                    told = {name: value for name, value in json.loads(line).items() if name != "kind"}
-                    write_whole(self.path / VERDICT_FILE, json.dumps(told, indent=2) + "\n")
+                told = {name: value for name, value in json.loads(line).items() if name != "kind"}
+                write_whole(self.path / VERDICT_FILE, json.dumps(told, indent=2) + "\n")
 
     @property
     def incomplete(self) -> dict[str, str]:

@@ -12,6 +12,7 @@ import pytest
 from mission.fly.folder import EVENTS_FILE, LINK_FILE, VERDICT_FILE, FlightFolder
 from mission.fly.recording import Recording
 from mission.growing_file import GrowingFile
+from mission.report.record import RECORD_FILE
 
 
 class Said(io.BytesIO):
@@ -43,10 +44,11 @@ def test_a_folder_that_is_removed_is_told_of_once_and_costs_no_flight(tmp_path: 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="files that are open cannot be removed")
-def test_a_verdict_is_kept_whatever_became_of_the_events(tmp_path: Path) -> None:
+@pytest.mark.parametrize("file", [EVENTS_FILE, RECORD_FILE])
+def test_a_verdict_is_kept_whatever_became_of_other_files(file: str, tmp_path: Path) -> None:
     with FlightFolder.begun(tmp_path, "small", lambda: 0) as folder:
-        (folder.path / EVENTS_FILE).unlink()
-        folder.write("verdict", 1.0, achieved=True)
+        (folder.path / file).unlink()
+        Recording(folder, lambda _: None).write("verdict", 1.0, achieved=True)
     assert json.loads((folder.path / VERDICT_FILE).read_text())["achieved"] is True
 
 
