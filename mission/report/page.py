@@ -204,11 +204,17 @@ def _tasks(plan: FlightPlan) -> str:
 
 def _preflight(checked: Entry) -> str:
     """What was looked at before the flight; a row that was overridden says so."""
+    told = checked.values.get("rows")
     rows = [
-        (each["row"], f"{each['level']}, forced" if each["forced"] else each["level"], each["figure"], each["advice"])
-        for each in checked.values["rows"]
+        (
+            text_of(each.get("row")),
+            f"{text_of(each.get('level'))}{', forced' if each.get('forced') else ''}",
+            *(text_of(each.get(name)) for name in ("figure", "advice")),
+        )
+        for each in (told if isinstance(told, list) else ())
+        if isinstance(each, Mapping)
     ]
-    title = f"Check before the flight: {'go' if checked.values['go'] else 'no-go'}"
+    title = f"Check before the flight: {'go' if checked.values.get('go') else 'no-go'}"
     return f"<h2>{title}</h2>{table(('', '', 'figures', 'what to do'), rows, kind='log checks')}"
 
 

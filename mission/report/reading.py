@@ -18,8 +18,12 @@ from mission.report.record import PLACE, READ_SCHEMAS, RECORD_FILE
 Line = Mapping[str, Any]
 LEG = "leg"
 """The event of a plan that is taken over in flight."""
+GAP = "gap"
+"""The event of a while without positions or setpoints."""
 
 LARGEST_RECORD_BYTES = 2**30
+_LARGEST = 3.5e38
+"""Of a float on the link: what exceeds it was told by nobody, and its square would be infinite."""
 _REPORTS = {PLACE: "telemetry"}
 
 
@@ -245,10 +249,10 @@ def _record(kinds: Mapping[str, Sequence[Line]], stages: tuple[Stage | None, ...
             Visit(_number(line["t_s"]), int(line["triangle"]), frozenset(map(str, line["labels"])))
             for line in of("visit")
         ),
-        events=_entries(of("event"), "name"),
+        events=_events(of("event")),
         pictures=tuple(_picture(line) for line in of("image")),
         texts=_entries(of("text"), "text"),
-        verdict=_values(of("verdict")[-1]) if of("verdict") else None,
+        verdict=_verdict(of("verdict")[-1]) if of("verdict") else None,
         cut=cut,
         charges=tuple(
             Charge(_number(line["t_s"]), _number(line["percent"]), _number(line["drawn_mah"])) for line in of("charge")
@@ -325,13 +329,29 @@ def _entries(lines: Iterable[Line], text: str) -> tuple[Entry, ...]:
     )
 
 
+def _events(lines: Sequence[Line]) -> tuple[Entry, ...]:
+    """All events; gaps are counted, so they must tell of what they are, and how long."""
+    events = _entries(lines, "name")
+    if not all(
+        _number(each.values["for_s"]) >= 0.0 and "missing" in each.values for each in events if each.text == GAP
+    ):
+        raise ValueError("a gap has no length, or is of nothing")
+    return events
+
+
+def _verdict(line: Line) -> Line:
+    if not isinstance(line.get("achieved"), bool | None):
+        raise TypeError("a verdict is true, false or null")
+    return _values(line)
+
+
 def _values(line: Line) -> Line:
     return {name: value for name, value in line.items() if name != "kind"}
 
 
 def _number(value: Any) -> float:  # noqa: ANN401 - whatever JSON holds
     number = math.nan if value is None else float(value)
-    return number if math.isfinite(number) else math.nan
+    return number if abs(number) <= _LARGEST else math.nan
 
 
 def _numbers_of(values: Sequence[Any]) -> list[float]:

@@ -11,6 +11,7 @@ from mission.report.page import page
 from mission.report.pictures import write_pictures
 from mission.report.provenance import provenance_rows
 from mission.report.reading import Record
+from mission.report.record import json_line
 from mission.report.summary import summary
 from mission.whole_file import write_whole
 
@@ -54,7 +55,7 @@ def write_report(
     if record is not None:
         write_pictures(record.pictures, folder)
     # The numbers first: they are there even if the drawing is interrupted.
-    write_whole(folder / SUMMARY_FILE, json.dumps(numbers, indent=2, allow_nan=False) + "\n")
+    write_whole(folder / SUMMARY_FILE, json.dumps(json.loads(json_line(numbers)), indent=2) + "\n")
     drawn = save_all(plan, record, folder, tuple(dict.fromkeys(("png", form)))) if pictures else ()
     shown = [(picture, address_of(folder / picture.file)) for picture in drawn]
     html = page(

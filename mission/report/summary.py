@@ -13,7 +13,7 @@ from mission.monitor.coverage import covered_values
 from mission.monitor.pictures import missing
 from mission.plan import FlightPlan
 from mission.report.coverage import covered_again
-from mission.report.reading import Record, Visit
+from mission.report.reading import GAP, Record, Visit
 from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, flown_by_field, tracking_of
 from mission.spec.clearances import clearances_by_name
@@ -103,7 +103,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
     return {
         "record_is_cut": record.cut,
         "plans": 1 + len(record.takeovers),
-        "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == "gap"],
+        "gaps": [{"t_s": each.t_s, **each.values} for each in record.events if each.text == GAP],
         "covered": [covered_values(visit) for visit in covered_again(plan, record)],
         "photographs": _photographs(plan, record),
         "reports": len(record.track.t_s),

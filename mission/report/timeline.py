@@ -127,7 +127,7 @@ def in_words(event: Entry) -> str:
     if told is not None:
         try:
             return told(event.values)
-        except (KeyError, TypeError, ValueError):  # of another version, or damaged
+        except (KeyError, TypeError, ValueError, OverflowError):  # of another version, or damaged
             pass
     if "reason" in event.values:
         return f"{event.text}: {event.values['reason']}"

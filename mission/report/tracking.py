@@ -64,6 +64,7 @@ def tracking_of(record: Record) -> Tracking:
     """Bring reports and setpoints of a flight to the same times; empty where no trajectory was flown."""
     setpoints, track = record.setpoints, record.track
     of_trajectory = np.isfinite(setpoints.trajectory_s) & np.isfinite(setpoints.t_s)
+    of_trajectory &= np.isfinite(setpoints.position_m[:, :2]).all(axis=1)
     times = setpoints.t_s[of_trajectory]
     known = np.isfinite(track.position_m[:, :2]).all(axis=1) & np.isfinite(track.t_s)
     if len(times):
@@ -95,7 +96,7 @@ def _between(at_s: FloatArray, t_s: FloatArray, values: FloatArray, slopes: Floa
     if not len(t_s):
         return np.zeros((0, 2))
     times, first = np.unique(t_s, return_index=True)
-    if slopes is not None and len(times) > 1 and np.isfinite(slopes).all():
+    if slopes is not None and len(times) > 1 and np.isfinite(slopes).all() and np.isfinite(values).all():
         cubics: FloatArray = CubicHermiteSpline(times, values[first], slopes[first])(at_s)
         return cubics
     return np.stack([np.interp(at_s, times, axis) for axis in values[first].T], axis=-1)

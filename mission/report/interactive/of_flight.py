@@ -89,7 +89,8 @@ def flown_of(plan: FlightPlan, record: Record) -> tuple[Flown, Timeline]:
     flown = Flown(t_s[rows], position[rows, :2], {name: values[rows] for name, values in columns.items()})
     restricted = list(restricted_as_drawn(plan.spec, plan.partition, plan.labelling).values())
     if restricted:
-        nearness = shapely.distance(shapely.points(flown.position_m), shapely.union_all(restricted))
+        with np.errstate(invalid="ignore"):  # of a place that is not known
+            nearness = shapely.distance(shapely.points(flown.position_m), shapely.union_all(restricted))
         flown = Flown(flown.t_s, flown.position_m, {**flown.columns, "nearness": nearness})
     histories = tuple(each for each in _histories(plan, constant_s) if _is_known(each, flown))
     return flown, Timeline(_regions(plan, record, t_s), _phases(record, t_s), histories)
