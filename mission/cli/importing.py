@@ -5,7 +5,7 @@ from pathlib import Path
 
 from mission.cli.busy import doing
 from mission.cli.extent import extent
-from mission.cli.inputs import bad_file, write_named
+from mission.cli.inputs import bad_file, unwritable, write_named
 from mission.cli.screen import out, print_error, print_warnings
 from mission.decimals import count
 from mission.draft.trials import Trial, draft_that_plans
@@ -40,9 +40,18 @@ def free(target: Path, *, force: bool) -> Path:
     """The name of a file that is to be written.
 
     Raises:
-        SpecError: There is one already, which is not to be written over.
+        SpecError: There is one already, which is not to be written over, or no file can have that name.
     """
-    if target.exists() and not force:
+    there = True
+    try:
+        target.lstat()
+    except FileNotFoundError:
+        there = False
+    except (OSError, ValueError) as error:  # too long, or with a character that no name has
+        raise unwritable("--out", target, error) from error
+    if not target.parent.is_dir():
+        raise SpecError((Fault(0, 0, "--out", f"there is no folder {target.parent}", "make it, or name another"),))
+    if there and not force:
         hint = "choose another name, or say --force to write over it"
         raise SpecError((Fault(0, 0, "--out", f"{target} is there already", hint),))
     return target

@@ -94,7 +94,7 @@ def write_named(option: str, file: Path, content: bytes | str) -> None:
         raise unwritable(option, file, error) from error
 
 
-def unwritable(option: str, place: Path, error: OSError) -> SpecError:
+def unwritable(option: str, place: Path, error: OSError | ValueError) -> SpecError:
     """The failure to write where an option says."""
     hint = f"give {option} a place that can be written to"
     return SpecError((Fault(0, 0, option, f"{place} cannot be written: {reason(error)}", hint),))

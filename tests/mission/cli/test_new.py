@@ -152,3 +152,15 @@ def test_whoever_stops_answering_gets_no_mission(
     assert (stopped.code, stopped.out) == (2, "")
     assert "not all questions were answered: nothing is written" in stopped.err
     assert [*area.parent.iterdir()] == [area]
+
+
+def test_where_nothing_can_be_written_is_asked_again(
+    area: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    answers = [str(area), "", "", "", "", "", "q" * 300, "a\0b", "no/such/folder.yaml", str(area.parent), "ok.yaml"]
+    result = answered(monkeypatch, capsys, answers)
+    assert result.code == 0
+    assert sorted(file.name for file in area.parent.iterdir()) == ["area.geojson", "ok.yaml"]
+    for words in ("cannot be written: ", "there is no folder no/such", "is there already"):
+        assert words in result.err
+    assert "Traceback" not in result.err
