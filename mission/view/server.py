@@ -30,6 +30,8 @@ _MOST_BYTES: Final = 4096
 _MOST_PAGES: Final = 32
 _MOST_DRAWN: Final = 4
 _LEAVES_WITHIN_S: Final = 2.0
+_ASKS_WITHIN_S: Final = 20.0
+"""Whoever has not asked by then is cut off: connections that are begun and left would take all that there can be."""
 _KINDS: Final[Mapping[str, str]] = {"js": "text/javascript", "css": "text/css"}
 
 
@@ -94,7 +96,13 @@ class PageServer:
         logging.getLogger("tornado").addHandler(logging.NullHandler())
         logging.getLogger("tornado").propagate = False
         self._loop = asyncio.get_running_loop()
-        server = HTTPServer(self._application(), max_body_size=_MOST_BYTES, max_header_size=4 * _MOST_BYTES)
+        server = HTTPServer(
+            self._application(),
+            max_body_size=_MOST_BYTES,
+            max_header_size=4 * _MOST_BYTES,
+            idle_connection_timeout=_ASKS_WITHIN_S,
+            body_timeout=_ASKS_WITHIN_S,
+        )
         server.add_sockets(self._sockets)
         pushing = PeriodicCallback(self._push, _EVERY_MS)
         pushing.start()

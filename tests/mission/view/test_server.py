@@ -147,6 +147,19 @@ def test_what_is_too_large_is_not_read(live: PageServer) -> None:
     assert live.feed.take() is None
 
 
+@pytest.mark.parametrize("begun", ["", "GET /", "POST /{token}/request HTTP/1.1\r\nContent-Length: 9\r\n{own}\r\n{{"])
+def test_who_begins_to_ask_and_never_ends_is_cut_off(begun: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(of_server, "_ASKS_WITHIN_S", 0.05)
+    with PageServer(PLAN, "live") as server:
+        address = urlsplit(server.address)
+        token = address.path.strip("/")
+        own = f"Host: {address.netloc}\r\nOrigin: http://{address.netloc}\r\nX-Mission-Token: {token}\r\n"
+        with socket.create_connection((address.hostname or "", address.port or 0), timeout=20) as line:
+            line.sendall(begun.format(token=token, own=own).encode())
+            assert line.recv(1) == b""
+        assert server.feed.take() is None
+
+
 def test_a_request_reaches_the_flight_once_and_of_too_many_the_last_are_refused(live: PageServer) -> None:
     assert asked(live, "POST", "request", body=wish("hold"))[0] == 202
     assert [live.feed.take(), live.feed.take()] == [Request.HOLD, None]
