@@ -122,7 +122,8 @@ def _word(plan: FlightPlan, record: Record, numbers: Mapping[str, Any]) -> str:
     found, flown = passages(plan, record), numbers["flown"]
     judged = flown["judged"]
     steps = f"{judged['done']} of {judged['total']} steps of the automaton were done"
-    open_steps = f", and it waited for {' or '.join(judged['awaited'])}" if judged["awaited"] else ""
+    waited = judged["awaited"] and numbers["verdict"]["achieved"] is not True
+    open_steps = f", and it waited for {' or '.join(judged['awaited'])}" if waited else ""
     entered = {name for passage in found for name in passage.regions or ()}
     restricted = [region.name for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED]
     kept_out = [name for name in restricted if name not in entered]

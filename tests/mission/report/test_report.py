@@ -188,6 +188,8 @@ def test_what_could_have_come_is_told_from_what_came(achieved: bool, words: str)
     said = Page(page(plan, record, numbers, ())).words
     assert words in said
     assert said[said.index("Progress of the automaton") + 1] == ("2 of 3" if achieved else "2 of 3; it waits for home")
+    end = "At the end 2 of 3 steps of the automaton were done" + ("." if achieved else ", and it waited for home.")
+    assert any(end in text for text in said)
 
 
 def test_what_would_turn_the_page_round_is_told_by_its_code() -> None:
