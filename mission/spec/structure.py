@@ -216,6 +216,8 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
         keys = schema.get("properties", {})
         hint = f"write for example {example}" if example else f"its keys are {listed(keys)}" if keys else ""
     node = _at(tree, path)
+    if not path and isinstance(instance, str) and instance.startswith("<"):
+        hint = "of what other programs have drawn, `mission new --from FILE` makes a mission file"
     if isinstance(instance, Oddity):
         return Finding(path, f"expected {expected}, found {instance.found}", instance.hint)
     if isinstance(node, Scalar) and isinstance(instance, str) and schema.get("type") in ("number", "integer"):

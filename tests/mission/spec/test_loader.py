@@ -235,6 +235,13 @@ def test_more_errors_than_the_validator_is_asked_for_stop_the_check() -> None:
     assert [fault[2] for fault in faults_of(text)[:2]] == ["", "domain.nodes[0][0]"]
 
 
+def test_a_drawing_is_shown_its_way() -> None:
+    with pytest.raises(SpecError) as caught:
+        parse_mission(b'<?xml version="1.0"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"></kml>\n')
+    (fault,) = caught.value.faults
+    assert "`mission new --from FILE`" in fault.hint
+
+
 def test_utf16_is_refused_with_its_place() -> None:
     assert faults_of(SMALL.encode("utf-16")) == [(1, 1, "", "the byte 0xff is not UTF-8")]
 
