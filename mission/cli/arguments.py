@@ -239,7 +239,7 @@ def build_parser() -> argparse.ArgumentParser:
         description=_VIEW,
     )
     view.add_argument(
-        "shown", metavar="FOLDER|PLAN", help="a folder that 'mission fly' wrote, a written plan, or a mission file"
+        "shown", metavar="FOLDER|PLAN|FILE", help="a folder that 'mission fly' wrote, a written plan, or a mission file"
     )
     add_open(view)
 
