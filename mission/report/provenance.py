@@ -72,7 +72,7 @@ def _runs(folder: Path) -> list[dict[str, Any]]:
     """What was written down; nothing of a file that is damaged."""
     try:
         runs = json.loads((folder / PROVENANCE_FILE).read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return []
     return [run for run in runs if isinstance(run, dict)] if isinstance(runs, list) else []
 
