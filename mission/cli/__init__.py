@@ -85,6 +85,12 @@ def _run(arguments: Sequence[str]) -> int:
         # A refusal to plan is about the mission file; a failure of the link is not.
         print_error(error, shown(getattr(options, "file", None) or "") if isinstance(error, NoPlanError) else "")
         return error.exit_code
+    except OSError as error:
+        if getattr(options, "document", False) and options.json and not isinstance(error, BrokenPipeError):
+            from mission.cli.screen import print_json  # noqa: PLC0415 - see above
+
+            print_json({"exit_code": BAD_INPUT, "error": _words(error), "faults": []})
+        raise
 
 
 def _told(error: OSError) -> int:
@@ -93,6 +99,9 @@ def _told(error: OSError) -> int:
         return READER_GONE
     from mission.printable import printable  # noqa: PLC0415 - see above
 
-    words = f"error: {error.strerror or error}{f': {error.filename}' if error.filename else ''}"
-    print(printable(words), file=sys.stderr)  # noqa: T201 - the program's voice, when its terminal library has failed
+    print(printable(f"error: {_words(error)}"), file=sys.stderr)  # noqa: T201 - the program's voice, when its terminal library has failed
     return BAD_INPUT
+
+
+def _words(error: OSError) -> str:
+    return f"{error.strerror or error}{f': {error.filename}' if error.filename else ''}"

@@ -88,6 +88,17 @@ def test_a_failure_is_a_document_too(command: list[str], tmp_path: Path, capsys:
     assert failed["faults"][0]["hint"]
 
 
+@pytest.mark.parametrize("command", [["verify"], ["report"], ["report", "q" * 300], ["check"], ["fly"]])
+def test_what_the_system_refuses_is_a_document_too(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """A name that is longer than any can be."""
+    result = ran(capsys, *command, "q" * 300, "--json")
+    assert result.code == 2
+    told = json.loads(result.out)
+    assert told["exit_code"] == 2
+    assert "too long" in str(told).lower()
+    assert "too long" in result.err.lower()
+
+
 def test_a_flight_is_a_document(
     file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
