@@ -8,10 +8,12 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from types import TracebackType
 from typing import Any, ClassVar, Final, Self
+from weakref import WeakSet
 
 from bokeh.resources import Resources
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
+from tornado.iostream import IOStream
 from tornado.netutil import bind_sockets
 from tornado.web import Application, HTTPError, RequestHandler
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
@@ -30,6 +32,8 @@ _MOST_BYTES: Final = 4096
 _MOST_PAGES: Final = 32
 _MOST_DRAWN: Final = 4
 _LEAVES_WITHIN_S: Final = 2.0
+_MOST_LINES: Final = 128
+"""So many connections there are at once: a flight needs files, too, of which a program may have few."""
 _ASKS_WITHIN_S: Final = 20.0
 """Whoever has not asked by then is cut off: connections that are begun and left would take all that there can be."""
 _KINDS: Final[Mapping[str, str]] = {"js": "text/javascript", "css": "text/css"}
@@ -96,7 +100,7 @@ class PageServer:
         logging.getLogger("tornado").addHandler(logging.NullHandler())
         logging.getLogger("tornado").propagate = False
         self._loop = asyncio.get_running_loop()
-        server = HTTPServer(
+        server = _FewLines(
             self._application(),
             max_body_size=_MOST_BYTES,
             max_header_size=4 * _MOST_BYTES,
@@ -158,6 +162,21 @@ class PageServer:
         if message := self._show.add(self.feed.moments(), self.feed.answers()):
             for each in list(self._pages):
                 each.push(message)
+
+
+class _FewLines(HTTPServer):
+    """Closes connections beyond so many at once."""
+
+    def initialize(self, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - the library's own
+        super().initialize(*arguments, **options)
+        self._lines: WeakSet[IOStream] = WeakSet()
+
+    def handle_stream(self, stream: IOStream, address: tuple[Any, ...]) -> None:
+        if sum(not line.closed() for line in self._lines) >= _MOST_LINES:
+            stream.close()
+            return
+        self._lines.add(stream)
+        super().handle_stream(stream, address)
 
 
 class _Guarded(RequestHandler):

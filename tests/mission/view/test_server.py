@@ -160,6 +160,20 @@ def test_who_begins_to_ask_and_never_ends_is_cut_off(begun: str, monkeypatch: py
         assert server.feed.take() is None
 
 
+def test_of_too_many_connections_the_last_are_closed_and_there_is_room_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(of_server, "_MOST_LINES", 2)
+    with PageServer(PLAN, "live") as server:
+        address = urlsplit(server.address)
+        lines = [socket.create_connection((address.hostname or "", address.port or 0), timeout=20) for _ in range(3)]
+        assert lines[2].recv(1) == b""
+        lines[0].sendall(b"none\r\n\r\n")  # is no request: the server has closed the line once that is read
+        while lines[0].recv(100):
+            pass
+        assert asked(server, "GET", "page.css")[0] == 200
+        for line in lines:
+            line.close()
+
+
 def test_a_request_reaches_the_flight_once_and_of_too_many_the_last_are_refused(live: PageServer) -> None:
     assert asked(live, "POST", "request", body=wish("hold"))[0] == 202
     assert [live.feed.take(), live.feed.take()] == [Request.HOLD, None]
