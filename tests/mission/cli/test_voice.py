@@ -47,7 +47,7 @@ def folder(tmp_path: Path, written: Path, file: Path) -> Path:
 def flown(file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *options: str) -> Ran:
     came = fly._Flown(file.parent, heard=False, exit_code=0, result=result_of(plan_of(SMALL)))
     monkeypatch.setattr(fly, "_flown", lambda *_: came)
-    monkeypatch.setattr(fly, "_report", lambda *_, **__: None)
+    monkeypatch.setattr(fly, "_report", lambda *_, **__: True)
     return ran(capsys, "fly", str(file), *options)
 
 
@@ -120,7 +120,7 @@ def test_a_flight_that_failed_says_why(
 ) -> None:
     came = fly._Flown(file.parent, heard=True, exit_code=4, failure=LinkError("the link is lost"))
     monkeypatch.setattr(fly, "_flown", lambda *_: came)
-    monkeypatch.setattr(fly, "_report", lambda *_, **__: None)
+    monkeypatch.setattr(fly, "_report", lambda *_, **__: True)
     told = ran(capsys, "fly", str(file), "--json")
     document = json.loads(told.out)
     assert told.code == document["exit_code"] == 4
