@@ -66,7 +66,7 @@ def test_events_and_the_verdict_are_those_of_the_record(folder: Path) -> None:
     events = [json.loads(line) for line in (folder / "events.jsonl").read_text().splitlines()]
     told = [{name: value for name, value in event.items() if name != "utc"} for event in events]
     assert told == [line for line in lines if line["kind"] in {each["kind"] for each in told}]
-    series = {"header", "telemetry", "at", "setpoint", "conditions"}
+    series = {"header", "telemetry", "at", "setpoint", "conditions", "truth"}
     assert {line["kind"] for line in lines} - {each["kind"] for each in told} == series
     times = [event["utc"] for event in events]
     assert times == sorted(times)

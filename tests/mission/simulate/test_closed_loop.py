@@ -43,7 +43,8 @@ def integrated(plan: FlightPlan, simulation: Simulation, until_s: float) -> Floa
 
     start = np.concatenate((simulation.position_m[0], simulation.velocity_m_s[0]))
     times = simulation.t_s[simulation.t_s <= until_s][::20]
-    found = solve_ivp(motion, (0.0, float(times[-1])), start, t_eval=times, rtol=1e-9, atol=1e-10, max_step=1.0)
+    span = 0.0, float(times[-1])
+    found = solve_ivp(motion, span, start, method="DOP853", t_eval=times, rtol=1e-11, atol=1e-12, max_step=0.5)
     return np.asarray(found.y.T)
 
 
