@@ -33,13 +33,11 @@ def run(arguments: Namespace) -> int:
         return _compare(arguments)
     folder = Path(arguments.folder[0])
     try:
-        write_again(folder, pictures=True, form=arguments.format)
+        numbers = write_again(folder, pictures=True, form=arguments.format)
     except OSError as error:
         raise bad_file(folder, f"the report cannot be written: {reason(error)}", "make the folder writable") from error
     if arguments.json:
-        plan, record, _ = flight_in(folder)
-        page = str(folder / PAGE_FILE)
-        print_json({"exit_code": 0, "folder": str(folder), "report": page, **summary(plan, record)})
+        print_json({"exit_code": 0, "folder": str(folder), "report": str(folder / PAGE_FILE), **numbers})
     out.print(f"report    {folder / PAGE_FILE}", markup=False)
     for file in sorted(folder.iterdir()) if arguments.verbose else ():
         out.print(f"{file.stat().st_size:>12,}  {file.name}", markup=False)
@@ -84,8 +82,8 @@ def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     )
 
 
-def write_again(folder: Path, *, pictures: bool, form: str = "png") -> None:
-    """Write the report of a flight from its folder alone.
+def write_again(folder: Path, *, pictures: bool, form: str = "png") -> dict[str, Any]:
+    """Write the report of a flight from its folder alone; return its summary.
 
     Raises:
         SpecError: The folder is not one of a flight.
@@ -95,7 +93,7 @@ def write_again(folder: Path, *, pictures: bool, form: str = "png") -> None:
     with doing("reading the flight"):
         plan, record, mission_text = flight_in(folder)
     with doing("drawing the report" if pictures else "writing the report"):
-        write_report(plan, record, folder, pictures=pictures, form=form, mission_text=mission_text)
+        return write_report(plan, record, folder, pictures=pictures, form=form, mission_text=mission_text)
 
 
 def flight_in(folder: Path) -> tuple[FlightPlan, Record, str]:

@@ -139,16 +139,23 @@ def led_by_field(record: Record) -> Tracking:
     )
 
 
+def flown_line(record: Record) -> BaseGeometry | None:
+    """The line through the reported positions, or the only one, in ENU; None where there is none."""
+    positions = record.track.position_m[:, :2]
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    if not len(positions):
+        return None
+    return shapely.LineString(positions) if len(positions) > 1 else shapely.Point(positions[0])
+
+
 def distances_m(record: Record, shapes: Mapping[str, BaseGeometry]) -> dict[str, float]:
     """Smallest distance of the line through the reported positions to each shape; 0 where it meets it.
 
     Empty where fewer than one position was reported.
     """
-    positions = record.track.position_m[:, :2]
-    positions = positions[np.isfinite(positions).all(axis=1)]
-    if not len(positions):
+    line = flown_line(record)
+    if line is None:
         return {}
-    line = shapely.LineString(positions) if len(positions) > 1 else shapely.Point(positions[0])
     # Where the vehicle stood still, older versions of GEOS divide 0 by 0 in passing.
     with np.errstate(invalid="ignore"):
         return {name: float(shapely.distance(line, shape)) for name, shape in shapes.items()}

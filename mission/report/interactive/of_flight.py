@@ -33,7 +33,7 @@ from mission.report.interactive.scene import (
 from mission.report.palette import BLUE, GREEN, KIND_COLOUR, LOOP, MESH, ORANGE, PLANNED, QUIET, SKY_BLUE, TUBE
 from mission.report.reading import Record
 from mission.report.summary import condensed
-from mission.report.tracking import led_by_field, tracking_of
+from mission.report.tracking import flown_line, led_by_field, tracking_of
 from mission.spec.model import FIELD, RegionKind
 from mission.spec.restricted import restricted_as_drawn
 
@@ -303,11 +303,9 @@ def _images(record: Record | None) -> tuple[Dots, ...]:
 
 
 def _nearest(plan: FlightPlan, record: Record) -> tuple[Nearest, ...]:
-    position = record.track.position_m[:, :2]
-    position = position[np.isfinite(position).all(axis=1)]
-    if not len(position):
+    line = flown_line(record)
+    if line is None:
         return ()
-    line = shapely.LineString(position) if len(position) > 1 else shapely.Point(position[0])
     found = []
     for name, shape in restricted_as_drawn(plan.spec, plan.partition, plan.labelling).items():
         with np.errstate(invalid="ignore"):  # where the vehicle stood still, older versions of GEOS divide 0 by 0
