@@ -2,7 +2,8 @@
 
 Binding, from the loosest to the tightest, as in Spot: ``->`` and ``<->`` (to the right), ``|``, ``xor``, ``&``, the
 binary ``U R W M`` (to the right), the prefix operators ``! X F G``. Other spellings of the same operators are read too
-(``spellings``: signs, words, LaTeX), ``V`` as ``R``, and ``1`` and ``0`` as the constants.
+(``spellings``: signs, words, LaTeX), ``V`` as ``R``, and ``1`` and ``0`` as the constants. Where formulas may speak of
+time, ``F G U R W M`` carry bounds in seconds: ``F[0,120] a``, ``a U[0,90] b``.
 
 A word is as long as it can be, and is read by the first of these rules that fits:
 
@@ -19,6 +20,7 @@ A word is as long as it can be, and is read by the first of these rules that fit
 
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Final
 
 from mission.errors import FormulaSyntaxError
@@ -37,18 +39,22 @@ from mission.logic.formula.spellings import (
     named,
 )
 from mission.logic.formula.syntax import (
+    BOUNDABLE,
     CHAINS,
     FALSE,
+    LONGEST_S,
     STRENGTH,
     TRUE,
     UNARY,
     XOR_STRENGTH,
+    Bounds,
     Formula,
     Operator,
     conjunction,
     disjunction,
     equivalence,
     negation,
+    postorder,
     proposition,
 )
 
@@ -62,10 +68,12 @@ _WORD: Final = "[A-Za-z_][A-Za-z0-9_.]*"
 _STYLES: Final = r"\\(?:math(?:cal|bf|rm|sf|it|tt|bb|frak|scr|ord|bin|rel|op)|text(?:bf|rm|sf|it|tt)?|operatorname)"
 _TOKEN: Final = re.compile(
     rf"(?P<space>[ \t\r\n\ufe0e\ufe0f]+|\\[ ,;:]|\\(?:{'|'.join(SPACES)})(?![A-Za-z]))|(?P<word>{_WORD})|"
-    rf'(?P<number>[0-9][A-Za-z0-9_.]*)|"(?P<quoted>[^"\r\n]*)"|'
+    rf'(?P<number>[0-9][A-Za-z0-9_.]*)|"(?P<quoted>[^"\r\n]*)"|\[(?P<bounds>[^\[\]\r\n]+)\]|'
     rf"{_STYLES} *(?:\{{ *(?P<styled>{_WORD}) *\}}|(?<![A-Za-z])(?P<letter>[A-Za-z]))|\\(?P<command>[A-Za-z]+)|"
     rf"(?P<sign>{'|'.join(map(re.escape, sorted(SIGNS, key=len, reverse=True)))})"
 )
+_BOUNDS: Final = re.compile(r" *([+-]?)([0-9]{1,9}(?:\.[0-9]{1,9})?) *, *([+-]?)([0-9]{1,9}(?:\.[0-9]{1,9})?) *")
+_BOUNDS_HINT: Final = f"two numbers of seconds from 0 to {LONGEST_S}, the smaller first: F[0,120] a"
 _SHORT_OPERAND: Final = re.compile(r"([FGX]+)([A-Za-z][0-9]*)")
 _BINARY_STRENGTH: Final[dict[Meaning, int]] = {
     Sign.XOR: XOR_STRENGTH,
@@ -87,6 +95,7 @@ class _Pending:
     spelling: str
     column: int
     arity: int
+    bounds: Bounds | None = None
 
 
 def parse_formula(text: str, propositions: frozenset[str] | None = None) -> Formula:
@@ -98,13 +107,39 @@ def parse_formula(text: str, propositions: frozenset[str] | None = None) -> Form
             every other reading of a word; names outside this set are not refused here.
 
     Raises:
-        FormulaSyntaxError: The text is no formula, is longer than ``MAX_LENGTH`` or nested deeper than ``MAX_DEPTH``.
+        FormulaSyntaxError: The text is no formula, is longer than ``MAX_LENGTH`` or nested deeper than ``MAX_DEPTH``,
+            or has bounds in seconds.
     """
+    formula, column = _parsed(text, propositions)
+    if formula.timed:
+        hint = "take the bounds away; `mission plan` reads them in the formula of a mission"
+        raise FormulaSyntaxError("seconds have no meaning here", text=text, column=column, hint=hint)
+    return formula
+
+
+def parse_timed_formula(text: str, propositions: frozenset[str] | None = None) -> Formula:
+    """The same of a formula that may have bounds in seconds.
+
+    Raises:
+        FormulaSyntaxError: As there, or a conjunct has bounds and ``X``, which counts triangles and not seconds, too.
+    """
+    formula, column = _parsed(text, propositions)
+    for part in formula.operands if formula.operator is Operator.AND else (formula,):
+        if part.timed and any(node.operator is Operator.NEXT for node in postorder(part)):
+            hint = "say it without X, or in a conjunct of its own"
+            message = "X counts triangles and bounds count seconds: they do not stand in one conjunct"
+            raise FormulaSyntaxError(message, text=text, column=column, hint=hint)
+    return formula
+
+
+def _parsed(text: str, propositions: frozenset[str] | None) -> tuple[Formula, int]:
+    """A formula, and the column of its last bounds; 0 without any."""
     if len(text) > MAX_LENGTH:
         raise FormulaSyntaxError(
             f"the formula has {len(text)} characters, more than {MAX_LENGTH}", text=text[:80], column=MAX_LENGTH + 1
         )
-    return _Parser(text, propositions or frozenset()).parse()
+    parser = _Parser(text, propositions or frozenset())
+    return parser.parse(), parser.bounds_column
 
 
 class _Parser:
@@ -116,6 +151,7 @@ class _Parser:
         self._values: list[Formula] = []
         self._pending: list[_Pending] = []
         self._wants_operand = True
+        self.bounds_column = 0
 
     def parse(self) -> Formula:
         position = 0
@@ -127,6 +163,7 @@ class _Parser:
             "quoted": self._quoted,
             "number": self._number,
             "command": self._command,
+            "bounds": self._bounds,
             "sign": self._sign,
         }
         while position < len(text):
@@ -194,6 +231,25 @@ class _Parser:
             raise self._error(f"no operator stands between an operand and {digits}", column, _EXPECTED_OPERATOR)
         self._operand(TRUE if digits == "1" else FALSE)
 
+    def _bounds(self, inside: str, column: int) -> None:
+        """The bounds of the operator that was just read."""
+        written, self.bounds_column = f"[{inside}]", column
+        top = self._pending[-1] if self._wants_operand and self._pending else None
+        if top is None or top.meaning not in BOUNDABLE or top.bounds is not None:
+            hint = "bounds follow F, G, U, R, W or M: F[0,120] a; groups are written in parentheses"
+            raise self._error(f"{written:.40} follows no operator that has bounds", column, hint)
+        read = _BOUNDS.fullmatch(inside)
+        if read is None:
+            raise self._error(f"{written:.40} are no bounds", column, _BOUNDS_HINT)
+        if "-" in read.group(1, 3):
+            raise self._error(f"{written:.40} begin in the past", column, _BOUNDS_HINT)
+        least, most = Fraction(read.group(2)), Fraction(read.group(4))
+        if least > most:
+            raise self._error(f"{written:.40} end before they begin", column, _BOUNDS_HINT)
+        if most > LONGEST_S:
+            raise self._error(f"{written:.40} are longer than {LONGEST_S} s", column, _BOUNDS_HINT)
+        top.bounds = least, most
+
     def _sign(self, sign: str, column: int) -> None:
         self._meant(SIGNS[sign], sign, column)
 
@@ -257,7 +313,7 @@ class _Parser:
         pending = self._pending.pop()
         operands = tuple(self._values[-pending.arity :])
         del self._values[-pending.arity :]
-        formula = _built(pending.meaning, operands)
+        formula = _built(pending.meaning, operands, pending.bounds)
         if formula.depth > MAX_DEPTH:
             raise self._too_deep(pending.column)
         self._values.append(formula)
@@ -297,11 +353,11 @@ def _quoting(spelling: str) -> str:
     return f'; a proposition of the name {spelling} is written "{spelling}"' if is_name else ""
 
 
-def _built(meaning: Meaning, operands: tuple[Formula, ...]) -> Formula:
+def _built(meaning: Meaning, operands: tuple[Formula, ...], bounds: Bounds | None) -> Formula:
     if meaning is Sign.XOR:
         return negation(equivalence(*operands))
     if meaning is Operator.AND:
         return conjunction(*operands)
     if meaning is Operator.OR:
         return disjunction(*operands)
-    return Formula(Operator(meaning), operands)
+    return Formula(Operator(meaning), operands, "", bounds)

@@ -9,7 +9,9 @@ as in Manna and Pnueli, "The Temporal Logic of Reactive and Concurrent Systems" 
 
 import re
 from collections.abc import Callable
+from decimal import Decimal
 from enum import StrEnum
+from fractions import Fraction
 from typing import Final, Self, final
 from weakref import WeakValueDictionary
 
@@ -61,6 +63,15 @@ TEMPORAL: Final = frozenset(
     }
 )
 
+BOUNDABLE: Final = TEMPORAL - {Operator.NEXT}
+"""Operators that may carry bounds in seconds: ``F[0,120] a``."""
+
+LONGEST_S: Final = 1_000_000
+"""No bound is longer, s."""
+
+Bounds = tuple[Fraction, Fraction]
+"""The shortest and the longest time to what an operator speaks of, both included, s."""
+
 # How tightly an operator binds; the same number on both sides of one that associates to the right. The order is the
 # one of Spot's grammar, in which exclusive or, that no node stands for, comes between `|` and `&`.
 XOR_STRENGTH: Final = 3
@@ -80,7 +91,10 @@ STRENGTH: Final = {
 }
 _ATOM_STRENGTH: Final = 7
 
-_NODES: WeakValueDictionary[tuple[Operator, "tuple[Formula, ...]", str], "Formula"] = WeakValueDictionary()
+_SMALLEST_S: Final = Fraction(1, 10**9)
+
+_Key = tuple[Operator, "tuple[Formula, ...]", str, Bounds | None]
+_NODES: WeakValueDictionary[_Key, "Formula"] = WeakValueDictionary()
 
 
 @final
@@ -91,37 +105,48 @@ class Formula:
         operator: What the node is.
         operands: Its operands in the order of writing; two or more for conjunctions and disjunctions.
         name: The proposition's name; empty for every other operator.
+        bounds: Of a temporal operator that speaks of time, between how many seconds from now; None of all others.
+        timed: Whether it or one of its operands has bounds: it is no formula of LTL, and no automaton is made of it.
         depth: Number of nodes on the longest way down to a leaf, itself included.
         eventuality: Whether the syntax shows that it holds already if it holds at some later position (``F a``).
         universality: Whether the syntax shows that it stays true once it is (``G a``).
 
     Raises:
-        ValueError: The operands do not fit the operator, or the name is none that can be written.
+        ValueError: The operands do not fit the operator, the name is none that can be written, or the bounds are none.
     """
 
-    __slots__ = ("__weakref__", "depth", "eventuality", "name", "operands", "operator", "universality")
+    __slots__ = (
+        *("__weakref__", "bounds", "depth", "eventuality", "name", "operands", "operator", "timed", "universality"),
+    )
 
     operator: Operator
     operands: "tuple[Formula, ...]"
     name: str
+    bounds: Bounds | None
+    timed: bool
     depth: int
     eventuality: bool
     universality: bool
 
-    def __new__(cls, operator: Operator, operands: "tuple[Formula, ...]" = (), name: str = "") -> Self:
+    def __new__(
+        cls, operator: Operator, operands: "tuple[Formula, ...]" = (), name: str = "", bounds: Bounds | None = None
+    ) -> Self:
         """Find the node of these arguments, or make it."""
-        key = (operator, operands, name)
+        key = (operator, operands, name, bounds)
         known = _NODES.get(key)
         if known is not None:
             return known
         _check(operator, operands, name)
+        _check_bounds(operator, bounds)
         node = super().__new__(cls)
         object.__setattr__(node, "operator", operator)
         object.__setattr__(node, "operands", operands)
         object.__setattr__(node, "name", name)
+        object.__setattr__(node, "bounds", bounds)
+        object.__setattr__(node, "timed", bounds is not None or any(operand.timed for operand in operands))
         object.__setattr__(node, "depth", 1 + max((operand.depth for operand in operands), default=0))
-        object.__setattr__(node, "eventuality", _is_eventuality(operator, operands))
-        object.__setattr__(node, "universality", _is_universality(operator, operands))
+        object.__setattr__(node, "eventuality", bounds is None and _is_eventuality(operator, operands))
+        object.__setattr__(node, "universality", bounds is None and _is_universality(operator, operands))
         return _NODES.setdefault(key, node)
 
     def __setattr__(self, attribute: str, value: object) -> None:
@@ -136,8 +161,8 @@ class Formula:
     def __deepcopy__(self, memo: object) -> Self:
         return self
 
-    def __reduce__(self) -> tuple[type["Formula"], tuple[Operator, "tuple[Formula, ...]", str]]:
-        return Formula, (self.operator, self.operands, self.name)
+    def __reduce__(self) -> tuple[type["Formula"], _Key]:
+        return Formula, (self.operator, self.operands, self.name, self.bounds)
 
     def __str__(self) -> str:
         return _written(self)
@@ -164,6 +189,17 @@ def _check(operator: Operator, operands: tuple[Formula, ...], name: str) -> None
         fits = count == 2  # noqa: PLR2004 - a pair
     if not fits:
         raise ValueError(f"{count} operands do not fit the operator {operator.value}")
+
+
+def _check_bounds(operator: Operator, bounds: Bounds | None) -> None:
+    if bounds is None:
+        return
+    if operator not in BOUNDABLE:
+        raise ValueError(f"the operator {operator.value} has no bounds in seconds")
+    if not 0 <= bounds[0] <= bounds[1] <= LONGEST_S:
+        raise ValueError(f"bounds are two times from 0 to {LONGEST_S} s, in ascending order")
+    if any((bound / _SMALLEST_S).denominator != 1 for bound in bounds):
+        raise ValueError("bounds have nine decimals at most")
 
 
 def _is_eventuality(  # noqa: PLR0911 - one return for each rule
@@ -250,19 +286,19 @@ def following(operand: Formula) -> Formula:
     return Formula(Operator.NEXT, (operand,))
 
 
-def eventually(operand: Formula) -> Formula:
-    """``F operand``: now or later."""
-    return Formula(Operator.EVENTUALLY, (operand,))
+def eventually(operand: Formula, bounds: Bounds | None = None) -> Formula:
+    """``F operand``: now or later, within the bounds where there are some."""
+    return Formula(Operator.EVENTUALLY, (operand,), "", bounds)
 
 
-def always(operand: Formula) -> Formula:
-    """``G operand``: now and ever after."""
-    return Formula(Operator.ALWAYS, (operand,))
+def always(operand: Formula, bounds: Bounds | None = None) -> Formula:
+    """``G operand``: now and ever after, or all the time between the bounds."""
+    return Formula(Operator.ALWAYS, (operand,), "", bounds)
 
 
-def until(left: Formula, right: Formula) -> Formula:
-    """``left U right``: ``right`` comes, and ``left`` holds until just before."""
-    return Formula(Operator.UNTIL, (left, right))
+def until(left: Formula, right: Formula, bounds: Bounds | None = None) -> Formula:
+    """``left U right``: ``right`` comes, between the bounds if need be, and ``left`` holds until just before."""
+    return Formula(Operator.UNTIL, (left, right), "", bounds)
 
 
 def release(left: Formula, right: Formula) -> Formula:
@@ -332,13 +368,24 @@ def _written(formula: Formula) -> str:
         elif operator in UNARY:
             (operand,) = node.operands
             inner = _enclosed(texts[operand], _strength(operand) < STRENGTH[operator])
-            texts[node] = operator.value + inner if operator is Operator.NOT else f"{operator.value} {inner}"
+            sign = operator.value + _bounds_text(node.bounds)
+            texts[node] = sign + inner if operator is Operator.NOT else f"{sign} {inner}"
         else:
             # One level of operators without parentheses reads badly beyond `&` inside `|` inside `->`.
             strength = STRENGTH[operator]
             parts = (_enclosed(texts[operand], _strength(operand) <= strength) for operand in node.operands)
-            texts[node] = f" {operator.value} ".join(parts)
+            texts[node] = f" {operator.value}{_bounds_text(node.bounds)} ".join(parts)
     return texts[formula]
+
+
+def _bounds_text(bounds: Bounds | None) -> str:
+    return "" if bounds is None else f"[{','.join(map(seconds_text, bounds))}]"
+
+
+def seconds_text(seconds: Fraction) -> str:
+    """A number of seconds, or of any decimal fraction of them, as it is written in bounds."""
+    text = format(Decimal(seconds.numerator) / Decimal(seconds.denominator), "f")
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def _strength(formula: Formula) -> int:

@@ -1,0 +1,1 @@
+"""Formulas with bounds in seconds: metric temporal logic over dense time."""
