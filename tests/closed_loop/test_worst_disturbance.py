@@ -80,23 +80,25 @@ def planned(mission: str, speed_m_s: float) -> FlightPlan:
     return plan_of(text)
 
 
-@pytest.fixture(scope="module")
-def small() -> FlightPlan:
-    return planned("small", 6.0)
-
-
 @pytest.mark.parametrize(
-    ("vehicle", "disturbance"),
+    ("vehicle", "mission", "speed_m_s", "disturbance", "seed"),
     [
-        ("ardupilot", "pumping"),
-        ("px4 with its own gains", "pumping"),
-        ("px4 with its own gains", "beating with 3 s"),
-        ("px4", "away"),
+        ("ardupilot", "small", 6.0, "pumping", 1),
+        ("px4 with its own gains", "small", 6.0, "pumping", 1),
+        ("px4 with its own gains", "small", 6.0, "beating with 3 s", 1),
+        ("px4", "small", 6.0, "away", 1),
+        ("px4 with its own gains", "rounds", 4.0, "away", 2),
     ],
 )
-def test_the_worst_disturbance_is_not_enough(small: FlightPlan, vehicle: str, disturbance: str) -> None:
-    """Without the damping of the setpoints' correction, the second one takes 1.15 of its tube."""
-    assert VEHICLES[vehicle].flown(small, 1, DISTURBANCES[disturbance](1)) <= 1.0
+def test_the_worst_disturbance_is_not_enough(
+    vehicle: str, mission: str, speed_m_s: float, disturbance: str, seed: int
+) -> None:
+    """Without the damping of the setpoints' correction, the second one takes 1.15 of its tube.
+
+    The last one brakes hard while the push that its autopilot has learned turns round: 1.08 with a pull of 0.8 and a
+    lead that begins with nothing.
+    """
+    assert VEHICLES[vehicle].flown(planned(mission, speed_m_s), seed, DISTURBANCES[disturbance](seed)) <= 1.0
 
 
 @pytest.mark.long
