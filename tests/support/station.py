@@ -5,7 +5,6 @@ from struct import pack, unpack
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from tests.support.late_messages import decoded
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.dynamics.airframe import Dynamics
 from vehicle_sim.parameters import Flavour, ParameterKind
@@ -50,7 +49,7 @@ class Station:
 
     def collect(self) -> None:
         for datagram in self.endpoint.outgoing(self.name):
-            self.heard.extend(decoded(message) for message in self._parser.parse_buffer(datagram) or ())
+            self.heard.extend(self._parser.parse_buffer(datagram) or ())
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / self.endpoint.vehicle.config.step_s)):

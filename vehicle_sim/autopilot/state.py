@@ -143,10 +143,15 @@ class State:
     @property
     def arming_faults(self) -> tuple[ArmingFault, ...]:
         """The arming checks that fail now, in the present mode."""
+        return self.arming_faults_in(self.mode)
+
+    def arming_faults_in(self, mode: Mode) -> tuple[ArmingFault, ...]:
+        """Return the arming checks that would fail now in another mode."""
+        rule = self.modes[mode]
         return arming_faults(
             flavour=self.flavour,
-            mode=self.mode,
-            rule=replace(self.rule, armable=self.settings.mission_arms) if self.mode is Mode.AUTO else self.rule,
+            mode=mode,
+            rule=replace(rule, armable=self.settings.mission_arms) if mode is Mode.AUTO else rule,
             estimate=self._estimate,
             home_known=self.home is not None,
             setpoints_fresh=self._stream_fresh,
@@ -154,7 +159,7 @@ class State:
             battery=self._battery.level if self.settings.battery_checked else BatteryLevel.OK,
             fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
             outside_fence=self.guard.is_outside,
-            mission_flyable=self.mode is not Mode.AUTO or self.mission_fault is None,
+            mission_flyable=mode is not Mode.AUTO or self.mission_fault is None,
         )
 
     @property
@@ -178,14 +183,19 @@ class State:
         return mission_fault(self.mission.items, self.settings, self.home, landed=not self.flying)
 
     @property
+    def ground_heard(self) -> bool:
+        """Whether a ground station lives."""
+        heard = self._ground_heard_s
+        return heard is not None and self._now_s - heard <= self.settings.ground_timeout_s
+
+    @property
     def _stream_fresh(self) -> bool:
         return self._now_s - self._stream_s <= self.settings.setpoint_timeout_s
 
     @property
     def _ground_lost(self) -> bool:
-        heard = self._ground_heard_s
         acts = self.settings.ground_loss is not Action.NOTHING
-        return acts and heard is not None and self._now_s - heard > self.settings.ground_timeout_s
+        return acts and self._ground_heard_s is not None and not self.ground_heard
 
     @property
     def _refusal(self) -> Outcome:

@@ -254,8 +254,8 @@ class CommandService:
         return Outcome.ACCEPTED
 
     def _run_prearm_checks(self, _request: Request) -> Outcome:
-        if self._host.table.flavour is Flavour.PX4 or self._autopilot.armed:
-            return Outcome.TEMPORARILY_REJECTED if self._autopilot.armed else Outcome.ACCEPTED
+        if self._autopilot.armed:
+            return Outcome.TEMPORARILY_REJECTED
         for fault in self._autopilot.prearm_faults:
             self._host.say(Severity.CRITICAL, f"PreArm: {fault.text}")
         return Outcome.ACCEPTED

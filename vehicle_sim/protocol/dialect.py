@@ -10,8 +10,6 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 __all__ = [
     "AUTOPILOT_COMPONENT",
-    "AVAILABLE_MODES_ID",
-    "CURRENT_MODE_ID",
     "LAST_V1_ID",
     "MAGIC_V1",
     "MAGIC_V2",
@@ -21,10 +19,6 @@ __all__ = [
 ]
 
 Message: TypeAlias = mavlink.MAVLink_message
-
-# Messages that the dialect does not have yet; `mode_list` makes them.
-AVAILABLE_MODES_ID = 435
-CURRENT_MODE_ID = 436
 
 AUTOPILOT_COMPONENT = mavlink.MAV_COMP_ID_AUTOPILOT1
 MAGIC_V1 = 0xFE

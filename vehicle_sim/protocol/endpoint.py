@@ -12,6 +12,7 @@ from vehicle_sim.protocol.attitudes import AttitudeService
 from vehicle_sim.protocol.cameras import CameraService
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT, mavlink
+from vehicle_sim.protocol.events import EventService
 from vehicle_sim.protocol.failures import FailureService
 from vehicle_sim.protocol.fences import FenceService
 from vehicle_sim.protocol.files import FileService
@@ -101,7 +102,6 @@ class Endpoint:
         time = TimeService(self)
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
-        commands.handlers.update(self._parameters.commands)
         self._plans = PlanService(self)
         fences = FenceService(self)
         self._missions = MissionService(self, self._plans.store)
@@ -113,15 +113,21 @@ class Endpoint:
         self._files = FileService(self, self.recorder)
         mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
-        commands.handlers.update(mode_list.commands)
         self.key_setup = KeySetupService(self, self.signer)
-        commands.handlers.update(self._rates.commands)
-        commands.handlers.update(FailureService(self).commands)
-        commands.handlers.update(fences.commands)
-        commands.handlers.update(self._missions.commands)
+        self._events = EventService(self)
         self._cameras = CameraService(self)
-        commands.handlers.update(self._cameras.commands)
-        commands.handlers.update(MountService(self).commands)
+        for service in (
+            self._parameters,
+            mode_list,
+            self._rates,
+            FailureService(self),
+            self._events,
+            fences,
+            self._missions,
+            self._cameras,
+            MountService(self),
+        ):
+            commands.handlers.update(service.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
@@ -136,6 +142,7 @@ class Endpoint:
             **self._log_transfer.messages,
             **self._files.messages,
             **self.key_setup.messages,
+            **self._events.messages,
         }
         builders: dict[int, Builder] = {
             **BUILDERS,
@@ -306,7 +313,9 @@ class Endpoint:
                     link.send(message)
 
     def _go_on_sending(self) -> None:
-        """Send the next part of what is long."""
+        """Send the next part of what is long, and what is due."""
+        if self._events.next_due_us <= self.now_us:
+            self._events.advance()
         if self._parameters.is_listing:
             self._parameters.advance()
         if self._log_transfer.is_sending:
@@ -327,6 +336,7 @@ class Endpoint:
         self._router = Router(self.system_id, self.component_id)
         self._presence.reboot()
         self._cameras.reboot()
+        self._events.reboot()
         for link in self._links.values():
             link.speak_for(self.system_id)
             self._parameters.forget(link)
@@ -348,7 +358,7 @@ class Endpoint:
 
     def say(self, severity: "Severity", text: str) -> None:
         """Send a text to every link, in chunks where it is long."""
-        for message in self._chunker.messages(severity, text):
+        for message in self._chunker.messages(severity, self._events.heard(severity, text)):
             self.recorder.take(message)
             self.broadcast(message)
 

@@ -11,7 +11,8 @@ from typing import Final
 
 from vehicle_sim.autopilot import Mode, Outcome
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.protocol.dialect import CURRENT_MODE_ID, mavlink
+from vehicle_sim.protocol.dialect import mavlink
+from vehicle_sim.protocol.late_messages import ComponentMetadata, CurrentMode
 
 _CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 _STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
@@ -194,7 +195,8 @@ _ARDUPILOT: Final = FlavourTable(
             "AHRS", "WIND", "SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"
         ),
     },
-    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY")) | {CURRENT_MODE_ID},
+    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY"))
+    | {CurrentMode.id, ComponentMetadata.id},
     told_on_change=frozenset(),
     no_stream=Outcome.DENIED,
     no_message=Outcome.FAILED,
@@ -275,7 +277,7 @@ _PX4: Final = FlavourTable(
             MISSION_CURRENT=1,
             CAMERA_IMAGE_CAPTURED=1,
         )
-        | {CURRENT_MODE_ID: 0.5},
+        | {CurrentMode.id: 0.5},
         Rates.ONBOARD: _rates(
             TIMESYNC=10,
             ATTITUDE=100,
@@ -304,7 +306,7 @@ _PX4: Final = FlavourTable(
             CAMERA_TRIGGER=1,
             CAMERA_IMAGE_CAPTURED=1,
         )
-        | {CURRENT_MODE_ID: 0.5},
+        | {CurrentMode.id: 0.5},
     },
     stream_parameters={},
     stream_groups={},

@@ -1,18 +1,18 @@
 """Which modes there are: AVAILABLE_MODES and CURRENT_MODE, https://mavlink.io/en/services/standard_modes.html.
 
-The dialect that the vehicle speaks does not have these messages yet, so they are made here. PX4 gives modes that are
+PX4 gives modes that are
 standard no name, and marks those advanced that fly neither by hand with height nor with place kept; ArduPilot gives all
 of them names, and has no CURRENT_MODE. After PX4 `AVAILABLE_MODES.hpp` and ArduPilot `GCS_MAVLink_Copter.cpp`.
 """
 
-from struct import pack
 from typing import TYPE_CHECKING, Final
 
 from vehicle_sim.autopilot import Mode, Outcome
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.commands import Request
-from vehicle_sim.protocol.dialect import AVAILABLE_MODES_ID, CURRENT_MODE_ID, Message, mavlink
+from vehicle_sim.protocol.dialect import Message
 from vehicle_sim.protocol.host import Host
+from vehicle_sim.protocol.late_messages import AvailableModes, CurrentMode
 from vehicle_sim.protocol.units import whole_number
 
 if TYPE_CHECKING:
@@ -28,53 +28,18 @@ _STANDARD: Final = {Mode.POSITION: 1, Mode.ALT_HOLD: 4, Mode.RETURN: 5, Mode.AUT
 """MAV_STANDARD_MODE of PX4's modes."""
 
 
-class AvailableModes(mavlink.MAVLink_message):  # type: ignore[misc]  # pymavlink ships no types
-    """AVAILABLE_MODES (435): one mode of the list."""
-
-    def __init__(
-        self, *, number_modes: int, mode_index: int, standard_mode: int, custom_mode: int, properties: int, name: str
-    ) -> None:
-        super().__init__(AVAILABLE_MODES_ID, "AVAILABLE_MODES")
-        self._fieldnames = ["number_modes", "mode_index", "standard_mode", "custom_mode", "properties", "mode_name"]
-        self.number_modes, self.mode_index, self.standard_mode = number_modes, mode_index, standard_mode
-        self.custom_mode, self.properties, self.mode_name = custom_mode, properties, name
-
-    def pack(self, mav: mavlink.MAVLink, force_mavlink1: bool = False) -> bytes:  # noqa: FBT001, FBT002 - pymavlink's signature
-        """Return the frame; 134 is the message's CRC_EXTRA."""
-        name = self.mode_name.encode("ascii", "replace")
-        integers = (self.custom_mode, self.properties, self.number_modes, self.mode_index, self.standard_mode)
-        frame: bytes = self._pack(mav, 134, pack("<IIBBB35s", *integers, name), force_mavlink1=force_mavlink1)
-        return frame
-
-
-class CurrentMode(mavlink.MAVLink_message):  # type: ignore[misc]  # pymavlink ships no types
-    """CURRENT_MODE (436): the mode, and the one that was asked for last."""
-
-    def __init__(self, *, standard_mode: int, custom_mode: int, intended_custom_mode: int) -> None:
-        super().__init__(CURRENT_MODE_ID, "CURRENT_MODE")
-        self._fieldnames = ["standard_mode", "custom_mode", "intended_custom_mode"]
-        self.standard_mode, self.custom_mode = standard_mode, custom_mode
-        self.intended_custom_mode = intended_custom_mode
-
-    def pack(self, mav: mavlink.MAVLink, force_mavlink1: bool = False) -> bytes:  # noqa: FBT001, FBT002 - pymavlink's signature
-        """Return the frame; 193 is the message's CRC_EXTRA."""
-        payload = pack("<IIB", self.custom_mode, self.intended_custom_mode, self.standard_mode)
-        frame: bytes = self._pack(mav, 193, payload, force_mavlink1=force_mavlink1)
-        return frame
-
-
 class ModeListService:
     """Tells the modes, one by one or all, and the present one."""
 
     def __init__(self, host: Host) -> None:
         self._host = host
         self._order = sorted(host.table.custom_modes, key=lambda mode: host.table.custom_modes[mode])
-        self.requests: Mapping[int, Callable[[Request], Outcome]] = {AVAILABLE_MODES_ID: self._give}
+        self.requests: Mapping[int, Callable[[Request], Outcome]] = {AvailableModes.id: self._give}
         self.commands: Mapping[int, Callable[[Request], Outcome]] = {_DO_SET_STANDARD_MODE: self._set_standard}
         # The set of modes never changes, so there is nothing to stream of it.
         self.telemetry: Mapping[int, Builder] = {
-            AVAILABLE_MODES_ID: lambda _host: None,
-            CURRENT_MODE_ID: lambda _host: self._current(),
+            AvailableModes.id: lambda _host: None,
+            CurrentMode.id: lambda _host: self._current(),
         }
 
     @property
@@ -101,7 +66,7 @@ class ModeListService:
             standard_mode=standard,
             custom_mode=self._host.table.custom_modes[mode],
             properties=properties,
-            name="" if standard else self._host.vehicle.autopilot.modes[mode].name,
+            mode_name="" if standard else self._host.vehicle.autopilot.modes[mode].name,
         )
 
     def _standard(self, mode: Mode) -> int:

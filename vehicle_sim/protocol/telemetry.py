@@ -4,8 +4,10 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from vehicle_sim.protocol import guidance, health, motion, sensing
+from vehicle_sim.protocol.component_metadata import component_metadata
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host
+from vehicle_sim.protocol.late_messages import ComponentMetadata
 
 Builder = Callable[[Host], Message | None]
 
@@ -44,5 +46,6 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     mavlink.MAVLINK_MSG_ID_AHRS: guidance.ahrs,
     mavlink.MAVLINK_MSG_ID_WIND: guidance.wind,
     mavlink.MAVLINK_MSG_ID_SIMSTATE: guidance.simstate,
+    ComponentMetadata.id: component_metadata,
 }
 """What each message is made with; services add those that carry their own state."""

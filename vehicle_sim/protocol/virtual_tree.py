@@ -3,7 +3,7 @@
 | autopilot | logs                                                  | besides                                |
 |-----------|-------------------------------------------------------|----------------------------------------|
 | ArduPilot | `/APM/LOGS/00000001.tlog`, the same in `logs`         | `@PARAM/param.pck`, an empty `@SYS`    |
-| PX4       | `/fs/microsd/log/DATE/TIME_NUMBER.tlog`, also in `log` |                                        |
+| PX4       | `/fs/microsd/log/DATE/TIME_NUMBER.tlog`, also in `log` | `/etc/extras`: its component metadata  |
 
 The folders are those of the autopilots; the names end in `.tlog`, for that is what the logs are. Paths are compared
 with names in memory, never given to the operating system.
@@ -15,6 +15,7 @@ from time import gmtime, strftime
 from typing import TYPE_CHECKING, Final, Protocol
 
 from vehicle_sim.parameters import Flavour, ParameterStore
+from vehicle_sim.protocol.component_metadata import FOLDER, metadata_files
 from vehicle_sim.protocol.packed_parameters import Excerpt, estimated_size, excerpt_of, packed
 
 if TYPE_CHECKING:
@@ -73,6 +74,18 @@ class OpenLog:
         return self._log.read(offset, min(offset + count, self.told_size)) if offset < self.told_size else b""
 
 
+class OpenBytes:
+    """A file that never changes."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self.told_size = len(data)
+
+    def read(self, offset: int, count: int) -> bytes:
+        """Return up to `count` bytes from `offset` on."""
+        return self._data[offset : offset + count]
+
+
 class OpenParameters:
     """The packed parameters as they were at the first read, in blocks of the size of that read."""
 
@@ -118,6 +131,8 @@ class VirtualTree:
         if self._flavour is Flavour.ARDUPILOT:
             sizes[_PARAMETERS] = estimated_size(self._host.vehicle.parameters)
             folders.add(("@SYS",))
+        else:
+            sizes.update({(*FOLDER, name): len(data) for name, data in metadata_files().items()})
         folders.update(place[:-1] for place in sizes)
         folders.update([place[:depth] for place in folders for depth in range(len(place))])
         if folder not in folders:
@@ -141,6 +156,9 @@ class VirtualTree:
             except ValueError:
                 raise InvalidReadError(EINVAL) from None
         place = self._parts(path)
+        if self._flavour is Flavour.PX4 and place is not None and place[:-1] == FOLDER:
+            data = metadata_files().get(place[-1])
+            return None if data is None else OpenBytes(data)
         log = None if place is None else self._logs().get(place)
         return None if log is None else OpenLog(log)
 

@@ -43,7 +43,7 @@ def test_without_a_mission_the_mode_is_refused(flavour: Flavour) -> None:
     assert pilot.said()[-1] == (
         "Mode change to AUTO failed: init failed"
         if flavour is AP
-        else "Switching to Mission is currently not available"
+        else "Switching to Mission is currently not available\t"
     )
 
 

@@ -3,12 +3,12 @@
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from tests.support.late_messages import AVAILABLE_MODES, CURRENT_MODE
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.autopilot.modes import MODES
 from vehicle_sim.parameters import Flavour
 
+AVAILABLE_MODES, CURRENT_MODE = 435, 436
 ACCEPTED = mavlink.MAV_RESULT_ACCEPTED
 REQUEST = mavlink.MAV_CMD_REQUEST_MESSAGE
 DO_SET_STANDARD_MODE = 262

@@ -5,7 +5,6 @@ import math
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from tests.support.late_messages import name_of
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.geodesy import ned_offset_m
@@ -98,7 +97,7 @@ def test_default_rates_of_px4(rates: Rates) -> None:
     station.forget()
     station.run(20.0)
     for message_id, hertz in TABLES[Flavour.PX4].default_rates_hz[rates].items():
-        name = name_of(message_id)
+        name = str(mavlink.mavlink_map[message_id].msgname)
         # There is nothing to fly to on the ground; the origin and pictures come on change alone, whatever their rate.
         if name != "POSITION_TARGET_LOCAL_NED" and message_id not in TABLES[Flavour.PX4].told_on_change:
             assert len(station.of(name)) == pytest.approx(20.0 * hertz, abs=1.1), name
