@@ -199,6 +199,7 @@ def build_parser() -> argparse.ArgumentParser:
     plan.add_argument("--pictures", metavar="FOLDER", help="draw the plan's pictures into a folder")
     add_format(plan)
     plan.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+    plan.set_defaults(document=True)
 
     _add_simulate(
         commands.add_parser(
@@ -290,6 +291,7 @@ def _add_simulate(simulate: argparse.ArgumentParser) -> None:
     simulate.add_argument("--no-pictures", action="store_true", help="draw nothing")
     simulate.add_argument("--csv", metavar="FILE", help="write time, states, steering law and control, a row a sample")
     simulate.add_argument("--json", action="store_true", help="print one JSON object instead of lines")
+    simulate.set_defaults(document=True)
 
 
 def _add_verify(verify: argparse.ArgumentParser) -> None:

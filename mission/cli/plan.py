@@ -38,7 +38,7 @@ def run(arguments: Namespace) -> int:
     if arguments.pictures is not None:
         draw(Path(arguments.pictures), arguments.format, plan)
     if arguments.json:
-        print_json(_asked_for(plan, arguments))
+        print_json({"exit_code": 0, **_asked_for(plan, arguments)})
         return 0
     print_plan(plan)
     if arguments.transitions:

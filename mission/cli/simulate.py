@@ -32,16 +32,17 @@ def run(arguments: Namespace) -> int:
         write_named("--csv", Path(arguments.csv), _table(simulation))
     if not arguments.no_pictures:
         draw(Path(arguments.pictures), arguments.format, plan, simulation)
+    exit_code = int(not outcome.achieved)
     if arguments.json:
-        print_json(_values(plan, simulation, outcome, monitor.word))
-        return int(not outcome.achieved)
+        print_json({"exit_code": exit_code, **_values(plan, simulation, outcome, monitor.word)})
+        return exit_code
     print_warnings(plan.warnings)
     _print(plan, simulation, outcome, monitor.word)
     if arguments.csv is not None:
         _line("Table", printable(arguments.csv))
     if not arguments.no_pictures:
         _line("Pictures", printable(arguments.pictures))
-    return int(not outcome.achieved)
+    return exit_code
 
 
 def _table(simulation: Simulation) -> str:

@@ -84,8 +84,15 @@ def _plain(node: Node, path: Path, findings: list[Finding]) -> Any:  # noqa: ANN
     return {name: _plain(value, (*path, name), findings) for name, value in node.values.items()}
 
 
+_OF_DRAWINGS: Final = "of what other programs have drawn, `mission new --from FILE` makes a mission file"
+_DRAWN_KEYS: Final = {"features", "geometry", "coordinates", "fileType"}
+"""Keys of GeoJSON and of ground stations' plans, at the top."""
+
+
 def structure_findings(data: Any, tree: Node) -> list[Finding]:  # noqa: ANN401 - any JSON value
     """Everything in which the data departs from the schema, as far as the first ``MOST_ERRORS`` of the validator."""
+    if _DRAWN_KEYS & (data.keys() if isinstance(data, dict) else set()):
+        return [Finding((), "this is not a mission file, but what another program has drawn", _OF_DRAWINGS)]
     far = far_from_origin(data)
     findings: list[Finding] = [far] if far else []
     for error in islice(_validator().iter_errors(data), MOST_ERRORS):
@@ -217,7 +224,7 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
         hint = f"write for example {example}" if example else f"its keys are {listed(keys)}" if keys else ""
     node = _at(tree, path)
     if not path and isinstance(instance, str) and instance.startswith("<"):
-        hint = "of what other programs have drawn, `mission new --from FILE` makes a mission file"
+        hint = _OF_DRAWINGS
     if isinstance(instance, Oddity):
         return Finding(path, f"expected {expected}, found {instance.found}", instance.hint)
     if isinstance(node, Scalar) and isinstance(instance, str) and schema.get("type") in ("number", "integer"):

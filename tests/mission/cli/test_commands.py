@@ -216,7 +216,7 @@ class TestPlan:
         file = tmp_path / "contradiction.yaml"
         file.write_text(Path(PAPER).read_text(encoding="utf-8").replace("& G !K1", "& G !S1"), "utf-8")
         result = ran(capsys, "plan", str(file), "--json", "--out", str(tmp_path / "plan.json"))
-        assert (result.code, result.out) == (3, "")
+        assert (result.code, json.loads(result.out)["exit_code"]) == (3, 3)
         assert result.err.startswith(f"{file}: error: ")
         assert list(tmp_path.iterdir()) == [file]
 

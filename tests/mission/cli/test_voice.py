@@ -78,7 +78,7 @@ def test_check_gives_one_document_for_all_files(file: Path, capsys: pytest.Captu
     assert "sound" not in told.err
 
 
-@pytest.mark.parametrize("command", [["check"], ["fly"], ["verify"], ["report"]])
+@pytest.mark.parametrize("command", [["check"], ["fly"], ["verify"], ["report"], ["plan"], ["simulate"]])
 def test_a_failure_is_a_document_too(command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = ran(capsys, *command, str(tmp_path / "nothing"), "--json")
     document = json.loads(told.out)

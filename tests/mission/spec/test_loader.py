@@ -235,9 +235,18 @@ def test_more_errors_than_the_validator_is_asked_for_stop_the_check() -> None:
     assert [fault[2] for fault in faults_of(text)[:2]] == ["", "domain.nodes[0][0]"]
 
 
-def test_a_drawing_is_shown_its_way() -> None:
+@pytest.mark.parametrize(
+    "drawing",
+    [
+        b'<?xml version="1.0"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"></kml>\n',
+        b'{"type": "FeatureCollection", "features": []}',
+        b'{"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 0]]]}',
+        b'{"fileType": "Plan", "mission": {"items": []}, "version": 1}',
+    ],
+)
+def test_a_drawing_is_shown_its_way(drawing: bytes) -> None:
     with pytest.raises(SpecError) as caught:
-        parse_mission(b'<?xml version="1.0"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"></kml>\n')
+        parse_mission(drawing)
     (fault,) = caught.value.faults
     assert "`mission new --from FILE`" in fault.hint
 
