@@ -155,6 +155,7 @@ def _parameters(options: argparse.Namespace) -> "ParameterStore":
     for name, value in options.set:
         try:
             take_value(store, name, value)
+            store.require_obeyed(name)
         except ParameterError as error:
             raise ConfigurationError(f"--set {name}={value}: {error}") from error
     return store

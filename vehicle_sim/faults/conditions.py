@@ -4,7 +4,7 @@ from enum import Enum, auto
 from typing import Final, NamedTuple
 
 from vehicle_sim.dynamics.wind import blowing_from
-from vehicle_sim.parameters import ParameterStore
+from vehicle_sim.parameters import Flavour, ParameterStore
 from vehicle_sim.signals import FourRotors, Vector
 
 ROTORS: Final = 4
@@ -64,6 +64,8 @@ def conditions_of(store: ParameterStore) -> Conditions:
     weak, share = int(store["SIM_ENGINE_FAIL"]), store["SIM_ENGINE_MUL"]
     first, second, third, fourth = (share if weak >> rotor & 1 else 1.0 for rotor in range(ROTORS))
     field = _vector(store, "SIM_MAG1_OFS")
+    # ArduPilot's compass is calibrated: COMPASS_OFS take away what of it is known.
+    known = _vector(store, "COMPASS_OFS") if store.flavour is Flavour.ARDUPILOT else _NONE
     has_gps = store["SIM_GPS1_ENABLE"] and not store["SIM_GPS_DISABLE"]
     baro = SensorState.STUCK if store["SIM_BARO_FREEZE"] else SensorState.WORKING
     return Conditions(
@@ -78,7 +80,11 @@ def conditions_of(store: ParameterStore) -> Conditions:
         accelerometer_bias_m_s2=_vector(store, "SIM_ACC1_BIAS"),
         gyro_bias_rad_s=_vector(store, "SIM_GYR1_BIAS"),
         compass=SensorState.SILENT if store["SIM_MAG1_FAIL"] else SensorState.WORKING,
-        field_offset_gauss=(field[0] * _GAUSS, field[1] * _GAUSS, field[2] * _GAUSS),
+        field_offset_gauss=(
+            (field[0] - known[0]) * _GAUSS,
+            (field[1] - known[1]) * _GAUSS,
+            (field[2] - known[2]) * _GAUSS,
+        ),
         baro=SensorState.SILENT if store["SIM_BARO_DISABLE"] else baro,
         baro_offset_m=store["SIM_BARO_GLITCH"],
         baro_drift_m_s=store["SIM_BARO_DRIFT"],

@@ -4,6 +4,7 @@ The files of MAVProxy (`NAME VALUE`) and Mission Planner (`NAME,VALUE`) are read
 their parameters. What follows `#` is a remark.
 """
 
+from collections.abc import Mapping
 from difflib import get_close_matches
 from typing import Final
 
@@ -12,6 +13,13 @@ from vehicle_sim.parameters.store import Parameter, ParameterStore
 
 MOST_BYTES: Final = 1 << 20
 """No file of parameters is longer."""
+
+_RETIRED: Final[Mapping[str, str | None]] = {
+    "ARMING_DELAY_SEC": None,
+    "ARMING_SKIPCHK": None,
+    "MPC_HOLD_DZ": "MAN_DEADZONE",
+}
+"""Names in files that older versions have written, and what each is called now; None where there is nothing to set."""
 
 _TITLE: Final = "# Parameters of a vehicle that answers like {flavour}: NAME VALUE  # meaning"
 
@@ -52,8 +60,11 @@ def take_text(store: ParameterStore, text: str) -> None:
         if name in seen:
             raise ParameterError(f"line {number}: {name} stands in line {seen[name]} already")
         seen[name] = number
+        current = name if name in store else _RETIRED.get(name, name)
+        if current is None:
+            continue
         try:
-            take_value(store, name, words[1])
+            take_value(store, current, words[1])
         except (ParameterError, OverflowError) as error:
             raise ParameterError(f"line {number}: {error}") from error
 
@@ -64,7 +75,8 @@ def as_text(store: ParameterStore) -> str:
     for name in store:
         definition = store.definition(name)
         fact = "fact: " if definition.read_only else ""
-        lines.append(f"{name:<16} {_number(definition, store[name]):<12} # {fact}{definition.meaning}")
+        line = f"{name:<16} {_number(definition, store.stored(name)):<12} # {fact}{definition.meaning}"
+        lines.append(line.rstrip("# ") if not definition.meaning else line)
     return "\n".join(lines) + "\n"
 
 

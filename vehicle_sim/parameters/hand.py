@@ -64,8 +64,8 @@ def hand_settings(store: ParameterStore) -> HandSettings:
         return HandSettings(
             listens=int(store["COM_RC_IN_MODE"]) in _JOYSTICK_COUNTS,
             timeout_s=store["COM_RC_LOSS_T"],
-            dead_zone=store["MPC_HOLD_DZ"],
-            climb_dead_zone=store["MPC_HOLD_DZ"],
+            dead_zone=store["MAN_DEADZONE"],
+            climb_dead_zone=store["MAN_DEADZONE"],
             speed_m_s=store["MPC_VEL_MANUAL"],
             climb_m_s=store["MPC_Z_VEL_MAX_UP"],
             descent_m_s=store["MPC_Z_VEL_MAX_DN"],

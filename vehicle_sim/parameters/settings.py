@@ -162,7 +162,10 @@ _LOW_BATTERY: Final[Mapping[int, tuple[Action, Action]]] = {
 
 
 _THRUST_AS_THRUST: Final = 1 << 3
-_SKIP_BATTERY: Final = 1 << 8
+_CHECK_ALL: Final = 1
+_CHECK_BATTERY: Final = 1 << 8
+_ARMING_DELAY_S: Final = 2.0
+"""A constant of ArduCopter's build."""
 _ALLOW_ARMING: Final = 1
 _ALLOW_TAKEOFF: Final = 2
 _BOTH_OR_NONE: Final = 4
@@ -213,8 +216,8 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
             critical_share=store["BATT_CRT_MAH"] / capacity_mah,
             emergency_share=0.0,
         ),
-        battery_checked=not int(store["ARMING_SKIPCHK"]) & _SKIP_BATTERY,
-        spool_up_s=store["ARMING_DELAY_SEC"],
+        battery_checked=bool(int(store["ARMING_CHECK"]) & (_CHECK_ALL | _CHECK_BATTERY)),
+        spool_up_s=_ARMING_DELAY_S,
         disarm_landed_s=_never_unless_positive(store["DISARM_DELAY"]),
         disarm_unflown_s=_never_unless_positive(store["DISARM_DELAY"]),
         tilt_rad=radians(store["ANGLE_MAX"] / 100.0),

@@ -1,9 +1,9 @@
 """A typed store of parameters: names, kinds, bounds and meanings, with the values that are set now."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum, StrEnum
-from math import isfinite
+from math import copysign, isfinite
 from struct import pack, unpack
 from typing import Final
 
@@ -25,15 +25,22 @@ class ParameterKind(Enum):
     INT32 = 6
     REAL32 = 9
 
+    @property
+    def limits(self) -> tuple[float, float]:
+        """The least and the greatest value that can be stored."""
+        return _LIMITS[self]
 
-_INTEGER_LIMITS: Final = {
+
+_LIMITS: Final[Mapping[ParameterKind, tuple[float, float]]] = {
     ParameterKind.INT8: (-(2**7), 2**7 - 1),
     ParameterKind.INT16: (-(2**15), 2**15 - 1),
     ParameterKind.INT32: (-(2**31), 2**31 - 1),
+    # Beyond it there may be no number in single precision.
+    ParameterKind.REAL32: (-3.4e38, 3.4e38),
 }
 _LONGEST_NAME: Final = 16
-_LARGEST: Final = 3.4e38
-"""Beyond it there may be no number in single precision."""
+_UPWARDS: Final = 0.01
+"""ArduPilot adds so much to the size of a number that it stores as a whole one, and drops the rest (`AP_Param.cpp`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,24 +74,26 @@ class Parameter:
         return self.kind is not ParameterKind.REAL32
 
     def stored(self, value: float) -> float:
-        """Return `value` as it would be stored: rounded to a whole number or to single precision.
+        """Return `value` as it is stored: a whole number of its kind's size, or one of single precision.
+
+        Neither autopilot refuses what it cannot go by: it stores it, and goes by the nearest that it can.
 
         Raises:
-            ParameterError: The value is not finite or out of bounds.
+            ParameterError: The value is not finite.
         """
         if not isfinite(value):
             raise ParameterError(f"{self.name} takes a finite number, not {value}")
-        if self.is_integer:
-            value = round(value)
-            least, greatest = _INTEGER_LIMITS[self.kind]
-            low, high = max(self.minimum, least), min(self.maximum, greatest)
-        else:
-            # What is stored is compared: a bound that arrives rounded, by wire or by file, is still the bound.
-            low, high = single(self.minimum), single(self.maximum)
-            value = single(value) if abs(value) < _LARGEST else value
-        if not low <= value <= high:
-            raise ParameterError(f"{self.name} takes {low:g} to {high:g}, not {value:g}")
-        return value
+        least, most = self.kind.limits
+        if not self.is_integer:
+            return single(max(least, min(value, most)))
+        return max(least, min(int(value + copysign(_UPWARDS, value)), most))
+
+    def obeyed(self, stored: float) -> float:
+        """Return the value that the vehicle goes by where `stored` is stored."""
+        low, high = self.minimum, self.maximum
+        if not self.is_integer:
+            low, high = single(low), single(high)
+        return max(low, min(stored, high))
 
 
 def single(value: float) -> float:
@@ -94,6 +103,9 @@ def single(value: float) -> float:
 
 class ParameterStore:
     """The parameters of one vehicle; the order of names is alphabetical and an index is a place in it.
+
+    What is looked up by name is what the vehicle goes by, which lies within the parameter's bounds; what was stored is
+    in `stored`.
 
     Attributes:
         revision: Grows with every change.
@@ -111,7 +123,8 @@ class ParameterStore:
         if len(self._definitions) != len(ordered):
             raise ValueError("a parameter is defined twice")
         self.names: Final = tuple(self._definitions)
-        self._values: dict[str, float] = {parameter.name: parameter.stored(parameter.default) for parameter in ordered}
+        self._stored = {parameter.name: parameter.stored(parameter.default) for parameter in ordered}
+        self._values = self._stored.copy()
         self.revision = 0
         self._watchers: list[Callable[[], None]] = []
 
@@ -135,20 +148,41 @@ class ParameterStore:
         """
         return self._definitions[name]
 
+    def stored(self, name: str) -> float:
+        """Return what is stored under `name`, which clients see and files keep.
+
+        Raises:
+            KeyError: There is no such parameter.
+        """
+        return self._stored[name]
+
+    def require_obeyed(self, name: str) -> None:
+        """Refuse what is stored under `name` where the vehicle cannot go by it.
+
+        Raises:
+            ParameterError: It goes by another value.
+        """
+        if self._values[name] != self._stored[name]:
+            definition = self._definitions[name]
+            raise ParameterError(
+                f"{name} takes {definition.minimum:g} to {definition.maximum:g}, not {self._stored[name]:g}"
+            )
+
     def set(self, name: str, value: float) -> float:
         """Store `value` under `name` and return what was really stored.
 
         Raises:
-            ParameterError: There is no such parameter, or it cannot take the value; nothing is changed then.
+            ParameterError: There is no such parameter, it is a fact and another one, or the value is not finite;
+                nothing is changed then.
         """
         if name not in self._definitions:
             raise ParameterError(f"there is no parameter {name!r}")
         definition = self._definitions[name]
-        if definition.read_only and value != self._values[name]:
-            raise ParameterError(f"{name} is a fact about the vehicle: it is {self._values[name]:g}")
-        stored = definition.stored(value)
-        if stored != self._values[name]:
-            self._values[name] = stored
+        stored, before = definition.stored(value), self._stored[name]
+        if definition.read_only and stored != before:
+            raise ParameterError(f"{name} is a fact about the vehicle: it is {before:g}")
+        if stored != before:
+            self._stored[name], self._values[name] = stored, definition.obeyed(stored)
             self.revision += 1
             for watcher in self._watchers:
                 watcher()

@@ -74,7 +74,7 @@ def packed(store: ParameterStore, excerpt: Excerpt, block_bytes: int) -> bytes:
     for name in names:
         definition = store.definition(name)
         number, layout, value_bytes = _TYPES[definition.kind]
-        value, default = store[name], definition.stored(definition.default)
+        value, default = store.stored(name), definition.stored(definition.default)
         common = _common_length(last, name)
         own = name[common:].encode("ascii")
         values = pack(layout, value)

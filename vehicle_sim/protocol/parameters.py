@@ -141,7 +141,7 @@ class ParameterService:
     def _value(self, name: str, index: int) -> Message:
         store = self._store
         kind = store.definition(name).kind
-        value = self._encoded(store[name], kind)
+        value = self._encoded(store.stored(name), kind)
         return mavlink.MAVLink_param_value_message(_name_bytes(name), value, kind.value, len(store), index)
 
     def _encoded(self, value: float, kind: ParameterKind) -> float:
@@ -159,7 +159,7 @@ class ParameterService:
         store, checksum = self._store, 0
         for name in store.names:
             is_real = store.definition(name).kind is ParameterKind.REAL32
-            value = pack("<f", store[name]) if is_real else pack("<i", int(store[name]))
+            value = pack("<f", store.stored(name)) if is_real else pack("<i", int(store.stored(name)))
             checksum = plain_crc32(value, plain_crc32(name.encode("ascii"), checksum))
         wire = _float_of(pack("<I", checksum))
         kind = mavlink.MAV_PARAM_TYPE_UINT32

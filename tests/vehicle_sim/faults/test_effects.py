@@ -243,7 +243,7 @@ def test_a_field_of_the_vehicle_turns_the_heading() -> None:
     vehicle = flying()
     ratio = vehicle.estimate.status.compass_ratio
     # 80 mGauss to the right of a horizontal field of 210 turn it by 21 degrees.
-    vehicle.parameters.set("SIM_MAG1_OFS_Y", 80.0)
+    vehicle.parameters.set("SIM_MAG1_OFS_Y", 93.0)
     run(vehicle, 0.3)
     assert vehicle.estimate.status.compass_ratio > ratio + 0.3
     run(vehicle, 15.0)

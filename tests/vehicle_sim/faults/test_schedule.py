@@ -94,7 +94,8 @@ def test_each_parameter_is_a_fault_of_its_own(
     store = default_parameters(flavour)
     faults = Faults(store)
     before = faults.conditions
-    store.set(name, value)
+    # The compass knows a field of the vehicle itself already.
+    store.set(name, value + (store[name] if name.startswith("SIM_MAG1_OFS") else 0.0))
     assert faults.advance(1.0, armed=False, flying=False)
     changed = {key: now for key, now in faults.conditions._asdict().items() if now != before._asdict()[key]}
     assert changed == {field: pytest.approx(expected) if not isinstance(expected, SensorState) else expected}

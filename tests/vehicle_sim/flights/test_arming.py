@@ -121,13 +121,14 @@ def test_termination_is_for_good() -> None:
 
 
 @pytest.mark.parametrize(
-    ("skipped", "outcome"), [(0, Outcome.FAILED), (1 << 8, Outcome.ACCEPTED), (-1, Outcome.ACCEPTED)]
+    ("checks", "outcome"),
+    [(1, Outcome.FAILED), (1 << 8, Outcome.FAILED), (1 << 3, Outcome.ACCEPTED), (0, Outcome.ACCEPTED)],
 )
-def test_ardupilot_can_be_told_not_to_look_at_the_battery(skipped: int, outcome: Outcome) -> None:
+def test_ardupilot_can_be_told_not_to_look_at_the_battery(checks: int, outcome: Outcome) -> None:
     vehicle = booted()
     vehicle.parameters.set("BATT_CRT_MAH", 4990)
     vehicle.parameters.set("BATT_FS_CRT_ACT", 0)
-    vehicle.parameters.set("ARMING_SKIPCHK", skipped)
+    vehicle.parameters.set("ARMING_CHECK", checks)
     vehicle.battery.consumed_mah = 50.0
     run(vehicle, 0.5)
     vehicle.autopilot.set_mode(Mode.GUIDED)
@@ -137,6 +138,6 @@ def test_ardupilot_can_be_told_not_to_look_at_the_battery(skipped: int, outcome:
 
 def test_the_mode_is_looked_at_whatever_is_skipped() -> None:
     vehicle = booted()
-    vehicle.parameters.set("ARMING_SKIPCHK", -1)
+    vehicle.parameters.set("ARMING_CHECK", 0)
     vehicle.autopilot.set_mode(Mode.LAND)
     assert vehicle.autopilot.arm() is Outcome.FAILED

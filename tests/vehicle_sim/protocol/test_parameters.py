@@ -89,7 +89,7 @@ def test_a_set_is_echoed_to_every_link(flavour: Flavour) -> None:
 
 
 @pytest.mark.parametrize("flavour", Flavour)
-@pytest.mark.parametrize("value", [1e30, float("nan"), float("inf")])
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_values_that_it_cannot_take_leave_it_as_it_was(flavour: Flavour, value: float) -> None:
     station = Station(endpoint_of(flavour))
     name = a_real(station)
@@ -140,7 +140,7 @@ def test_the_hash_of_px4_follows_its_values_and_stops_a_list() -> None:
 
 @pytest.mark.parametrize(
     ("flavour", "name", "kind", "fact"),
-    [(Flavour.ARDUPILOT, "FRAME_CLASS", mavlink.MAV_PARAM_TYPE_INT8, 1), (Flavour.PX4, "SYS_AUTOSTART", 6, 4001)],
+    [(Flavour.ARDUPILOT, "FRAME_CLASS", mavlink.MAV_PARAM_TYPE_INT8, 1), (Flavour.PX4, "MAV_TYPE", 6, 2)],
 )
 def test_facts_are_told_and_cannot_be_changed(flavour: Flavour, name: str, kind: int, fact: int) -> None:
     endpoint = endpoint_of(flavour)
@@ -195,3 +195,4 @@ def test_names_fill_their_field_without_nul_only_when_they_are_as_long(flavour: 
         station.send(mavlink.MAVLink_param_request_read_message(1, 1, b"", index))
         payload = bytes(station.last("PARAM_VALUE").get_msgbuf())[10:-2].ljust(25, b"\0")
         assert payload[8:24] == name.encode().ljust(16, b"\0")
+        station.forget()

@@ -81,7 +81,7 @@ def test_arming_goes_by_what_has_just_been_set_for_battery_and_fence() -> None:
     station.set_parameter("BATT_CRT_MAH", 4990)
     assert battery.level is BatteryLevel.CRITICAL
     assert station.command(ARM, 1) == FAILED
-    station.set_parameter("ARMING_SKIPCHK", 1 << 8)
+    station.set_parameter("ARMING_CHECK", 1 << 3)
     assert station.command(ARM, 1) == ACCEPTED
     assert station.command(ARM, 0) == ACCEPTED
     home = station.endpoint.vehicle.autopilot.home
