@@ -251,6 +251,17 @@ class Endpoint:
         speaker = self._links[link]
         return speaker.closed(self._carried(link, speaker.drain()))
 
+    def note_room(self, link: str, *, is_full: bool) -> None:
+        """Note whether the line of a link takes more for now.
+
+        While it does not, streams wait as those of autopilots do, each for its next message: a line that is too slow
+        for all of them carries each more seldom, none too late, and none for ever.
+
+        Raises:
+            KeyError: There is no such link.
+        """
+        self._links[link].is_full = is_full
+
     def _carried(self, _link: str, datagrams: list[bytes]) -> list[bytes]:
         """What a line makes of datagrams: here nothing."""
         return datagrams
@@ -297,7 +308,7 @@ class Endpoint:
         if vehicle.camera is not None and vehicle.camera.news:
             self._tell_pictures()
         for link in self._links.values():
-            if link.streams.next_due_us <= now_us:
+            if link.streams.next_due_us <= now_us and not link.is_full:
                 for message_id in link.streams.due(now_us):
                     message = None if message_id in self.table.told_on_change else self.telemetry(message_id)
                     if message is not None:

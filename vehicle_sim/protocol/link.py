@@ -44,6 +44,7 @@ class Link:
         is_secure: Whether nobody can listen or speak in between: a line that does not leave the machine.
         unknown: Frames of messages that the dialect does not know, oldest first; whoever reads it empties it. Their
             checksums cannot be checked. While signing is required they are rightly signed.
+        is_full: Whether its line takes no more for now: what is streamed waits, and is as new as can be when it goes.
         tells_position: Whether a LOCAL_POSITION_NED waits to be sent, which tells those who fly where they are.
     """
 
@@ -84,6 +85,7 @@ class Link:
         self._speaks_v1 = False
         self._heard_v2 = False
         self._rest = b""
+        self.is_full = False
         self.tells_position = False
         self._filling = bytearray()
         self._waiting: deque[bytes] = deque(maxlen=_MAX_WAITING)  # a peer that never reads loses the oldest

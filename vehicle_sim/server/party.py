@@ -35,6 +35,10 @@ class Party(Protocol):
         """Return the datagrams that wait to be sent by a link, oldest first, and forget them."""
         ...
 
+    def note_room(self, link: str, *, is_full: bool) -> None:
+        """Note whether the line of a link takes more for now."""
+        ...
+
 
 class Fleet:
     """Several vehicles on links that all of them share: each hears everything, and takes what is for it."""
@@ -68,3 +72,8 @@ class Fleet:
     def outgoing(self, link: str) -> list[bytes]:
         """Return what each of them has to send."""
         return [datagram for endpoint in self._endpoints for datagram in endpoint.outgoing(link)]
+
+    def note_room(self, link: str, *, is_full: bool) -> None:
+        """Let each know whether the line takes more."""
+        for endpoint in self._endpoints:
+            endpoint.note_room(link, is_full=is_full)

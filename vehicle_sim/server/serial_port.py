@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator
+from struct import calcsize, unpack
 from typing import Final
 
 import serial
@@ -48,6 +49,7 @@ class SerialPort:
             send=lambda data: os.write(self._line, data),
             close=self._close_line,
             most_unsent=_MOST_UNSENT,
+            unread=self._unread,
         )
 
     def fileno(self) -> int:
@@ -69,6 +71,12 @@ class SerialPort:
         if self._link is not None and not self._link.flush():
             self._fail()
 
+    def _unread(self) -> int:
+        """Return how many bytes wait in the system: to leave the device, or for whoever reads the pseudo terminal."""
+        if self._device is not None:
+            return int(self._device.out_waiting)
+        return _readable(self._other_end)
+
     def _fail(self) -> None:
         self.close()
         self._notify(f"{self.address} has failed")
@@ -86,6 +94,15 @@ class SerialPort:
             return
         for end in (self._line, self._other_end):
             os.close(end)
+
+
+def _readable(terminal: int) -> int:
+    """Return how many bytes could be read at this end of a pseudo terminal."""
+    import fcntl  # noqa: PLC0415 - not on every system
+    import termios  # noqa: PLC0415 - the same
+
+    (count,) = unpack("i", fcntl.ioctl(terminal, termios.FIONREAD, bytes(calcsize("i"))))
+    return int(count)
 
 
 def _pseudo_terminal() -> tuple[int, int]:

@@ -1,5 +1,10 @@
-"""A link over a stream of bytes: a TCP connection or a serial line. What is not taken at once waits in order."""
+"""A link over a stream of bytes: a TCP connection or a serial line. What is not taken at once waits in order.
 
+While the line is full, streams wait before they are made: what waited in it for seconds, once it had been made, would
+tell of a vehicle that has flown on.
+"""
+
+import contextlib
 from collections.abc import Callable
 from typing import Final
 
@@ -10,6 +15,8 @@ from vehicle_sim.server.party import Party
 
 _CHUNK: Final = 65535
 MOST_UNSENT: Final = 1 << 20
+_MOST_UNREAD: Final = 1024
+"""Bytes, some tens of messages: what an autopilot keeps for a serial line."""
 
 
 class StreamLink:
@@ -26,6 +33,7 @@ class StreamLink:
         send: Callable[[bytearray], int],
         close: Callable[[], None],
         most_unsent: int = MOST_UNSENT,
+        unread: Callable[[], int] = lambda: 0,
     ) -> None:
         """Open the link.
 
@@ -38,11 +46,13 @@ class StreamLink:
             send: Sends some bytes, and returns how many. Both raise BlockingIOError where they would wait.
             close: Closes the stream.
             most_unsent: Bytes that wait for a peer that does not read; whole frames beyond are lost.
+            unread: Returns how many bytes the line itself keeps, as far as that can be known.
         """
         self.name = name
         self._party = party
         self._receive, self._send, self._close = receive, send, close
         self._unsent = bytearray()
+        self._unread = unread
         self._most_unsent = most_unsent
         signing = address.signing or SigningPolicy.REQUIRED
         party.add_link(name, rates, byte_stream=True, signing=signing, is_secure=address.is_local)
@@ -64,10 +74,10 @@ class StreamLink:
             if len(self._unsent) < self._most_unsent:
                 self._unsent += datagram
         try:
-            while self._unsent:
-                del self._unsent[: self._send(self._unsent)]
-        except (BlockingIOError, InterruptedError):
-            return True
+            with contextlib.suppress(BlockingIOError, InterruptedError):
+                while self._unsent:
+                    del self._unsent[: self._send(self._unsent)]
+            self._party.note_room(self.name, is_full=bool(self._unsent) or self._unread() > _MOST_UNREAD)
         except OSError:
             return False
         return True

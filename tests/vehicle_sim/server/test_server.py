@@ -4,6 +4,7 @@ import os
 import select
 import socket
 import tty
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import closing
 from typing import TYPE_CHECKING
@@ -248,6 +249,28 @@ def test_a_pseudo_terminal_is_a_serial_line_whose_clients_come_and_go(bench: Ben
     port.close()
     assert not bench.endpoint._links
     assert not list(port.sockets())
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="this system has no pseudo terminals")
+def test_a_line_that_is_read_too_slowly_carries_each_stream_and_none_late(bench: Bench) -> None:
+    port = bench.open("pty:")
+    (link,) = bench.endpoint._links.values()
+    link.streams.start(mavlink.MAVLINK_MSG_ID_ATTITUDE, 10_000, 0)
+    link.streams.start(mavlink.MAVLINK_MSG_ID_ATTITUDE_QUATERNION, 10_000, 0)
+    link.streams.start(mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT, 500_000, 0)
+    heard, late_us = Counter[str](), 0
+    parser = mavlink.MAVLink(None)
+    parser.robust_parsing = True
+    with serial.Serial(port.address.host, 57600, timeout=0.0) as client:
+        for _ in range(1_000):  # ten seconds, in which a fifth of what is asked for can be read
+            bench.turn()
+            for message in parser.parse_buffer(client.read(16)) or ():
+                heard[message.get_type()] += 1
+                late_us = max(late_us, bench.endpoint.now_us - 1_000 * getattr(message, "time_boot_ms", 1 << 32))
+    assert late_us < 2_000_000
+    assert 8 <= heard["EKF_STATUS_REPORT"] <= 20
+    assert 100 < heard["ATTITUDE"] < 500
+    assert heard["ATTITUDE_QUATERNION"] == pytest.approx(heard["ATTITUDE"], abs=5)
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="this system has no pseudo terminals")
