@@ -1,4 +1,9 @@
-"""Listening without forgetting to speak: one turn handles what has arrived until something is due, and no more."""
+"""Listening without forgetting to speak: one turn handles what has arrived until something is due.
+
+Where speaking takes so long that something is always due, listening has as much time as the rest of a turn, and what
+is due waits for that. Otherwise what waits to be handled would grow without end: each setpoint lets a simulator that
+waits for setpoints go on, and say more than is handled between two of them.
+"""
 
 from typing import Final
 
@@ -45,15 +50,16 @@ class Listening:
             VehicleError: It is no vehicle that can be flown from here, or moved its origin in flight.
         """
         session, now_s = self._session, self._clock.now_s()
+        spoke_s = 0.0 if self._turned_s is None else min(now_s - self._turned_s, _LISTEN_S)
         if not session.contact.inbox or now_s - self._looked_s >= _LISTEN_S:
             self._look(transport, now_s)
         heard, now_s = len(session.contact.inbox) > 0, self._clock.now_s()
-        late_s = 0.0
+        late_s, until_s = 0.0, now_s + spoke_s
         while session.contact.inbox:
             session.hear(now_s)
             late_s = max(late_s, session.contact.late_s)
             now_s = self._clock.now_s()
-            if session.wait_s(now_s) <= 0.0:
+            if now_s >= until_s and session.wait_s(now_s) <= 0.0:
                 break
         self._judge(late_s)
         passed, self._turned_s = now_s != self._turned_s, now_s
