@@ -156,8 +156,8 @@ class Guidance:
         return [leg for leg in self._legs if leg.from_s >= now.from_s]
 
     def _counted_s(self, at_s: float) -> float:
-        """A vehicle time as trajectories count it, which stand where no setpoint is sent."""
-        return self._sent_s if at_s - self._sent_s > GAP_S else at_s
+        """A vehicle time as trajectories count it, which stand where no setpoint is sent; up to a promise some are."""
+        return self._sent_s if at_s - self._sent_s > GAP_S and at_s > self._steady_until_s else at_s
 
     def _elapsed_s(self, at_s: float) -> float:
         """Time on the course that is flown; negative before its start."""

@@ -109,13 +109,14 @@ def test_another_course_is_taken_over_without_a_jump() -> None:
     assert guidance.trajectory_s(at_s - 0.2) == pytest.approx(5.1)
 
 
-def test_what_was_promised_is_kept() -> None:
+@pytest.mark.parametrize("ahead_s", [0.5, GAP_S + 1.5])
+def test_what_was_promised_is_kept(ahead_s: float) -> None:
     guidance = begun()
     led(guidance, 0.0, 4.0)
     guidance.observe(BEGAN_S + 4.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-    promised = guidance.promise(BEGAN_S + 4.5)
-    led(guidance, 4.0 + PERIOD_S, 4.5)
-    assert guidance.reference(BEGAN_S + 4.5) == promised
+    promised = guidance.promise(BEGAN_S + 4.0 + ahead_s)
+    led(guidance, 4.0 + PERIOD_S, 4.0 + ahead_s)
+    assert guidance.reference(BEGAN_S + 4.0 + ahead_s) == promised
 
 
 def test_a_gap_before_the_takeover_puts_it_off() -> None:
