@@ -1,11 +1,12 @@
 """Changes of the mission in flight: read, held for where the old plan would do what they forbid, planned, answered."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
 
 import numpy as np
+from shapely.geometry.base import BaseGeometry
 
 from mission.errors import MissionError, SpecError
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
@@ -131,10 +132,16 @@ class Amending:
             return
         fresh = not asks_the_same(mission, self._mission)
         wanted = mission if fresh else _left_of(mission, leg.plan.spec, leg.laps_before - self._laps_before)
-        threats = [] if not guidance.course.planned else [*_threats(self._watch, guidance, vehicle_s, mission)]
+        flown, tube_m = leg.plan.spec, leg.plan.certificate.tube_m
+        planned, shut = guidance.course.planned, [*_shut(flown, mission)]
+        threats = [*_met(shut, flown, mission, _ahead(guidance, vehicle_s, _LONGEST_S), tube_m)] if planned else []
         within_s = _SOON_S + _TRIES * self._replanning.replanner.takes_s
-        soon = forbids is not None and guidance.course.planned and not threats
-        waits = bool(soon and forbids and forbids.met(*_ahead(self._watch, guidance, vehicle_s, within_s)))
+        soon = forbids is not None and planned and not threats
+        waits = bool(soon and forbids and forbids.met(_ahead(guidance, vehicle_s, within_s), tube_m))
+
+        def spares(places_m: FloatArray) -> bool:
+            met = any(_met(shut, flown, mission, places_m, tube_m))
+            return not met and not (forbids and forbids.met(places_m, tube_m))
 
         def told(why: str) -> None:
             if not why:
@@ -154,6 +161,7 @@ class Amending:
                 said,
                 holds=bool(threats),
                 waits=waits,
+                spares=spares,
                 amended=wanted,
                 fresh=fresh,
                 told=told,
@@ -193,28 +201,38 @@ def _left_of(mission: MissionSpec, flown: MissionSpec, laps_before: int) -> Miss
     return asking_for(replace(mission, flight=replace(mission.flight, laps=left)), flown)
 
 
-def _threats(watch: FlightWatch, guidance: Guidance, vehicle_s: float, mission: MissionSpec) -> Iterator[str]:
-    """What the tube of the plan that is flown meets ahead and must no longer, in plain words."""
-    plan, swept = watch.plan, SweptSquare(*_ahead(watch, guidance, vehicle_s, _LONGEST_S))
+def _shut(flown: MissionSpec, mission: MissionSpec) -> Iterator[tuple[str, BaseGeometry]]:
+    """The regions that a mission restricts and the one that is flown does not, and their ground."""
     for region in mission.regions:
-        ground = None
-        if region.kind is RegionKind.RESTRICTED and region not in plan.spec.regions:
+        if region.kind is RegionKind.RESTRICTED and region not in flown.regions:
             ground = region_ground(region, mission.domain)
-        if ground is not None and swept.meets(ground.kept):
-            yield region.name
+            if ground is not None:
+                yield region.name, ground.kept
+
+
+def _met(
+    shut: Sequence[tuple[str, BaseGeometry]],
+    flown: MissionSpec,
+    mission: MissionSpec,
+    places_m: FloatArray,
+    tube_m: float,
+) -> Iterator[str]:
+    """What a tube around a way, its places of shape (n, 2), meets and must no longer, in plain words."""
+    swept = SweptSquare(places_m, tube_m)
+    yield from (name for name, ground in shut if swept.meets(ground))
     domain = mission.domain
-    if domain == plan.spec.domain or not isinstance(domain, BoundaryDomain):
+    if domain == flown.domain or not isinstance(domain, BoundaryDomain):
         return
     if not swept.stays_in(boundary_ground(domain).kept):
         yield "what is beyond the boundary"
 
 
-def _ahead(watch: FlightWatch, guidance: Guidance, vehicle_s: float, within_s: float) -> tuple[FloatArray, float]:
-    """Where the plan that is flown leads within a time, shape (n, 2), and how wide its tube is on each side."""
+def _ahead(guidance: Guidance, vehicle_s: float, within_s: float) -> FloatArray:
+    """Where the plan that is flown leads within a time, shape (n, 2)."""
     course, (from_s, _) = guidance.course_at(vehicle_s), guidance.pace_at(vehicle_s)
     until_s = min(course.duration_s, from_s + within_s)
     times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _STEP_S))
-    return course.trajectory.state(times)[0], watch.plan.certificate.tube_m
+    return course.trajectory.state(times)[0]
 
 
 def _words(error: MissionError) -> str:

@@ -8,6 +8,9 @@ is.
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
+from mission.geometry.arrays import FloatArray
 from mission.link.course import Bounds, Course, Reference
 from mission.link.guidance import Guidance
 from mission.link.halting import slowed, stopping_place, transfer
@@ -16,6 +19,9 @@ from mission.spec.model import Point
 _REST: Final = (0.0, 0.0, 0.0)
 _SHARES: Final = tuple(k / 8 for k in range(1, 9))
 """Where it is looked through which triangles a stretch leads."""
+
+_STEP_S: Final = 0.1
+"""Likewise, where nothing may be missed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +82,18 @@ def standing(course: Course, at_s: float, elapsed_s: float) -> Approach:
     end, left_s = _at_rest(course), max(course.duration_s - elapsed_s, 0.0)
     flown_s = course.planned_s(course.duration_s)
     return Approach(None, at_s, at_s + left_s, end, flown_s, (end.position_m[:2],))
+
+
+def way_of(guidance: Guidance, approach: Approach, now_s: float) -> FloatArray:
+    """The places, close together, on which the vehicle goes to where a new plan begins, shape (n, 2), from now on."""
+    until_s = approach.until_s if approach.course is None else approach.from_s
+    times = np.linspace(now_s, until_s, 2 + int((until_s - now_s) / _STEP_S))
+    before = np.array([guidance.reference(t_s).position_m[:2] for t_s in times.tolist()])
+    if approach.course is None:
+        return before
+    lasts_s = approach.course.duration_s
+    times = np.linspace(0.0, lasts_s, 2 + int(lasts_s / _STEP_S))
+    return np.concatenate((before, approach.course.trajectory.state(times)[0]))
 
 
 def _at_rest(course: Course) -> Reference:

@@ -124,7 +124,9 @@ class PlannerProcess:
                 made = plan_from_json(answer["plan"]) if answer["plan"] else None
                 took_s = time.monotonic() - began_s
                 if each is request:
-                    self._answers.put(PlanAnswer(each.number, made, answer["plan"], answer["refusal"]))
+                    self._answers.put(
+                        PlanAnswer(each.number, made, answer["plan"], answer["refusal"], stopped=answer["stopped"])
+                    )
                     took_s = max(took_s, _FORGETS * self.takes_s)
                 self.takes_s = took_s
 
@@ -138,7 +140,6 @@ def _rehearsed(plan: FlightPlan) -> PlanRequest:
 
 
 def _written(asked: PlanRequest, *, sends: bool, its_own: bool) -> str:
-    rest = asked.rest
     return json.dumps(
         {
             "plan": plan_to_json(asked.plan) if sends else "",
@@ -146,17 +147,31 @@ def _written(asked: PlanRequest, *, sends: bool, its_own: bool) -> str:
             "number": asked.number,
             "amended": None if asked.amended is None else _mission_text(asked.amended),
             "returns": asked.returns,
-            "rest": {
-                "word": [sorted(letter) for letter in rest.word],
-                "place_m": rest.place_m,
-                "velocity_m_s": rest.velocity_m_s,
-                "acceleration_m_s2": rest.acceleration_m_s2,
-                "flown_s": rest.flown_s,
-                "laps": rest.laps,
-                "due": None if rest.due is None else [sorted(letter) for letter in rest.due],
-            },
+            "rest": _rest_data(asked.rest),
+            "stopped": None if asked.stopped is None else _rest_data(asked.stopped),
         }
     )
+
+
+def _rest_data(rest: Rest) -> dict[str, Any]:
+    return {
+        "word": [sorted(letter) for letter in rest.word],
+        "place_m": rest.place_m,
+        "velocity_m_s": rest.velocity_m_s,
+        "acceleration_m_s2": rest.acceleration_m_s2,
+        "flown_s": rest.flown_s,
+        "laps": rest.laps,
+        "due": None if rest.due is None else [sorted(letter) for letter in rest.due],
+    }
+
+
+def _rest_of(data: dict[str, Any]) -> Rest:
+    word = tuple(frozenset(letter) for letter in data["word"])
+    place, velocity, acceleration = (
+        (float(data[key][0]), float(data[key][1])) for key in ("place_m", "velocity_m_s", "acceleration_m_s2")
+    )
+    due = None if data["due"] is None else tuple(frozenset(letter) for letter in data["due"])
+    return Rest(word, place, velocity, acceleration, flown_s=data["flown_s"], laps=int(data["laps"]), due=due)
 
 
 def _mission_text(spec: MissionSpec) -> list[str]:
@@ -206,24 +221,18 @@ def serve(asks: IO[bytes], answers: IO[bytes]) -> None:
                 return
             answer = _answer(plan, data)
             made = answer.plan
-            _send(answers, json.dumps({"plan": answer.text, "refusal": answer.refusal}))
+            _send(answers, json.dumps({"plan": answer.text, "refusal": answer.refusal, "stopped": answer.stopped}))
             gc.collect()
 
 
 def _answer(plan: FlightPlan, data: dict[str, Any]) -> PlanAnswer:
-    rest = data["rest"]
     try:
         amended = None
         if data["amended"] is not None:
             text, named = data["amended"]
             amended = parse_mission(text.encode(), read=lambda _: named.encode())
-        word = tuple(frozenset(letter) for letter in rest["word"])
-        place, velocity, acceleration = (
-            (float(rest[key][0]), float(rest[key][1])) for key in ("place_m", "velocity_m_s", "acceleration_m_s2")
-        )
-        due = None if rest["due"] is None else tuple(frozenset(letter) for letter in rest["due"])
-        asked = Rest(word, place, velocity, acceleration, flown_s=rest["flown_s"], laps=int(rest["laps"]), due=due)
-        return answered(PlanRequest(data["number"], plan, asked, amended, data["returns"]))
+        stopped = None if data["stopped"] is None else _rest_of(data["stopped"])
+        return answered(PlanRequest(data["number"], plan, _rest_of(data["rest"]), stopped, amended, data["returns"]))
     except MissionError as error:
         return PlanAnswer(data["number"], None, refusal=str(error))
     except Exception as error:  # noqa: BLE001 - a failure to plan must not end the planner of a flight

@@ -5,12 +5,16 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from typing import Final, Protocol, TypeVar
 
+import numpy as np
+
 from mission.errors import MissionError
 from mission.plan import FlightPlan, plan_to_json
 from mission.plan.rest import Rest, plan_rest, plan_return
 from mission.spec.model import MissionSpec
 
 _TAKES_S: Final = 0.1
+_SAME: Final = 1e-3
+"""m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
 
 _Made = TypeVar("_Made")
 
@@ -23,6 +27,7 @@ class PlanRequest:
         number: Tells the answer from that to another request.
         plan: What is flown.
         rest: How far, and where the new plan begins.
+        stopped: The same where the vehicle has come to rest; for where there is no plan that begins in motion.
         amended: The mission as it is from now on; None where it stays as it is.
         returns: Whether what is left is given up for a return.
     """
@@ -30,6 +35,7 @@ class PlanRequest:
     number: int
     plan: FlightPlan
     rest: Rest
+    stopped: Rest | None = None
     amended: MissionSpec | None = None
     returns: bool = False
 
@@ -41,6 +47,7 @@ class PlanAnswer:
     Attributes:
         number: Of the request.
         plan: What was planned; None where there is no plan.
+        stopped: Whether it begins where the vehicle has come to rest.
         text: The same as JSON.
         refusal: Why, in plain words.
     """
@@ -49,6 +56,7 @@ class PlanAnswer:
     plan: FlightPlan | None
     text: str = ""
     refusal: str = ""
+    stopped: bool = False
 
 
 class Replanner(Protocol):
@@ -117,12 +125,25 @@ class SynchronousReplanner:
 
 
 def answered(request: PlanRequest) -> PlanAnswer:
-    """The answer to a request."""
-    try:
-        if request.returns:
-            plan = plan_return(request.plan, request.rest)
-        else:
-            plan = plan_rest(request.plan, request.rest, request.amended)
-        return PlanAnswer(request.number, plan, plan_to_json(plan))
-    except MissionError as error:
-        return PlanAnswer(request.number, None, refusal=str(error))
+    """The answer to a request: a plan that begins in motion, if it can, and one from rest else."""
+    refusal = ""
+    for rest in filter(None, (request.rest, request.stopped)):
+        try:
+            if request.returns:
+                plan = plan_return(request.plan, rest)
+            else:
+                plan = plan_rest(request.plan, rest, request.amended)
+        except MissionError as error:
+            refusal = str(error)
+            continue
+        if not rest.begins.moves or _begins_with(plan, rest):
+            return PlanAnswer(request.number, plan, plan_to_json(plan), stopped=rest is request.stopped)
+        refusal = "the plan begins with another motion"
+    return PlanAnswer(request.number, None, refusal=refusal)
+
+
+def _begins_with(plan: FlightPlan, rest: Rest) -> bool:
+    """Whether a plan begins with the motion that was promised."""
+    state = np.array(plan.trajectory.state([0.0]))[:, 0]
+    wanted = np.array([rest.place_m, rest.velocity_m_s, rest.acceleration_m_s2])
+    return bool((np.abs(state - wanted) <= _SAME).all())

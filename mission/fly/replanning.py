@@ -1,25 +1,27 @@
 """Another plan in flight: when one is asked for, how the vehicle waits for it, and when it is taken over.
 
 What is asked for is the rest of the mission from where the new plan will begin, with the word that will have been
-spelled there. Up to its answer the old plan is flown, where that is safe; otherwise the vehicle holds. An answer that
-comes too late, or finds the automaton in another state than it was made for, is asked for again, some times; then the
-vehicle holds until there is one.
+spelled there: in motion, or where that is not possible, at rest where the old plan is slowed down to from there. Up to
+its answer the old plan is flown, where that is safe; otherwise the vehicle slows down at once, and the new plan may
+begin while it does. An answer that comes too late, or finds the automaton in another state than it was made for, is
+asked for again, some times; then the vehicle holds until there is one.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import count
 from typing import Final
 
 import numpy as np
 
-from mission.fly.approach import Approach, along, aside, in_flight, standing
-from mission.fly.cause import Asked, Cause
+from mission.fly.approach import Approach, along, aside, in_flight, standing, way_of
+from mission.fly.cause import Asked, Cause, Entry
 from mission.fly.placing import bounds_of, course_of
 from mission.fly.recording import RecordWriter
 from mission.fly.replanner import PlanRequest, Replanner
 from mission.fly.watch import FlightWatch
+from mission.geometry.arrays import FloatArray
 from mission.link.course import Course, Reference
 from mission.link.guidance import Guidance
 from mission.link.halting import taken_up
@@ -37,10 +39,11 @@ _AHEAD_S: Final = 0.03
 """Beyond the time that planning takes: for what is on its way."""
 
 _MORE: Final = 1.15
-_SAME: Final = 1e-3
-"""m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
-
 _SOONEST_S: Final = 0.05
+_ROLLS_M_S: Final = 0.1
+"""Who is slower than that, and not at rest, comes to rest first: no path leads on from next to no motion."""
+
+_STANDS: Final = 1e-6
 _FOLLOWED_M: Final = 0.5
 _REST: Final = (0.0, 0.0, 0.0)
 _AGAIN_S: Final = 1.0
@@ -57,13 +60,6 @@ _CALM_SHARE: Final = 0.5
 _CALM_M_S: Final = 0.5
 _CALM_FOR_S: Final = 0.5
 _RESTLESS_S: Final = 60.0
-
-
-def _begins_with(plan: FlightPlan, begin: Reference) -> bool:
-    """Whether a plan begins with what was promised."""
-    state = np.array(plan.trajectory.state([0.0]))[:, 0]
-    wanted = np.array([vector[:2] for vector in begin])
-    return bool((np.abs(state - wanted) <= _SAME).all())
 
 
 class Replanning:
@@ -100,7 +96,7 @@ class Replanning:
         self._cause: Cause | None = None
         self._asked: Asked | None = None
         self._numbers = count(1)
-        self._tries, self._late_s, self._flies_on = 0, 0.0, True
+        self._tries, self._late_s = 0, 0.0
         self._calm_from_s = math.inf
         self._excused_s = -math.inf
         self._laps: int | None = watch.plan.trajectory.laps
@@ -134,13 +130,15 @@ class Replanning:
         if self._asked is None:
             self._ask(self._cause, guidance, vehicle_s, now_s)
             return ""
-        if self._asked.plan is None:
-            return self._hear(self._asked, guidance, vehicle_s, now_s)
-        return self._arrive(self._cause, self._asked, self._asked.plan, guidance, vehicle_s)
+        if self._asked.plan is None and (why := self._hear(self._asked, guidance, vehicle_s, now_s)):
+            return why
+        if self._asked is None or self._asked.plan is None or self._asked.entry is None:
+            return ""
+        return self._arrive(self._cause, self._asked, self._asked.plan, self._asked.entry, (guidance, vehicle_s))
 
     def begin(self, cause: Cause) -> None:
         """Ask for a plan at the next turn, whatever was asked for before."""
-        self._cause, self._asked, self._tries, self._late_s, self._flies_on = cause, None, 0, 0.0, True
+        self._cause, self._asked, self._tries, self._late_s = cause, None, 0, 0.0
         self._record.write("event", self._session.vehicle.clock.newest_s, name="replanning", reason=cause.reason)
 
     def _wait_for_pilot(self, guidance: Guidance, vehicle_s: float) -> None:
@@ -173,41 +171,69 @@ class Replanning:
 
     def _ask(self, cause: Cause, guidance: Guidance, vehicle_s: float, now_s: float) -> None:
         """Ask for the rest of the mission from where a new plan can begin."""
+        watch, leg = self._watch, self._watch.legs.now
+        entries = tuple(self._entry(cause, *each) for each in self._approaches(cause, guidance, vehicle_s))
+        self._asked = Asked(next(self._numbers), entries, (vehicle_s, now_s))
+        amended = cause.amended
+        if leg.plan.run.recurrent and amended is None and self._laps is not None:
+            amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=self._laps))
+        rest, stopped = entries[0].rest, entries[1].rest if entries[1:] else None
+        self.replanner.ask(PlanRequest(self._asked.number, watch.plan, rest, stopped, amended, cause.returns))
+
+    def _approaches(self, cause: Cause, guidance: Guidance, vehicle_s: float) -> Iterator[tuple[Approach, bool]]:
+        """How a new plan may be come to, and whether that is flown already; what is flown at once begins here."""
         watch, session = self._watch, self._session
         # What is flown then may have been asked for in this very turn.
         coming_s = vehicle_s + _SOONEST_S
-        coming = guidance.course_at(coming_s)
-        waits, outside = coming.waits, watch.tracking.excess_s > 0.0
-        holds = not waits and (
-            cause.holds
-            or cause.waits
-            or self._tries >= _MOST_TRIES
-            or (outside and not watch.legs.now.is_clear(watch.place_m))
-        )
         takes_s = max(session.vehicle.clock.rate, 1.0) * _MORE * self.replanner.takes_s
-        ahead_s = _SOONEST_S if holds else max(takes_s, self._late_s) + _AHEAD_S
-        if waits:
-            approach = standing(coming, coming_s, guidance.pace_at(coming_s)[0])
-        elif outside:
-            approach = aside(self._state(ahead_s), bounds_of(watch.plan), vehicle_s + ahead_s)
-        elif self._flies_on and not holds:
-            approach = in_flight(guidance, vehicle_s + ahead_s, vehicle_s)
+        at_s = vehicle_s + max(takes_s, self._late_s) + _AHEAD_S
+        coming, outside = guidance.course_at(coming_s), watch.tracking.excess_s > 0.0
+        if outside and not coming.waits:
+            holds = (
+                cause.holds or cause.waits or self._tries >= _MOST_TRIES or not watch.legs.now.is_clear(watch.place_m)
+            )
+            begin_s = coming_s if holds else at_s
+            approach = aside(self._state(begin_s - vehicle_s), bounds_of(watch.plan), begin_s)
+            if holds and approach.course is not None:
+                session.redirect(approach.course, approach.from_s)
+            yield approach, holds
+            return
+        if coming.waits:
+            stop, begun = standing(coming, coming_s, guidance.pace_at(coming_s)[0]), True
         else:
-            approach = along(guidance, vehicle_s + ahead_s, vehicle_s)
-        if holds and approach.course is not None:
-            session.redirect(approach.course, approach.from_s)
-        leg, foreseen = watch.legs.now, watch.monitor.foreseen((watch.place_m, *approach.through_m))
+            stop, begun = along(guidance, at_s, vehicle_s), False
+            if self._tries >= _MOST_TRIES or not self._spares(cause, way_of(guidance, stop, vehicle_s)):
+                stop, begun = along(guidance, coming_s, vehicle_s), True
+                if stop.course is not None:
+                    session.redirect(stop.course, stop.from_s)
+        if stop.flown_s is not None and not outside:
+            rolling = in_flight(guidance, at_s, vehicle_s)
+            speed_m_s = math.hypot(*rolling.begin.velocity_m_s)
+            if speed_m_s >= _ROLLS_M_S or (speed_m_s <= _STANDS and not begun):
+                yield rolling, False
+        yield stop, begun
+
+    @staticmethod
+    def _spares(cause: Cause, places_m: FloatArray) -> bool:
+        """Whether the vehicle may go somewhere before there is another plan."""
+        if not (cause.holds or cause.waits):
+            return True
+        return cause.spares is not None and cause.spares(places_m)
+
+    def _entry(self, cause: Cause, approach: Approach, begun: bool) -> Entry:  # noqa: FBT001 - as it comes
+        watch, leg = self._watch, self._watch.legs.now
+        foreseen = watch.monitor.foreseen((watch.place_m, *approach.through_m))
         flown_s = leg.in_tube_until_s if leg.has_left_tube or approach.flown_s is None else approach.flown_s
         laps, due = leg.laps_at(foreseen, flown_s)
         under_way = due is not None and not (cause.fresh or cause.returns)  # a return completes none
-        before = laps + int(under_way), under_way
-        self._asked = Asked(next(self._numbers), approach, foreseen, (vehicle_s, now_s), before, begun=waits or holds)
         (x, y, _), (vx, vy, _), (ax, ay, _) = approach.begin
-        rest = Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps - leg.laps_before, due=due)
-        amended, recurrent = cause.amended, leg.plan.run.recurrent
-        if recurrent and amended is None and self._laps is not None:
-            amended = replace(leg.plan.spec, flight=replace(leg.plan.spec.flight, laps=self._laps))
-        self.replanner.ask(PlanRequest(self._asked.number, leg.plan, rest, amended, cause.returns))
+        return Entry(
+            approach,
+            begun,
+            foreseen,
+            (laps + int(under_way), under_way),
+            Rest(foreseen.word, (x, y), (vx, vy), (ax, ay), flown_s=flown_s, laps=laps - leg.laps_before, due=due),
+        )
 
     def _state(self, ahead_s: float) -> Reference:
         """Where the vehicle will be so long after what is sent now arrives, by its last report."""
@@ -218,50 +244,58 @@ class Replanning:
 
     def _hear(self, asked: Asked, guidance: Guidance, vehicle_s: float, now_s: float) -> str:
         """Listen for the answer, and hold where what is flown meanwhile is no longer safe."""
-        answer = self.replanner.answer()
-        aside_of = asked.approach.flown_s is None
+        answer, stop = self.replanner.answer(), asked.stop
         if answer is None or answer.number != asked.number:
-            if not asked.begun and aside_of and not self._watch.legs.now.is_clear(self._watch.place_m):
+            if not stop.begun and stop.aside and not self._watch.legs.now.is_clear(self._watch.place_m):
                 self._asked, self._tries = None, _MOST_TRIES
+            elif not stop.begun and self._must_stop(stop, vehicle_s):
+                self._slow_down(asked)
             overdue = now_s - asked.asked_s[1] > _LONGEST_S
             why = f"there was no plan within {_LONGEST_S:.0f} s" if overdue else self.replanner.trouble
             return self._refused(why, guidance, vehicle_s) if why else ""
-        begin = asked.approach.begin
-        if any(begin.velocity_m_s) and (answer.plan is None or not _begins_with(answer.plan, begin)):
-            self._asked, self._flies_on = None, False  # from rest there may be one
-            return ""
         if answer.plan is None:
             return self._refused(answer.refusal, guidance, vehicle_s)
-        asked.plan, asked.text = answer.plan, answer.text
-        if asked.begun:
-            return ""
-        if aside_of:
-            end_m = begin.position_m[:2]
-            asked.approach = aside(self._state(0.0), bounds_of(self._watch.plan), vehicle_s, end_m)
-        elif vehicle_s >= asked.approach.from_s:
+        entry = stop if answer.stopped else asked.entries[0]
+        if entry.aside and not entry.begun:
+            end_m = entry.approach.begin.position_m[:2]
+            approach = aside(self._state(0.0), bounds_of(self._watch.plan), vehicle_s, end_m)
+            entry = replace(entry, approach=approach)
+        elif not entry.begun and vehicle_s >= entry.approach.from_s:
             self._late_s = 2.0 * (vehicle_s - asked.asked_s[0])
             return self._again("the plan came too late")
-        if asked.approach.course is not None:
-            self._session.redirect(asked.approach.course, asked.approach.from_s)
-        asked.begun = True
+        if not entry.begun and entry.approach.course is not None:
+            self._session.redirect(entry.approach.course, entry.approach.from_s)
+        asked.plan, asked.text, asked.entry = answer.plan, answer.text, entry
         return ""
 
-    def _arrive(self, cause: Cause, asked: Asked, plan: FlightPlan, guidance: Guidance, vehicle_s: float) -> str:
+    def _must_stop(self, stop: Entry, vehicle_s: float) -> bool:
+        """Whether the plan that is flown must be left now, with another one or without."""
+        must = self._cause is not None and (self._cause.holds or self._cause.waits)
+        return must and vehicle_s >= stop.approach.from_s - _SOONEST_S
+
+    def _slow_down(self, asked: Asked) -> None:
+        """Come to rest; a plan that begins in motion may yet take the place of that, while there is time."""
+        stop = asked.stop
+        if stop.approach.course is not None:
+            self._session.redirect(stop.approach.course, stop.approach.from_s)
+        asked.entries = (*asked.entries[:-1], replace(stop, begun=True))
+
+    def _arrive(self, cause: Cause, asked: Asked, plan: FlightPlan, entry: Entry, at: tuple[Guidance, float]) -> str:
         """Fly the new plan, once the vehicle is where it begins."""
-        approach = asked.approach
+        approach, (guidance, vehicle_s) = entry.approach, at
         if vehicle_s < approach.until_s - _SOONEST_S:
             return ""
-        if approach.flown_s is None and not self._is_calm(approach, vehicle_s):
+        if entry.aside and not self._is_calm(approach, vehicle_s):
             restless = vehicle_s - approach.until_s > _RESTLESS_S
             return self._refused("the vehicle does not come to rest", guidance, vehicle_s) if restless else ""
-        if not asked.foreseen.agrees(self._watch.monitor.known):
+        if not entry.foreseen.agrees(self._watch.monitor.known):
             if self._tries >= 2 * _MOST_TRIES:
                 why = "each time that there was a plan, another word had been spelled"
                 return self._refused(why, guidance, vehicle_s)
             return self._again("another word was spelled meanwhile")
-        at_s = max(approach.until_s, vehicle_s)
+        at_s = approach.until_s if entry.rest.begins.moves else max(approach.until_s, vehicle_s)
         self._session.redirect(course_of(plan, 0.0, None), at_s, plan.photographs)
-        self.fly_next(plan, asked.text, at_s, cause, asked.laps_before)
+        self.fly_next(plan, asked.text, at_s, cause, entry.laps_before)
         self._end("")
         return ""
 
@@ -313,8 +347,10 @@ class Replanning:
                 self._excused_s = vehicle_s + _AGAIN_S
                 return ""
             return f"{'' if cause is None else cause.reason}, and there is no plan from there: {why}"
-        if not cause.holds and not self.held:
-            self.go_on(guidance, vehicle_s)
+        if cause.holds:
+            self.hold(guidance, vehicle_s)
+        elif not self.held:
+            self.go_on(guidance, vehicle_s + _SOONEST_S)  # by then it is flown, whatever was asked for last
         return ""
 
     def _still_leads_on(self, guidance: Guidance, vehicle_s: float) -> bool:
@@ -330,7 +366,7 @@ class Replanning:
 
     def hold(self, guidance: Guidance, vehicle_s: float) -> None:
         """Slow the plan that is flown to rest, unless the vehicle waits already."""
-        if not guidance.course_at(vehicle_s).waits:
+        if not guidance.course_at(vehicle_s + _SOONEST_S).waits:
             approach = along(guidance, vehicle_s + _SOONEST_S, vehicle_s)
             if approach.course is not None:
                 self._session.redirect(approach.course, approach.from_s)

@@ -83,7 +83,7 @@ class Unfinished:
         amended, flight = None, leg.plan.spec.flight
         if leg.plan.run.recurrent and any(event.text == RETURNING for event in self.record.events):
             amended = replace(leg.plan.spec, flight=replace(flight, laps=laps + int(due is not None)))
-        return PlanRequest(0, leg.plan, rest, amended)
+        return PlanRequest(0, leg.plan, rest, amended=amended)
 
     @property
     def system_id(self) -> int:

@@ -19,6 +19,9 @@ from vehicle_sim.protocol.plan_store import PlanKind
 
 FLAVOURS = pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
 AHEAD = Polygon([(20, 0), (23, 0), (23, 13), (20, 13)])
+TAKEN_OVER_S = 0.25
+"""With a planner that takes 0.1 s: in motion, without a rest before."""
+
 RESTRICT_AHEAD = "restrict popped [[20, 0], [23, 0], [23, 13], [20, 13]]"
 
 
@@ -78,6 +81,8 @@ def test_a_restricted_region_ahead_is_flown_around(
     assert flight.result.achieved, flight.result.reason
     [(_, answer)] = said.answers
     assert answer.accepted, answer.words
+    [leg] = flight.events("leg")
+    assert leg["t_s"] - said.taken_s[0] < TAKEN_OVER_S
     assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
     assert flight.entered() == ["home", "goal", "home"]
     assert [region.name for region in said.kept[0].regions] == ["home", "goal", "pond", "popped"]

@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from threading import Event
 
 import pytest
@@ -42,12 +43,15 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
     plan = plan_of(SMALL)
     request = PlanRequest(7, plan, Rest((frozenset({"home"}), frozenset()), (18.0, 9.0), flown_s=3.0))
     refused = PlanRequest(8, plan, Rest((frozenset({"home"}),), (9.0, 25.0)))
+    too_fast = PlanRequest(9, plan, replace(request.rest, velocity_m_s=(30.0, 0.0)), request.rest)
     planner = PlannerProcess()
     try:
         planner.prepare(plan)
-        told, refusal = (asked_of(planner, each) for each in (request, refused))
+        told, refusal, stopped = (asked_of(planner, each) for each in (request, refused, too_fast))
         assert told.number == request.number
         assert told.text == answered(request).text
+        assert not told.stopped
+        assert (stopped.stopped, stopped.text) == (True, told.text)
         assert (refusal.number, refusal.plan) == (8, None)
         assert refusal.refusal == answered(refused).refusal != ""
         assert not planner.trouble
