@@ -239,21 +239,22 @@ class CircleTask(Task):
         self.reference = reference
         self.turned_rad = 0.0
         self._settings = settings
-        self._centre = centre
-        self._radius_m = radius_m
+        self.centre = centre
+        self.radius_m = radius_m
         self._turns = turns
-        self._sign = 1.0 if clockwise else -1.0
+        self.sign = 1.0 if clockwise else -1.0
         self._speeds = speeds
         self._angle_rad = atan2(reference.place[1] - centre[1], reference.place[0] - centre[0])
         self._rate_rad_s = 0.0
         self._now_s: float | None = None
 
     def advance(self, now_s: float, estimate: Estimate) -> None:
-        """Go on round the circle."""
-        del estimate
+        """Go on round the circle, no faster than the vehicle can follow."""
+        behind = distance_m(estimate.position_ned_m, self.reference.place)
         seconds = 0.0 if self._now_s is None else min(now_s - self._now_s, _LONGEST_TICK_S)
+        seconds *= max(0.0, min(1.0, 2.0 - behind / _LAG_M))
         self._now_s = now_s
-        settings, radius = self._settings, self._radius_m
+        settings, radius = self._settings, self.radius_m
         most = abs(settings.circle_rate_rad_s)
         if radius > 0.0:
             speed = self._speeds.get(SpeedAxis.HORIZONTAL, settings.cruise_m_s)
@@ -261,11 +262,11 @@ class CircleTask(Task):
             most = min(most, speed / radius)
         self._rate_rad_s = min(most, self._rate_rad_s + most * seconds)
         self.turned_rad += self._rate_rad_s * seconds
-        self._angle_rad += self._sign * self._rate_rad_s * seconds
+        self._angle_rad += self.sign * self._rate_rad_s * seconds
         c, s = cos(self._angle_rad), sin(self._angle_rad)
-        swing = self._sign * self._rate_rad_s * radius
+        swing = self.sign * self._rate_rad_s * radius
         centripetal = -(self._rate_rad_s**2) * radius
-        self.reference.place = (self._centre[0] + radius * c, self._centre[1] + radius * s, self._centre[2])
+        self.reference.place = (self.centre[0] + radius * c, self.centre[1] + radius * s, self.centre[2])
         self.reference.velocity = (-swing * s, swing * c, 0.0)
         self.setpoint = Setpoint(
             position_ned_m=self.reference.place,

@@ -3,13 +3,14 @@
 What may follow what is written in the tables of `modes`. Without a pilot, modes by hand see centred sticks.
 """
 
-from math import inf
+from math import cos, inf, sin
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS
 from vehicle_sim.autopilot.avoidance import within_fence
 from vehicle_sim.autopilot.guard import Situation
 from vehicle_sim.autopilot.hand import HandTask
+from vehicle_sim.autopilot.legs import CircleTask, Reference, course_rad
 from vehicle_sim.autopilot.mission import Progress
 from vehicle_sim.autopilot.mission_items import SpeedAxis
 from vehicle_sim.autopilot.mission_task import MissionTask
@@ -17,6 +18,7 @@ from vehicle_sim.autopilot.modes import (
     FAILSAFE_MODES,
     KEEPING_PLACE,
     TRANSITIONS,
+    Entry,
     Event,
     Failsafe,
     Mode,
@@ -26,10 +28,10 @@ from vehicle_sim.autopilot.modes import (
 )
 from vehicle_sim.autopilot.rally import Destination, destination
 from vehicle_sim.autopilot.state import State
-from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask
+from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask, stopping_place
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
-from vehicle_sim.signals import CameraOrder, Estimate, Guidance, Vector
+from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, PartialVector, Vector
 
 
 class Machine(State):
@@ -98,6 +100,15 @@ class Machine(State):
             return "no setpoints"
         return ""
 
+    def _is_closed(self, mode: Mode) -> bool:
+        """Whether a mode cannot be entered as things stand, position or not."""
+        return {
+            Entry.ALWAYS: False,
+            Entry.NEVER: True,
+            Entry.FLYING: not (self.armed and self.flying),
+            Entry.DISARMED: self.armed,
+        }[self.modes[mode].entry]
+
     def _mission_obstacle(self) -> str:
         lifts = self.flavour is Flavour.PX4 or self.flying
         if self.mission_fault is not None:
@@ -112,6 +123,8 @@ class Machine(State):
         if self.flavour is Flavour.PX4 and self.mode is Mode.AUTO:
             self.camera_orders.append(CameraOrder(paused=True))
         self.mission.stop()
+        if mode is not self.mode:  # a take-off that ends in GUIDED goes on looking
+            self._looked_at = None
         self.mode = mode
         self._speeds.clear()
         self._yaw_rate_rad_s = inf
@@ -119,9 +132,11 @@ class Machine(State):
         self._begin(mode)
 
     def _begin(self, mode: Mode) -> None:
-        estimate, settings = self._estimate, self.settings
+        estimate, settings, mode = self._estimate, self.settings, self.modes[mode].like or mode
         if mode is Mode.GUIDED:
             self._task = self._guided()
+        elif mode is Mode.CIRCLE:
+            self._task = self._circling(FREE, settings.circle_radius_m, clockwise=settings.circle_rate_rad_s >= 0.0)
         elif mode is Mode.AUTO:
             self._task = MissionTask(self, estimate, self._speeds, may_lift=settings.mission_lifts)
         elif mode is Mode.LAND:
@@ -136,6 +151,22 @@ class Machine(State):
         else:
             self._task = HoldTask(estimate, settings)
         self._refresh()
+
+    def _circling(self, centre: PartialVector, radius_m: float, *, clockwise: bool) -> CircleTask:
+        """Return the task of circling round a place; where none is given, ahead of where the vehicle comes to rest."""
+        estimate = self._estimate
+        here, yaw = stopping_place(estimate, self.settings), estimate.yaw_rad
+        ahead = (here[0] + radius_m * cos(yaw), here[1] + radius_m * sin(yaw), here[2])
+        north, east, down = (ahead[i] if value is None else value for i, value in enumerate(centre))
+        return CircleTask(
+            Reference(here, (0.0, 0.0, 0.0)),
+            self.settings,
+            centre=(north, east, down),
+            radius_m=radius_m,
+            turns=inf,
+            clockwise=clockwise,
+            speeds=self._speeds,
+        )
 
     def way_home(self) -> Destination:
         """Where a return leads from here, no higher than the fence's margin allows."""
@@ -202,7 +233,7 @@ class Machine(State):
             return
         if self._has_flown:
             over = self.mode is Mode.AUTO and self.mission.progress is Progress.COMPLETE
-            at_once = self.flavour is Flavour.ARDUPILOT and (over or self.mode in (Mode.LAND, Mode.RETURN))
+            at_once = self.flavour is Flavour.ARDUPILOT and (over or self.flown_as in (Mode.LAND, Mode.RETURN))
             due = self._landed_at_s + (0.0 if at_once else self.settings.disarm_landed_s)
         else:
             due = self._armed_at_s + self.settings.disarm_unflown_s
@@ -254,6 +285,11 @@ class Machine(State):
         """Make the guidance of the present task."""
         task, speeds, limits = self._task, self._speeds, self.settings.limits()
         self.slowed = False
+        if self._looked_at is not None and self._estimate.origin is not None:
+            place = ned_offset_m(self._estimate.origin, self._looked_at)
+            course = course_rad(self._estimate.position_ned_m, place)
+            if course is not None and self.mode in (Mode.GUIDED, Mode.AUTO):
+                task.turn(course)
         if not (self.armed and self.flying):
             self.guidance = Guidance(None, limits)
             return

@@ -27,6 +27,31 @@ class Mode(Enum):
     TAKEOFF = auto()
     RETURN = auto()
     LAND = auto()
+    CIRCLE = auto()
+    FOLLOW = auto()
+    SLOW = auto()
+    PRECISION_LAND = auto()
+    DRIFT = auto()
+    FLIP = auto()
+    AUTOTUNE = auto()
+    THROW = auto()
+    AVOID_ADSB = auto()
+    GUIDED_NOGPS = auto()
+    SMART_RTL = auto()
+    FLOWHOLD = auto()
+    ZIGZAG = auto()
+    SYSTEM_ID = auto()
+    AUTO_RTL = auto()
+    TURTLE = auto()
+
+
+class Entry(Enum):
+    """When a mode may be entered, whatever else it needs."""
+
+    ALWAYS = auto()
+    NEVER = auto()
+    FLYING = auto()
+    DISARMED = auto()
 
 
 class Outcome(IntEnum):
@@ -95,12 +120,22 @@ class Event(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ModeRule:
-    """What a mode needs of the estimator, whether the vehicle may be armed in it, and its name in texts."""
+    """What a mode needs of the estimator, whether the vehicle may be armed in it, and its name in texts.
+
+    One that has no flight of its own is flown `like` another.
+    """
 
     name: str
     needs_position: bool
     armable: bool
     manual: bool = False
+    like: Mode | None = None
+    entry: Entry = Entry.ALWAYS
+
+
+def _refused(name: str) -> ModeRule:
+    """Return the rule of a mode that wants what is not fitted, or not set up: optical flow, a leader, an axis."""
+    return ModeRule(name, needs_position=False, armable=False, entry=Entry.NEVER)
 
 
 MODES: Final[Mapping[Flavour, Mapping[Mode, ModeRule]]] = {
@@ -115,6 +150,24 @@ MODES: Final[Mapping[Flavour, Mapping[Mode, ModeRule]]] = {
         Mode.AUTO: ModeRule("AUTO", needs_position=True, armable=False),
         Mode.RETURN: ModeRule("RTL", needs_position=True, armable=False),
         Mode.LAND: ModeRule("LAND", needs_position=False, armable=False),
+        Mode.CIRCLE: ModeRule("CIRCLE", needs_position=True, armable=False),
+        Mode.SMART_RTL: ModeRule("SMARTRTL", needs_position=True, armable=False, like=Mode.RETURN),
+        Mode.GUIDED_NOGPS: ModeRule(
+            "GUIDED_NOGPS", needs_position=False, armable=True, manual=True, like=Mode.ALT_HOLD
+        ),
+        Mode.ZIGZAG: ModeRule("ZIGZAG", needs_position=True, armable=True, like=Mode.POSITION),
+        Mode.DRIFT: ModeRule("DRIFT", needs_position=True, armable=True, manual=True, like=Mode.STABILIZE),
+        Mode.AVOID_ADSB: ModeRule("AVOID_ADSB", needs_position=True, armable=False, like=Mode.BRAKE),
+        Mode.THROW: ModeRule("THROW", needs_position=True, armable=True, like=Mode.BRAKE, entry=Entry.DISARMED),
+        Mode.AUTOTUNE: ModeRule(
+            "AUTOTUNE", needs_position=False, armable=False, manual=True, like=Mode.ALT_HOLD, entry=Entry.FLYING
+        ),
+        Mode.FLIP: _refused("FLIP"),
+        Mode.FLOWHOLD: _refused("FLOWHOLD"),
+        Mode.FOLLOW: _refused("FOLLOW"),
+        Mode.SYSTEM_ID: _refused("SYSTEMID"),
+        Mode.AUTO_RTL: _refused("AUTO RTL"),
+        Mode.TURTLE: _refused("TURTLE"),
     },
     Flavour.PX4: {
         Mode.MANUAL: ModeRule("Manual", needs_position=False, armable=True, manual=True),
@@ -128,6 +181,10 @@ MODES: Final[Mapping[Flavour, Mapping[Mode, ModeRule]]] = {
         Mode.TAKEOFF: ModeRule("Takeoff", needs_position=True, armable=True),
         Mode.RETURN: ModeRule("Return", needs_position=True, armable=False),
         Mode.LAND: ModeRule("Land", needs_position=False, armable=False),
+        Mode.CIRCLE: ModeRule("Orbit", needs_position=True, armable=False),
+        Mode.FOLLOW: ModeRule("Follow Target", needs_position=True, armable=False, like=Mode.HOLD),
+        Mode.SLOW: ModeRule("Position Slow", needs_position=True, armable=True, like=Mode.POSITION),
+        Mode.PRECISION_LAND: ModeRule("Precision Land", needs_position=True, armable=False, like=Mode.LAND),
     },
 }
 """The modes of each flavour."""
@@ -137,6 +194,9 @@ FIRST_MODE: Final[Mapping[Flavour, Mode]] = {Flavour.ARDUPILOT: Mode.STABILIZE, 
 
 HOLDING: Final[Mapping[Flavour, Mode]] = {Flavour.ARDUPILOT: Mode.POSITION, Flavour.PX4: Mode.HOLD}
 """The mode that keeps the vehicle where it is."""
+
+BY_ATTITUDE: Final = frozenset((Mode.GUIDED, Mode.GUIDED_NOGPS))
+"""The modes in which attitudes from outside are flown."""
 
 KEEPING_PLACE: Final = frozenset((Mode.POSITION, Mode.POSHOLD))
 """The modes by hand in which a stick that is let go stops the vehicle where it is."""

@@ -12,7 +12,7 @@ from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
 from vehicle_sim.autopilot.machine import Machine
 from vehicle_sim.autopilot.mission_items import MissionItem, SpeedAxis
 from vehicle_sim.autopilot.mission_task import MissionTask
-from vehicle_sim.autopilot.modes import HOLDING, Mode, Outcome, Severity
+from vehicle_sim.autopilot.modes import BY_ATTITUDE, HOLDING, Mode, Outcome, Severity
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, TakeoffTask
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import Geodetic, PartialVector, Setpoint
@@ -70,7 +70,7 @@ class Autopilot(Machine):
         if mode is self.mode:
             self._choose(mode)
             return Outcome.ACCEPTED
-        if self.armed and (reason := self._obstacle(mode)):
+        if reason := "init failed" if self._is_closed(mode) else self._obstacle(mode) if self.armed else "":
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
             streamless = self.flavour is Flavour.PX4 and mode is Mode.GUIDED and self._estimate.status.position_ok
             return Outcome.ACCEPTED if streamless else self._refusal
@@ -205,6 +205,29 @@ class Autopilot(Machine):
         self._refresh()
         return Outcome.ACCEPTED
 
+    def orbit(self, centre: PartialVector, *, radius_m: float | None = None, speed_m_s: float | None = None) -> Outcome:
+        """Circle round a place as PX4 does, to the left below 0; axes left free: ahead of the vehicle, as high."""
+        if self.set_mode(Mode.CIRCLE) is not Outcome.ACCEPTED:
+            self._say(Severity.CRITICAL, "Orbit command rejected")
+            return self._refusal
+        radius = self.settings.circle_radius_m if radius_m is None else radius_m
+        self._task = self._circling(centre, abs(radius), clockwise=radius >= 0.0)
+        if speed_m_s is not None:
+            self.change_speed(speed_m_s)
+        self._refresh()
+        return Outcome.ACCEPTED
+
+    def follow(self, place_ned_m: PartialVector) -> None:
+        """Go where whoever is followed asks for, in PX4's mode for that; its height stays."""
+        if self.mode is Mode.FOLLOW and self.armed and isinstance(self._task, HoldTask):
+            down = self._task.setpoint.position_ned_m[2]
+            self._task = HoldTask(self._estimate, self.settings, place=(*place_ned_m[:2], down))
+            self._refresh()
+
+    def look_at(self, place: Geodetic | None) -> None:
+        """Look at a place in modes that fly by themselves, as ArduPilot does, until the mode changes."""
+        self._looked_at = place
+
     def change_speed(self, speed_m_s: float, axis: SpeedAxis = SpeedAxis.HORIZONTAL) -> Outcome:
         """Fly no faster than `speed_m_s` along `axis` until the mode changes."""
         if not 0.0 < speed_m_s < inf:
@@ -257,7 +280,7 @@ class Autopilot(Machine):
         """Take an attitude from outside, as `setpoint` takes a setpoint; tell whether it is flown."""
         self._stream_s = self._now_s
         self._stream = None
-        if self.mode is not Mode.GUIDED or not self.armed:
+        if self.mode not in BY_ATTITUDE or not self.armed:
             return False
         if not isinstance(self._task, AttitudeTask):
             px4 = self.flavour is Flavour.PX4

@@ -13,6 +13,7 @@ from vehicle_sim.autopilot.feasibility import mission_fault
 from vehicle_sim.autopilot.guard import Guard, Situation
 from vehicle_sim.autopilot.hand import Pilot
 from vehicle_sim.autopilot.landing import LandDetector
+from vehicle_sim.autopilot.legs import CircleTask
 from vehicle_sim.autopilot.mission import Mission
 from vehicle_sim.autopilot.modes import (
     FIRST_MODE,
@@ -90,6 +91,7 @@ class State:
         self._speeds: dict[SpeedAxis, float] = {}
         self._yaw_rate_rad_s = inf
         self._paused: Setpoint | None = None
+        self._looked_at: Geodetic | None = None
         self.pilot = Pilot(self.settings.hand)
         self._task: Task = LevelTask(estimate)
         self.slowed = False
@@ -113,9 +115,19 @@ class State:
         return self._taken_off_at_s if self.armed and self._has_flown else None
 
     @property
+    def flown_as(self) -> Mode:
+        """The mode that the present one is flown like, which is mostly itself."""
+        return self.rule.like or self.mode
+
+    @property
     def target(self) -> Setpoint | None:
         """The setpoint that is flown now; None while the motors idle."""
         return self.guidance.setpoint
+
+    @property
+    def circle(self) -> CircleTask | None:
+        """The circle that is flown in the mode for that."""
+        return self._task if self.mode is Mode.CIRCLE and isinstance(self._task, CircleTask) else None
 
     @property
     def failsafe(self) -> Failsafe:

@@ -10,8 +10,8 @@ from math import asin, atan2, isfinite, sqrt
 from struct import unpack_from
 from typing import TYPE_CHECKING, Final
 
-from vehicle_sim.autopilot import Mode
 from vehicle_sim.autopilot.attitude_task import Attitude
+from vehicle_sim.autopilot.modes import BY_ATTITUDE
 from vehicle_sim.dynamics.hover import MOST_THRUST_M_S2
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import MAGIC_V2, Message, mavlink
@@ -45,7 +45,7 @@ class AttitudeService:
 
     def _ardupilot(self, message: Message) -> None:
         autopilot, mask = self._host.vehicle.autopilot, message.type_mask
-        if autopilot.mode is not Mode.GUIDED:
+        if autopilot.mode not in BY_ATTITUDE:
             return
         ignored, q = mask & _ALL_RATES, message.q
         is_unit = abs(sum(part * part for part in q) - 1.0) < _UNIT

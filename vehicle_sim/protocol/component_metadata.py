@@ -6,35 +6,29 @@ this vehicle knows.
 """
 
 from functools import cache
-from importlib.resources import files
 from json import dumps
 from lzma import compress
 from typing import Final
 
 from vehicle_sim.protocol.checksum import plain_crc32
+from vehicle_sim.protocol.data_files import source
 from vehicle_sim.protocol.dialect import Message
 from vehicle_sim.protocol.host import Host
 from vehicle_sim.protocol.late_messages import ComponentMetadata
 
 FOLDER: Final = ("etc", "extras")
 GENERAL: Final = "component_general.json.xz"
-EVENTS: Final = "all_events.json"
-_TYPES: Final = {EVENTS: 4, "actuators.json": 5}
+_TYPES: Final = {"all_events": 4, "actuators": 5}
 """COMP_METADATA_TYPE of each file."""
-
-
-def source(name: str) -> bytes:
-    """Return a file of this package as it is."""
-    return files(__package__).joinpath("px4", name).read_bytes()
 
 
 @cache
 def metadata_files() -> dict[str, bytes]:
     """Return the files of the folder, packed, by their names."""
-    packed = {f"{name}.xz": compress(source(name)) for name in _TYPES}
+    packed = {f"{name}.json.xz": compress(source(name)) for name in _TYPES}
     types = [
-        {"type": kind, "uri": _uri(f"{name}.xz"), "fileCrc": plain_crc32(packed[f"{name}.xz"])}
-        for name, kind in _TYPES.items()
+        {"type": kind, "uri": _uri(name), "fileCrc": plain_crc32(packed[name])}
+        for name, kind in zip(packed, _TYPES.values(), strict=True)
     ]
     return packed | {GENERAL: compress(dumps({"version": 1, "metadataTypes": types}).encode())}
 

@@ -33,6 +33,7 @@ from vehicle_sim.protocol.rates import RateService
 from vehicle_sim.protocol.routing import Router
 from vehicle_sim.protocol.setpoints import SetpointService
 from vehicle_sim.protocol.signing import Signer
+from vehicle_sim.protocol.special_commands import SpecialCommandService
 from vehicle_sim.protocol.statustext import TextChunker
 from vehicle_sim.protocol.sticks import StickService
 from vehicle_sim.protocol.streams import NEVER_US
@@ -116,6 +117,7 @@ class Endpoint:
         self.key_setup = KeySetupService(self, self.signer)
         self._events = EventService(self)
         self._cameras = CameraService(self)
+        special = SpecialCommandService(self)
         for service in (
             self._parameters,
             mode_list,
@@ -126,6 +128,7 @@ class Endpoint:
             self._missions,
             self._cameras,
             MountService(self),
+            special,
         ):
             commands.handlers.update(service.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
@@ -143,6 +146,7 @@ class Endpoint:
             **self._files.messages,
             **self.key_setup.messages,
             **self._events.messages,
+            **special.messages,
         }
         builders: dict[int, Builder] = {
             **BUILDERS,
@@ -151,6 +155,7 @@ class Endpoint:
             **mode_list.telemetry,
             **fences.telemetry,
             **self._cameras.telemetry,
+            **special.telemetry,
         }
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages

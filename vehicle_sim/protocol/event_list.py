@@ -1,4 +1,4 @@
-"""What PX4's events mean: the file that ground stations fetch, `px4/all_events.json`, as the vehicle itself uses it.
+"""What PX4's events mean: the file that ground stations fetch, `data/all_events.json`, as the vehicle itself uses it.
 
 https://mavlink.io/en/services/events.html. An event's number is made of its name: 24 bits of FNV-1a, and 1 above them.
 """
@@ -6,11 +6,10 @@ https://mavlink.io/en/services/events.html. An event's number is made of its nam
 import re
 from collections.abc import Callable
 from functools import cache
-from json import loads
 from struct import Struct
 from typing import Any, Final, NamedTuple
 
-from vehicle_sim.protocol.component_metadata import EVENTS, source
+from vehicle_sim.protocol.data_files import data_file
 
 _COMPONENT: Final = 1 << 24
 _FORMATS: Final = {"uint8_t": "B", "uint32_t": "I", "int32_t": "i", "float": "f"}
@@ -43,7 +42,7 @@ class EventList:
     """
 
     def __init__(self) -> None:
-        file: dict[str, Any] = loads(source(EVENTS))["components"]["1"]
+        file = data_file("all_events")["components"]["1"]
         self._enums = file["enums"]
         groups = file["navigation_mode_groups"]["groups"]
         self.mode_bits = {number: 1 << int(index) for index, numbers in groups.items() for number in numbers}

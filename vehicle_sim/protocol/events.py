@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vehicle_sim.autopilot import ArmingReason, Outcome, Severity
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.data_files import data_file
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.event_list import event_list
 from vehicle_sim.protocol.late_messages import CurrentEventSequence, Event, RequestEvent, ResponseEventError
@@ -45,23 +46,11 @@ class _Check(NamedTuple):
 
     event: str
     component: str
-    level: Severity
-    stops: bool = False
+    level: int
+    stops: bool
 
 
-_CHECKS: Final[dict[ArmingReason, _Check]] = {
-    ArmingReason.CALIBRATING: _Check("check_modes_attitude", "attitude_estimate", Severity.CRITICAL, stops=True),
-    ArmingReason.NO_POSITION: _Check("check_modes_global_pos", "global_position_estimate", Severity.ERROR, stops=True),
-    ArmingReason.NO_HEIGHT: _Check("check_modes_local_alt", "system", Severity.CRITICAL, stops=True),
-    ArmingReason.NO_HOME: _Check("check_modes_home_position", "system", Severity.INFO, stops=True),
-    ArmingReason.MODE: _Check("check_modes_cannot_takeoff", "system", Severity.INFO),
-    ArmingReason.NO_SETPOINTS: _Check("check_modes_offboard_signal", "system", Severity.ERROR, stops=True),
-    ArmingReason.BATTERY: _Check("check_battery_low", "battery", Severity.CRITICAL),
-    ArmingReason.GROUND_LOST: _Check("check_rc_dl_no_dllink", "communication_links", Severity.ERROR),
-    ArmingReason.FENCE_BLIND: _Check("check_gf_no_home", "system", Severity.ERROR),
-    ArmingReason.OUTSIDE_FENCE: _Check("check_gf_violation_custom_gf", "system", Severity.ERROR),
-    ArmingReason.NO_MISSION: _Check("check_modes_mission", "system", Severity.INFO, stops=True),
-}
+_CHECKS: Final = {ArmingReason[name]: _Check(*row) for name, row in data_file("arming_checks").items()}
 _PRESENT: Final = ("absolute_pressure", "gps", "battery", "magnetometer", "accel", "gyro")
 
 _Failures = dict[_Check, int]

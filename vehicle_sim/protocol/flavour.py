@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import Enum, IntFlag, auto
 from typing import Final
 
-from vehicle_sim.autopilot import Mode, Outcome
+from vehicle_sim.autopilot import MODES, Mode, Outcome
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import mavlink
 from vehicle_sim.protocol.late_messages import ComponentMetadata, CurrentMode
@@ -152,16 +152,27 @@ _ARDUPILOT: Final = FlavourTable(
         Mode.GUIDED: 4,
         Mode.POSITION: 5,
         Mode.RETURN: 6,
+        Mode.CIRCLE: 7,
         Mode.LAND: 9,
+        Mode.DRIFT: 11,
+        Mode.FLIP: 14,
+        Mode.AUTOTUNE: 15,
         Mode.POSHOLD: 16,
         Mode.BRAKE: 17,
+        Mode.THROW: 18,
+        Mode.AVOID_ADSB: 19,
+        Mode.GUIDED_NOGPS: 20,
+        Mode.SMART_RTL: 21,
+        Mode.FLOWHOLD: 22,
+        Mode.FOLLOW: 23,
+        Mode.ZIGZAG: 24,
+        Mode.SYSTEM_ID: 25,
+        Mode.AUTO_RTL: 27,
+        Mode.TURTLE: 28,
     },
     base_modes={
-        mode: _CUSTOM
-        | _STABILIZED
-        | _STICKS
-        | (0 if mode in (Mode.STABILIZE, Mode.ACRO, Mode.ALT_HOLD, Mode.LAND) else _GUIDED)
-        for mode in Mode
+        mode: _CUSTOM | _STABILIZED | _STICKS | (0 if rule.manual or mode is Mode.LAND else _GUIDED)
+        for mode, rule in MODES[Flavour.ARDUPILOT].items()
     },
     default_rates_hz={rates: {} for rates in Rates},
     stream_parameters={
@@ -247,10 +258,14 @@ _PX4: Final = FlavourTable(
         Mode.ACRO: _px4_mode(5),
         Mode.GUIDED: _px4_mode(6),
         Mode.STABILIZE: _px4_mode(7),
+        Mode.CIRCLE: _px4_mode(3, 1),
+        Mode.SLOW: _px4_mode(3, 2),
+        Mode.FOLLOW: _px4_mode(4, 8),
+        Mode.PRECISION_LAND: _px4_mode(4, 9),
     },
     base_modes={
-        mode: _BY_HAND if mode in (Mode.MANUAL, Mode.STABILIZE, Mode.ACRO, Mode.ALT_HOLD, Mode.POSITION) else _BY_ITSELF
-        for mode in Mode
+        mode: _BY_HAND if rule.manual or Mode.POSITION in (mode, rule.like) else _BY_ITSELF
+        for mode, rule in MODES[Flavour.PX4].items()
     },
     default_rates_hz={
         Rates.SILENT: {},
@@ -276,6 +291,8 @@ _PX4: Final = FlavourTable(
             VIBRATION=0.1,
             MISSION_CURRENT=1,
             CAMERA_IMAGE_CAPTURED=1,
+            WIND_COV=0.5,
+            ORBIT_EXECUTION_STATUS=2,
         )
         | {CurrentMode.id: 0.5},
         Rates.ONBOARD: _rates(
@@ -304,6 +321,8 @@ _PX4: Final = FlavourTable(
             VIBRATION=0.5,
             MISSION_CURRENT=1,
             CAMERA_TRIGGER=1,
+            WIND_COV=10,
+            ORBIT_EXECUTION_STATUS=5,
             CAMERA_IMAGE_CAPTURED=1,
         )
         | {CurrentMode.id: 0.5},

@@ -3,10 +3,11 @@
 Message definitions: https://mavlink.io/en/messages/common.html and ardupilotmega.html.
 """
 
-from math import atan2, degrees, hypot
+from math import atan2, degrees, hypot, nan
 from typing import Final
 
 from vehicle_sim.autopilot import Mode
+from vehicle_sim.geodesy import geodetic_at
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host
 from vehicle_sim.protocol.motion import quaternion
@@ -68,6 +69,32 @@ def wind(host: Host) -> Message | None:
     """WIND (ArduPilot): where the wind comes from, as drag tells; 0 while nothing is known, as ArduPilot has it."""
     north, east = host.vehicle.wind_estimate_ne_m_s or (0.0, 0.0)
     return mavlink.MAVLink_wind_message(degrees(atan2(-east, -north)), hypot(north, east), 0.0)
+
+
+def wind_cov(host: Host) -> Message | None:
+    """WIND_COV (PX4): where the wind blows to, north and east, as drag tells; nothing while nothing is flown."""
+    wind_ne = host.vehicle.wind_estimate_ne_m_s
+    if wind_ne is None:
+        return None
+    estimate = host.vehicle.estimate
+    altitude_m = -estimate.position_ned_m[2] + (0.0 if estimate.origin is None else estimate.origin.alt_m)
+    return mavlink.MAVLink_wind_cov_message(host.now_us, *wind_ne, 0.0, nan, nan, altitude_m, nan, nan)
+
+
+def orbit_execution_status(host: Host) -> Message | None:
+    """ORBIT_EXECUTION_STATUS (PX4): the circle that is flown; its radius is below 0 where it is flown to the left."""
+    circle, origin = host.vehicle.autopilot.circle, host.vehicle.estimate.origin
+    if circle is None or origin is None:
+        return None
+    centre = geodetic_at(origin, circle.centre)
+    return mavlink.MAVLink_orbit_execution_status_message(
+        host.now_us,
+        circle.sign * circle.radius_m,
+        mavlink.MAV_FRAME_GLOBAL,
+        round(centre.lat_deg * E7),
+        round(centre.lon_deg * E7),
+        centre.alt_m,
+    )
 
 
 def simstate(host: Host) -> Message | None:

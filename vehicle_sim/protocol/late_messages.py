@@ -8,6 +8,7 @@ from itertools import chain
 from struct import Struct
 from typing import Any, Final
 
+from vehicle_sim.protocol.data_files import data_file
 from vehicle_sim.protocol.dialect import Message, mavlink
 
 
@@ -34,7 +35,7 @@ class LateMessage(mavlink.MAVLink_message):  # type: ignore[misc]  # pymavlink s
         return frame
 
 
-def _late(number: int, name: str, crc_extra: int, **fields: str) -> type[Message]:
+def _late(name: str, number: int, crc_extra: int, fields: dict[str, str]) -> type[Message]:
     """Define a message; each of its fields in the order of the wire has a format of `struct`, as `H` or `40B`."""
     counts = [int(field[:-1] or 0) for field in fields.values()]
     is_text = [field.endswith("s") for field in fields.values()]
@@ -55,43 +56,12 @@ def _late(number: int, name: str, crc_extra: int, **fields: str) -> type[Message
     return kind
 
 
-ComponentMetadata: Final = _late(397, "COMPONENT_METADATA", 182, time_boot_ms="I", file_crc="I", uri="100s")
-Event: Final = _late(
-    410,
-    "EVENT",
-    160,
-    id="I",
-    event_time_boot_ms="I",
-    sequence="H",
-    destination_component="B",
-    destination_system="B",
-    log_levels="B",
-    arguments="40B",
-)
-CurrentEventSequence: Final = _late(411, "CURRENT_EVENT_SEQUENCE", 106, sequence="H", flags="B")
-RequestEvent: Final = _late(
-    412, "REQUEST_EVENT", 33, first_sequence="H", last_sequence="H", target_system="B", target_component="B"
-)
-ResponseEventError: Final = _late(
-    413,
-    "RESPONSE_EVENT_ERROR",
-    77,
-    sequence="H",
-    sequence_oldest_available="H",
-    target_system="B",
-    target_component="B",
-    reason="B",
-)
-AvailableModes: Final = _late(
-    435,
-    "AVAILABLE_MODES",
-    134,
-    custom_mode="I",
-    properties="I",
-    number_modes="B",
-    mode_index="B",
-    standard_mode="B",
-    mode_name="35s",
-)
-CurrentMode: Final = _late(436, "CURRENT_MODE", 193, custom_mode="I", intended_custom_mode="I", standard_mode="B")
-AvailableModesMonitor: Final = _late(437, "AVAILABLE_MODES_MONITOR", 30, seq="B")
+_KINDS: Final = {name: _late(name, *row) for name, row in data_file("late_messages").items()}
+ComponentMetadata: Final = _KINDS["COMPONENT_METADATA"]
+Event: Final = _KINDS["EVENT"]
+CurrentEventSequence: Final = _KINDS["CURRENT_EVENT_SEQUENCE"]
+RequestEvent: Final = _KINDS["REQUEST_EVENT"]
+ResponseEventError: Final = _KINDS["RESPONSE_EVENT_ERROR"]
+AvailableModes: Final = _KINDS["AVAILABLE_MODES"]
+CurrentMode: Final = _KINDS["CURRENT_MODE"]
+AvailableModesMonitor: Final = _KINDS["AVAILABLE_MODES_MONITOR"]

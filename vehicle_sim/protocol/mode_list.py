@@ -24,7 +24,15 @@ _DO_SET_STANDARD_MODE: Final = 262
 _ADVANCED: Final = 1
 _BY_HAND: Final = frozenset((Mode.ALT_HOLD, Mode.POSITION))
 _NON_STANDARD: Final = 0
-_STANDARD: Final = {Mode.POSITION: 1, Mode.ALT_HOLD: 4, Mode.RETURN: 5, Mode.AUTO: 6, Mode.LAND: 7, Mode.TAKEOFF: 8}
+_STANDARD: Final = {
+    Mode.POSITION: 1,
+    Mode.CIRCLE: 2,
+    Mode.ALT_HOLD: 4,
+    Mode.RETURN: 5,
+    Mode.AUTO: 6,
+    Mode.LAND: 7,
+    Mode.TAKEOFF: 8,
+}
 """MAV_STANDARD_MODE of PX4's modes."""
 
 
@@ -77,7 +85,7 @@ class ModeListService:
         if not self._is_px4:
             return Outcome.UNSUPPORTED
         mode = next((mode for mode, standard in _STANDARD.items() if standard == request.params[0]), None)
-        return Outcome.UNSUPPORTED if mode is None else self._host.vehicle.autopilot.set_mode(mode)
+        return Outcome.FAILED if mode is None else self._host.vehicle.autopilot.set_mode(mode)
 
     def _current(self) -> Message:
         autopilot, numbers = self._host.vehicle.autopilot, self._host.table.custom_modes

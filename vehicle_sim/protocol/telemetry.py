@@ -46,6 +46,8 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     mavlink.MAVLINK_MSG_ID_AHRS: guidance.ahrs,
     mavlink.MAVLINK_MSG_ID_WIND: guidance.wind,
     mavlink.MAVLINK_MSG_ID_SIMSTATE: guidance.simstate,
+    mavlink.MAVLINK_MSG_ID_WIND_COV: guidance.wind_cov,
+    mavlink.MAVLINK_MSG_ID_ORBIT_EXECUTION_STATUS: guidance.orbit_execution_status,
     ComponentMetadata.id: component_metadata,
 }
 """What each message is made with; services add those that carry their own state."""

@@ -95,11 +95,11 @@ def test_a_failsafe_changes_the_mode_but_not_the_intended_one() -> None:
 def test_standard_modes_are_entered_by_their_number() -> None:
     station = Station(endpoint_of(Flavour.PX4))
     station.wait_for_position()
-    for standard, mode in ((1, Mode.POSITION), (4, Mode.ALT_HOLD), (5, Mode.RETURN), (7, Mode.LAND)):
+    for standard, mode in ((1, Mode.POSITION), (2, Mode.CIRCLE), (4, Mode.ALT_HOLD), (5, Mode.RETURN), (7, Mode.LAND)):
         assert station.command(DO_SET_STANDARD_MODE, standard) == ACCEPTED
         assert station.endpoint.vehicle.autopilot.mode is mode
-    for unknown in (0, 2, 3, 99, float("nan")):
-        assert station.command(DO_SET_STANDARD_MODE, unknown) == mavlink.MAV_RESULT_UNSUPPORTED
+    for unknown in (0, 3, 99, float("nan")):
+        assert station.command(DO_SET_STANDARD_MODE, unknown) == mavlink.MAV_RESULT_FAILED
     station = Station(endpoint_of(Flavour.ARDUPILOT))
     assert station.command(DO_SET_STANDARD_MODE, 1) == mavlink.MAV_RESULT_UNSUPPORTED
 
