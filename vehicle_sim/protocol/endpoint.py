@@ -9,6 +9,7 @@ for datagram in endpoint.outgoing("gcs"): ...
 from typing import TYPE_CHECKING
 
 from vehicle_sim.protocol.attitudes import AttitudeService
+from vehicle_sim.protocol.calibrations import CalibrationService
 from vehicle_sim.protocol.cameras import CameraService
 from vehicle_sim.protocol.commands import CommandService
 from vehicle_sim.protocol.dialect import AUTOPILOT_COMPONENT, mavlink
@@ -20,6 +21,7 @@ from vehicle_sim.protocol.flavour import TABLES, FlavourTable, Rates
 from vehicle_sim.protocol.flight_log import FlightRecorder
 from vehicle_sim.protocol.host import Sender
 from vehicle_sim.protocol.key_setup import KeySetupService
+from vehicle_sim.protocol.legacy_plans import LegacyPlanService
 from vehicle_sim.protocol.link import Link
 from vehicle_sim.protocol.log_transfer import LogService
 from vehicle_sim.protocol.missions import MissionService
@@ -117,7 +119,9 @@ class Endpoint:
         self.key_setup = KeySetupService(self, self.signer)
         self._events = EventService(self)
         self._cameras = CameraService(self)
-        special = SpecialCommandService(self)
+        special, calibrations = SpecialCommandService(self), CalibrationService(self)
+        self._with_partners = (self._parameters, self._plans, self._log_transfer, self._files)
+        self._timed = (self._events, calibrations, self._plans)
         for service in (
             self._parameters,
             mode_list,
@@ -129,6 +133,7 @@ class Endpoint:
             self._cameras,
             MountService(self),
             special,
+            calibrations,
         ):
             commands.handlers.update(service.commands)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
@@ -147,6 +152,8 @@ class Endpoint:
             **self.key_setup.messages,
             **self._events.messages,
             **special.messages,
+            **calibrations.messages,
+            **LegacyPlanService(self).messages,
         }
         builders: dict[int, Builder] = {
             **BUILDERS,
@@ -210,10 +217,8 @@ class Endpoint:
         link = self._links.pop(name)
         del self._purposes[link]
         self._router.forget(link)
-        self._parameters.forget(link)
-        self._plans.forget(link)
-        self._log_transfer.forget(link)
-        self._files.forget(link)
+        for service in self._with_partners:
+            service.forget(link)
 
     def receive(self, link: str, data: bytes) -> int:
         """Handle what came by a link and return how many valid messages it held.
@@ -330,16 +335,15 @@ class Endpoint:
 
     def _go_on_sending(self) -> None:
         """Send the next part of what is long, and what is due."""
-        if self._events.next_due_us <= self.now_us:
-            self._events.advance()
         if self._parameters.is_listing:
             self._parameters.advance()
         if self._log_transfer.is_sending:
             self._log_transfer.advance()
         if self._files.is_sending:
             self._files.advance()
-        if self._plans.next_due_us <= self.now_us:
-            self._plans.advance()
+        for service in self._timed:
+            if service.next_due_us <= self.now_us:
+                service.advance()
 
     def _reboot(self) -> None:
         """Begin anew: streams as by default, no transfer under way, and the system id that the parameter names."""
@@ -355,10 +359,8 @@ class Endpoint:
         self._events.reboot()
         for link in self._links.values():
             link.speak_for(self.system_id)
-            self._parameters.forget(link)
-            self._plans.forget(link)
-            self._log_transfer.forget(link)
-            self._files.forget(link)
+            for service in self._with_partners:
+                service.forget(link)
             self._rates.start_defaults(link)
 
     # What the services use.

@@ -32,12 +32,16 @@ _INT32: Final = 2**31
 
 @dataclass(slots=True)
 class _Upload:
-    """An upload under way: from whom, of what, how far, and when the last sign of life came."""
+    """An upload under way: from whom, of what, how far, and when the last sign of life came.
+
+    One of a part begins with the `items` that are before it, and ends with the `rest`, which stays as it is.
+    """
 
     partner: "Sender"
     kind: PlanKind
     count: int
     items: list[PlanItem] = field(default_factory=list)
+    rest: tuple[PlanItem, ...] = ()
     heard_us: int = 0
     ask_again_us: int = 0
 
@@ -68,8 +72,8 @@ class PlanService:
             mavlink.MAVLINK_MSG_ID_MISSION_REQUEST: self.on_request,
             mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_INT: self.on_request,
             mavlink.MAVLINK_MSG_ID_MISSION_CLEAR_ALL: self.on_clear_all,
-            mavlink.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST: self.on_partial,
-            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST: self.on_partial,
+            mavlink.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST: self._refuse if self._is_px4 else self.on_partial,
+            mavlink.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST: self._refuse,
         }
 
     def forget(self, link: "Link") -> None:
@@ -147,7 +151,7 @@ class PlanService:
             self._ask()
             return
         self._end_upload()
-        result = self._keep(upload.kind, tuple(upload.items))
+        result = self._keep(upload.kind, (*upload.items, *upload.rest))
         self._last = (sender, upload.kind, message.seq) if result == _ACCEPTED else None
         self._acknowledge(sender, result, upload.kind, named=True)
 
@@ -279,6 +283,24 @@ class PlanService:
         self._acknowledge(sender, _ACCEPTED, message.mission_type)
 
     def on_partial(self, sender: "Sender", message: Message) -> None:
+        """Begin an upload of items from one to another, as ArduPilot does; both may be one past the end."""
+        kind, first, last = _kind(message.mission_type), message.start_index, message.end_index
+        items = () if kind is None else self.store.plans[kind]
+        if kind is None:
+            self._refuse(sender, message)
+        elif self._upload is not None and self._upload.partner != sender:
+            self._acknowledge(sender, mavlink.MAV_MISSION_DENIED, kind)
+        elif not 0 <= first <= last <= len(items):
+            self._host.say(Severity.WARNING, "Flight plan update rejected")
+            self._acknowledge(sender, mavlink.MAV_MISSION_ERROR, kind)
+        else:
+            items = tuple(item._replace(is_current=False) for item in items)
+            before, rest = list(items[:first]), items[last + 1 :]
+            self._upload = _Upload(sender, kind, last + 1, before, rest, heard_us=self._host.now_us)
+            self._last = None
+            self._ask()
+
+    def _refuse(self, sender: "Sender", message: Message) -> None:
         """Refuse to transfer part of a plan."""
         self._acknowledge(sender, mavlink.MAV_MISSION_UNSUPPORTED, message.mission_type)
 
