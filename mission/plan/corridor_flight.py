@@ -1,6 +1,6 @@
 """What is flown through a corridor: taut lines with what is done at their ends, and the curves along them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -51,6 +51,7 @@ class Flown:
         lap: Those of the lap; it begins at a rest, or has none.
         onward: What is flown before, or the motion with which the curve begins; None at rest.
         kept: What is flown as it was in a plan before.
+        begun: Given the first curve from a motion to a rest, before anything else is made.
     """
 
     def __init__(
@@ -60,8 +61,10 @@ class Flown:
         lap: Sequence[Line],
         onward: BezierCurve | Motion | None,
         kept: Kept,
+        *,
+        begun: Callable[[Piece], None],
     ) -> None:
-        self._kept = kept
+        self._kept, self._begun = kept, begun
         self._pace, self._begins = pace, None if isinstance(onward, BezierCurve) else onward
         self._pieces: list[Piece] = [onward] if isinstance(onward, BezierCurve) else []
         self._stops: list[tuple[int, float]] = []  # after so many pieces, seconds
@@ -85,7 +88,10 @@ class Flown:
         for group in groups:
             lanes = group[-1].lanes
             into = None if lanes is None else _motion(lanes, 0.0)
+            starts = not self._pieces
             self._pieces.extend(self._joining(group, before, into))
+            if starts and self._pieces and self._begins is not None and into is None:
+                self._begun(self._pieces[0])
             self._end(group[-1])
             before = None if lanes is None else _motion(lanes, lanes.duration_s)
 

@@ -1,7 +1,8 @@
 """From a run to a smooth curve in the corridor of the shortest path that does what the run does, with its proof."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Final
 
 import numpy as np
@@ -17,17 +18,19 @@ from mission.plan.begun import StayLeft
 from mission.plan.corridor_flight import Flown, Line, planned_along, rests
 from mission.plan.covering import CoveredVisit, Covering
 from mission.plan.kept import Kept
+from mission.plan.pace import law_onward, limits_in_motion
 from mission.plan.progress import Grounds, Stage, Stages, StagesOfRuns
 from mission.plan.visits import covered_visits, passage_at, visits
 from mission.planning.run import Run
 from mission.spec.model import MissionSpec, Point, Region
 from mission.steering.certificate import Certificate
 from mission.steering.corridor import Way
-from mission.steering.joined import JoinedCurve
+from mission.steering.joined import JoinedCurve, Piece
+from mission.steering.known_laws import KnownLaw
 from mission.steering.motion import Motion, Pace
 from mission.steering.polyline import Polyline
 from mission.steering.rounded import RoundedPolyline
-from mission.steering.taut import TautLine, taut_path
+from mission.steering.taut import Spaces, TautLine, taut_path
 from mission.steering.timing import level_acceleration
 
 _ROOM_OF_TUBE: Final = 0.01
@@ -51,6 +54,7 @@ class CorridorPath:
         margin_m: Half width of the square that has room round every place of it.
         onward: The motion with which laps end that are flown through; None where the curve ends at
             rest.
+        known: The law of its first piece, where the curve begins in motion and that is known.
     """
 
     planned: Polyline
@@ -61,6 +65,7 @@ class CorridorPath:
     covers: tuple[CoveredVisit, ...]
     margin_m: float
     onward: Motion | None
+    known: tuple[KnownLaw, ...] = ()
 
 
 def pace_of(spec: MissionSpec) -> Pace:
@@ -81,6 +86,8 @@ class CorridorPlanner:
         automaton: Of what the flight satisfies.
         covering: Covers the mission's regions; None where a visit is just that.
         kept: What is flown as it was in a plan before.
+
+    What was found for one beginning is there for the next one.
     """
 
     spec: MissionSpec
@@ -90,6 +97,8 @@ class CorridorPlanner:
     automaton: Conjunction
     covering: Covering | None
     kept: Kept
+    _known: dict[tuple[Run, Point, float], tuple[Grounds, Stages]] = field(default_factory=dict)
+    _spaces: Spaces = field(default_factory=dict)
 
     @property
     def pace(self) -> Pace:
@@ -122,19 +131,27 @@ class CorridorPlanner:
     def _proved(
         self, run: Run, begins: Beginning, certify: Callable[[JoinedCurve], Certificate], margin_m: float
     ) -> CorridorPath:
-        landing_m = self.spec.flight.landing_m
-        grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m, landing_m)
-        stages = StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run, begins.place_m)
+        grounds, stages = self._staged(run, begins.place_m, margin_m)
         free, onward = stages.stages[0].free, begins.onward(self.pace)
-        halt = begins.halt(free, self.pace) if begins.halts else None
+        halt, known = None, list[KnownLaw]()
+        if begins.halts and onward is not None:
+            halt, laws = begins.halt(onward, free, self.pace, partial(limits_in_motion, self.spec, begins=onward.law))
+            known.extend(laws)
         lead_m = begins.lead_m(free, self.pace) if halt is None else halt.position([halt.duration_s])
         to_lap, lap = self._lines(
             run, stages, replace(begins, place_m=(float(lead_m[-1, 0]), float(lead_m[-1, 1]))), grounds, margin_m
         )
+        begins.check_turn(_to_rest(lead_m[-1:], [*to_lap, *lap]), self.pace)
         if len(lead_m) > 1:
             to_lap.insert(0, Line(Way(lead_m, free, None)))
         before = [] if halt is None else [Line(Way(halt.position([0.0, halt.duration_s]), free, None))]
-        flown = Flown(self.pace, to_lap, lap, halt or (None if onward is None else onward.motion(self.pace)), self.kept)
+
+        def begun(piece: Piece) -> None:
+            if onward is not None:
+                known.append(law_onward(self.spec, piece, onward.law))
+
+        motion = None if onward is None else onward.motion(self.pace)
+        flown = Flown(self.pace, to_lap, lap, halt or motion, self.kept, begun=begun)
         if not flown.moves:
             raise UnprovedError("the flight may end where it begins", counterexample=(), where_s=None)
         curve = flown.curve
@@ -154,7 +171,16 @@ class CorridorPlanner:
             covers=tuple(self._visit(begins, lanes, start_s) for lanes, start_s in flown.lanes),
             margin_m=margin_m,
             onward=flown.onward,
+            known=tuple(known),
         )
+
+    def _staged(self, run: Run, place_m: Point, margin_m: float) -> tuple[Grounds, Stages]:
+        """Where the vehicle may be in each stage of a run; raises NoStagesError as in ``path``."""
+        key = run, place_m, margin_m
+        if key not in self._known:
+            grounds = Grounds(self.partition, self.labelling, self.restricted, margin_m, self.spec.flight.landing_m)
+            self._known[key] = grounds, StagesOfRuns(grounds, self.automaton, self.spec.semantics).of(run, place_m)
+        return self._known[key]
 
     def _visit(self, begins: Beginning, curve: RoundedPolyline, start_s: float) -> CoveredVisit:
         left = next((left for left in begins.lanes if left.curve is curve), None)
@@ -176,7 +202,7 @@ class CorridorPlanner:
         resting = [entry for entry in entries if rests(done[entry - 1 if entry != lap_from else -1])]
         if begins.completes and lap_from is not None:
             resting = [lap_from]
-        found = taut_path(start_m, stretches, lap=lap_from, entries=resting or entries)
+        found = taut_path(start_m, stretches, lap=lap_from, entries=resting or entries, spaces=self._spaces)
         lines = [
             _line(
                 line, stretches[line.stage], held_s or self._held_there_s(stretches[line.stage], line, margin_m), lanes
@@ -327,6 +353,12 @@ def _passed(stages: Stages, start_m: FloatArray) -> dict[int, tuple[Point, Point
         (x, y), (u, v) = (end.tolist() for end in ends)
         passed[line.stage] = (x, y), (u, v)
     return passed
+
+
+def _to_rest(from_m: FloatArray, lines: Sequence[Line]) -> FloatArray:
+    """The corners of lines from a place, shape (1, 2), up to the first rest, shape (n, 2)."""
+    last = next((number for number, line in enumerate(lines) if line.rests), len(lines))
+    return np.concatenate((from_m, *(line.way.points_m for line in lines[: last + 1])))
 
 
 def _line(line: TautLine, stage: Stage, held_s: float, lanes: RoundedPolyline | None) -> Line:

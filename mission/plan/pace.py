@@ -7,11 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from mission.errors import NoRollingStartError
 from mission.plan.covering import CoveredVisit
 from mission.plan.turning import RunIn, looked_along, run_ins, slow_to_turn, turns_at_rest
 from mission.spec.model import UNTIL_STOPPED, MissionSpec, Point
 from mission.steering.grid import Limits, Slow
-from mission.steering.joined import Curve, JoinedCurve, joins_smoothly
+from mission.steering.joined import Curve, JoinedCurve, Piece, joins_smoothly
 from mission.steering.known_laws import KnownLaw
 from mission.steering.smoothing import FourierCurve
 from mission.steering.timing import even_rate, level_acceleration, time_law
@@ -24,6 +25,8 @@ _OF_ACCELERATION: Final = 0.88
 _IN_MOTION: Final = 1.06
 _PULLED: Final = 1.15
 """Of speed and acceleration with which a flight begins, what its law may ask for: proofs of bounds leave a little."""
+
+_SPARE: Final = 0.999
 
 _Holds = tuple[tuple[float, float], ...]
 _Standing = tuple[_Holds, _Holds]
@@ -75,6 +78,21 @@ def trajectory_of(
         # Of two waits at one place the first says where it is: the begin of a lane, and nowhere behind it.
         flown = _trajectory(spec, curve, (stops, (*waits, *turns_s)), lap, slower, begins=begins, known=known)
     return flown
+
+
+def law_onward(spec: MissionSpec, piece: Piece, begins: tuple[float, float]) -> KnownLaw:
+    """The law of the first piece of a curve, from a rate and its growth to rest.
+
+    Raises:
+        NoRollingStartError: There is none.
+    """
+    # On other cells its bounds are others, but for less than this.
+    limits = Limits(*(_SPARE * limit for limit in limits_in_motion(spec, piece, begins)))
+    try:
+        law = time_law(piece, limits, fastest=_fastest(piece), ends=(begins[0], 0.0), growth=begins[1])
+    except ValueError as error:
+        raise NoRollingStartError(str(error)) from error
+    return KnownLaw(piece, law)
 
 
 def _trajectory(
@@ -132,7 +150,7 @@ def _legs(
         ends = (first, rate if lap in {number, number + 1} else 0.0)
         law = time_law(
             leg,
-            _vehicle_limits(spec, leg) if onward is None else _limits_in_motion(spec, leg, onward),
+            _vehicle_limits(spec, leg) if onward is None else limits_in_motion(spec, leg, onward),
             fastest=_fastest(leg),
             holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
             slow=tuple(
@@ -187,7 +205,7 @@ def _has_waves(curve: Curve) -> bool:
     )
 
 
-def _limits_in_motion(spec: MissionSpec, curve: Curve, begins: tuple[float, float]) -> Limits:
+def limits_in_motion(spec: MissionSpec, curve: Curve, begins: tuple[float, float]) -> Limits:
     """Those of a curve that begins in motion, which may be as fast as it asks for already."""
     limits = _vehicle_limits(spec, curve)
     (rate, growth), (slope, bend) = begins, (curve.derivative([0.0], order)[0] for order in (1, 2))

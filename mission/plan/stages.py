@@ -1,7 +1,5 @@
 """The stages of planning, one after the other; each is a function of what came before it."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from mission.errors import Fault, NoPlanError, NoRollingStartError, SpecError
@@ -112,11 +110,10 @@ def planned(
         found=found,
         index=index,
         free=run is None and spec.run == 0,
-        begins=begins,
         kept=Kept.of(known, spec),
     )
     try:
-        flown, trajectory = _flown(steering)
+        flown, trajectory = _flown(steering, begins)
     except NoRollingStartError:
         raise
     except NoPlanError as error:
@@ -157,13 +154,14 @@ def _map_of(spec: MissionSpec) -> tuple[object, ...]:
     return spec.domain, [(each.name, each.kind, each.shape, each.clearance_m) for each in spec.regions]
 
 
-def _flown(steering: Steering) -> tuple[Steered, Trajectory]:
+def _flown(steering: Steering, beginning: Beginning) -> tuple[Steered, Trajectory]:
     """A smooth path, and how it is flown: in motion from the first, or from a halt on, or from rest."""
-    of, onward = steering.planner, steering.begins.onward(pace_of(steering.planner.spec))
+    of, pace = steering.planner, pace_of(steering.planner.spec)
+    onward, way = beginning.onward(pace), steering.found.way
     refused = NoRollingStartError("")
-    for begins in steering.begins.each():
+    for begins in beginning.each(np.empty((0, 2)) if way is None else way.prefix_m, pace):
         try:
-            flown = replace(steering, begins=begins).steered()
+            flown = steering.steered(begins)
             return flown, trajectory_of(
                 of.spec,
                 flown.curve,
@@ -173,7 +171,7 @@ def _flown(steering: Steering) -> tuple[Steered, Trajectory]:
                 slow=slow_parts(flown.proofs, of.labelling, of.spec.regions),
                 toward_m=looked_toward(of.spec, of.partition, of.labelling),
                 begins=None if onward is None else onward.law,
-                known=steering.kept.laws,
+                known=(*flown.known, *steering.kept.laws),
             )
         except NoRollingStartError as error:
             refused = error

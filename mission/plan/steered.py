@@ -1,7 +1,7 @@
 """From the best runs to a smooth path with a proof: in the corridor of the shortest path, or by the paper's fields."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 from mission.errors import MissionError, NoPlanError, NoRollingStartError, SearchSizeError
 from mission.geometry.arrays import BoolArray
@@ -28,6 +28,7 @@ from mission.spec.model import CORRIDOR
 from mission.spec.specification import Specification
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
+from mission.steering.known_laws import KnownLaw
 from mission.steering.layered_paths import NoWayError
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
@@ -44,6 +45,7 @@ class Steered:
         lap: Which leg is the lap; None where there is none.
         searched: The run of the search through whose corridor, or by whose fields, it leads.
         avoided: The triangles that were closed because no run through them is proved.
+        known: Laws of pieces of the curve that are known.
     """
 
     run: Run
@@ -60,6 +62,7 @@ class Steered:
     passed_over: tuple[PassedOver, ...] = ()
     avoided: tuple[Avoided, ...] = ()
     instead: str = ""
+    known: tuple[KnownLaw, ...] = ()
 
     @property
     def proofs(self) -> tuple[Certificate, ...]:
@@ -79,7 +82,6 @@ class Steering:
         found: The best ones.
         index: Which of them was asked for.
         free: Whether another one will do.
-        begins: Where the flight begins, and with which motion.
         kept: What is flown as it was in a plan before.
     """
 
@@ -90,34 +92,37 @@ class Steering:
     found: BestRuns
     index: int
     free: bool
-    begins: Beginning
     kept: Kept
 
-    def steered(self) -> Steered:
+    def steered(self, begins: Beginning) -> Steered:
         """A run with its smooth path and its proof, as the mission asks for it.
 
         Where no curve in a corridor is proved, or the words of the mission count triangles, the path of the fields is
         flown instead, which begins at rest.
 
+        Args:
+            begins: Where the flight begins, and with which motion.
+
         Raises:
+            NoRollingStartError: Nothing is proved that begins with this motion.
             NoPlanError: Nothing is proved.
         """
         instead = ""
-        if self.begins.moves and self.planner.spec.smoothing != CORRIDOR:
+        if begins.moves and self.planner.spec.smoothing != CORRIDOR:
             raise NoRollingStartError("the path of the fields begins at rest")
         if self.planner.spec.smoothing == CORRIDOR:
             try:
-                return self._in_corridor(self.found, self.index)
+                return self._in_corridor(self.found, self.index, begins)
             except (NoStagesError, NoWayError, NoPlanError) as error:
-                instead, roomier = str(error), self._roomier(error)
+                instead, roomier = str(error), self._roomier(error, begins)
             if roomier is not None:
                 return roomier
-            if self.begins.moves:
+            if begins.moves:
                 raise NoRollingStartError(instead)
-            if self.begins.stays:
+            if begins.stays:
                 raise NoPlanError(instead)
         try:
-            return self._by_fields(instead)
+            return self._by_fields(instead, begins)
         except NoPlanError as error:
             if instead in {"", str(error)}:
                 raise
@@ -129,19 +134,26 @@ class Steering:
                 regions=error.regions,
             ) from error
 
-    @property
+    @cached_property
+    def _corridors(self) -> CorridorPlanner:
+        """In those of the best runs: what is found for one beginning is there for another."""
+        return self._corridors_of(self.found)
+
+    def _corridors_of(self, found: BestRuns) -> CorridorPlanner:
+        of, automaton = self.planner, found.product.automaton
+        return CorridorPlanner(of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering, self.kept)
+
+    @cached_property
     def _prover(self) -> Prover:
         of = self.planner
         refutation = compile_to_alphabet(self.specification.refutation, of.labelling.letters)
         return prover_of(of.spec, of.partition, of.labelling, refutation, self.restricted)
 
-    def _in_corridor(self, found: BestRuns, index: int) -> Steered:
+    def _in_corridor(self, found: BestRuns, index: int, begins: Beginning) -> Steered:
         of, automaton = self.planner, found.product.automaton
-        planner = CorridorPlanner(
-            of.spec, of.partition, of.labelling, self.restricted, automaton, of.covering, self.kept
-        )
+        planner = self._corridors if found is self.found else self._corridors_of(found)
         run, locator = found.runs[index], self.search.maps.locator
-        flown = planner.path(run, self.begins, partial(self._prover.certify, repeats=run.recurrent))
+        flown = planner.path(run, begins, partial(self._prover.certify, repeats=run.recurrent))
         path, curve, homeward = flown.planned, flown.curve, None
         if flown.lap is not None:
             # In T: the lap may begin elsewhere than the one that was searched.
@@ -163,9 +175,10 @@ class Steering:
             homeward=homeward,
             stops=with_passing_stops(flown.stops, curve, proofs, (of.partition, of.labelling), of.spec.regions),
             covers=flown.covers,
+            known=flown.known,
         )
 
-    def _roomier(self, refused: MissionError) -> Steered | None:
+    def _roomier(self, refused: MissionError, begins: Beginning) -> Steered | None:
         """A path in the corridor of a run that keeps out of where the tube does not fit; None where none is found.
 
         Raises:
@@ -185,7 +198,7 @@ class Steering:
                     return None
                 raise NoPlanError(f"{refused}; {tube_advice(self.planner.spec)}") from none
             try:
-                steered = self._in_corridor(found, 0)
+                steered = self._in_corridor(found, 0, begins)
             except (NoStagesError, NoWayError, NoPlanError) as again:
                 error = again
                 continue
@@ -193,7 +206,7 @@ class Steering:
             return replace(steered, passed_over=(PassedOver(self.index, str(refused)),), avoided=tuple(avoided))
         return None
 
-    def _by_fields(self, instead: str) -> Steered:
+    def _by_fields(self, instead: str, begins: Beginning) -> Steered:
         planner, prover = self.planner, self._prover
 
         def smoothed(tried: Run, path: SteeringPath, doubtful: bool) -> ProvedCurve:  # noqa: FBT001 - as proved_run has it
@@ -201,7 +214,7 @@ class Steering:
             return planner.smoothed(path, certify, joins=tried.recurrent, doubtful=doubtful)
 
         def proved_of(best: BestRuns) -> ProvedRun:
-            steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=self.begins.place_m)
+            steered = partial(planner.path, automaton=best.product.automaton.whole, start_m=begins.place_m)
             if best is self.found:
                 return proved_run(best.runs, self.index, steered, smoothed, others=self.free)
             return proved_run(best.runs, 0, steered, smoothed, others=False, doubtful=True)

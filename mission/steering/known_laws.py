@@ -12,12 +12,13 @@ from mission.steering.strain import strain
 
 _SAME: Final = 1e-9
 """Of the curve's parameter: rounding."""
+_CELLS: Final = 64
 _NEARLY: Final = 1.01
 """Of a limit: its bounds were proved on other cells; a law that was made for larger limits asks for more than that."""
 
 
 class KnownLaw(NamedTuple):
-    """A piece of a curve, and the law by which it is flown from rest to rest."""
+    """A piece of a curve, and the law by which it is flown to rest: from rest, or at the begin of a curve in motion."""
 
     piece: Piece
     law: TimeLaw
@@ -40,23 +41,39 @@ def laws_of(curve: Curve, law: TimeLaw) -> tuple[KnownLaw, ...]:
 
 
 def known_law(
-    curve: Curve, span_s: tuple[float, float], known: Iterable[KnownLaw], limits: Limits, slow: Sequence[Slow]
+    curve: Curve,
+    span_s: tuple[float, float],
+    known: Iterable[KnownLaw],
+    limits: Limits,
+    slow: Sequence[Slow],
+    *,
+    begins: tuple[float, float] = (0.0, 0.0),
 ) -> TimeLaw | None:
     """The law that is known of a part of a curve, if it keeps the limits; None where there is none.
 
     Args:
         curve: The curve.
-        span_s: Where the part begins and ends, at rests.
+        span_s: Where the part begins, and where it ends at rest.
         known: Laws of pieces.
         limits: Those of the vehicle.
         slow: Where it is to be slow.
+        begins: The rate with which the part begins, and the growth there if it is not at rest.
     """
     pieces, joints = _cut(curve)
     piece = next((piece for piece, *ends in zip(pieces, joints, joints[1:], strict=False) if (*ends,) == span_s), None)
-    law = next((each.law for each in known if each.piece is piece), None)
-    if law is None or strain(law, grid_of(curve, span_s, law.knots_s, limits, slow), limits).excess > _NEARLY:
+    law = next((each.law for each in known if each.piece is piece and _begins(each.law, begins)), None)
+    if law is None:
         return None
-    return law
+    knots = law.knots_s
+    if begins[0] > 0.0:  # it may have few knots, and must not be slowed down by anyone who checks it
+        knots = np.union1d(knots, np.linspace(0.0, knots[-1], _CELLS + 1))
+    excess = strain(law, grid_of(curve, span_s, knots, limits, slow), limits).excess
+    return law if excess <= (1.0 if begins[0] > 0.0 else _NEARLY) else None
+
+
+def _begins(law: TimeLaw, begins: tuple[float, float]) -> bool:
+    rate, growth = begins
+    return bool(law.rates[0] == rate and (rate == 0.0 or law.growths[0] == growth))
 
 
 def _cut(curve: Curve) -> tuple[tuple[Piece, ...], list[float]]:

@@ -17,6 +17,7 @@ from typing import Final, TypeAlias
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial.distance import cdist
 
 from mission.errors import MissionError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
@@ -380,7 +381,7 @@ def _followed(before: IntArray, end: int) -> list[int]:
 
 def _distances(points: FloatArray, others: FloatArray) -> FloatArray:
     """(P, O) how far points are from others."""
-    distances: FloatArray = np.hypot(points[:, None, 0] - others[None, :, 0], points[:, None, 1] - others[None, :, 1])
+    distances: FloatArray = cdist(points, others)
     return distances
 
 

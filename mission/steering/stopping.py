@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from mission.geometry.arrays import FloatArray
+from mission.steering.law import TimeLaw, law_from_growths
 
 _BISECTIONS: Final = 50
 _GENTLEST: Final = 1e-3
@@ -26,6 +27,11 @@ class Stopping(NamedTuple):
     times_s: FloatArray
     accelerations: FloatArray
     way: float
+
+    def law(self, speed: float) -> TimeLaw:
+        """The same as a time law, if it begins with this speed."""
+        lasts = np.append(True, np.diff(self.times_s) > 0.0)
+        return law_from_growths(self.times_s[lasts], self.accelerations[lasts], (speed, 0.0), (0.0, self.way))
 
 
 def stopping(speed: float, acceleration: float, most: float, jerk: float) -> Stopping:

@@ -103,7 +103,7 @@ def guessed_in_motion(
     most, jerk = limits.acceleration_m_s2 / first, limits.jerk_m_s3 / first
     stop = stopping_after(way, ends[0], growth, most, jerk) if ends[1] == 0.0 else None
     if stop is not None and -float(stop.accelerations.min()) > _GENTLE * most:
-        law = law_from_growths(stop.times_s, stop.accelerations, ends, (0.0, way))
+        law = stop.law(ends[0])
         times = np.linspace(0.0, law.duration_s, max(FEWEST_CELLS, math.ceil(law.duration_s / _STEP_S)) + 1)
         places, rates, _ = law.jet(times)
         places[-1] = way

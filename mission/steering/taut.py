@@ -8,7 +8,7 @@ between fixed bends, the sum of two distances over a straight rim is least where
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 import shapely
@@ -84,8 +84,17 @@ class TautPath:
         return sum(line.length_m for line in self.lines)
 
 
+Spaces: TypeAlias = dict[int, tuple[FreeSpace, shapely.Geometry]]
+"""Free spaces by the identity of their geometries, for searches to share what they have seen."""
+
+
 def taut_path(
-    start_m: FloatArray, stretches: Sequence[Stretch], *, lap: int | None = None, entries: Sequence[int] = ()
+    start_m: FloatArray,
+    stretches: Sequence[Stretch],
+    *,
+    lap: int | None = None,
+    entries: Sequence[int] = (),
+    spaces: Spaces | None = None,
 ) -> TautPath:
     """The shortest path from a place to the targets of stretches in their order.
 
@@ -96,11 +105,12 @@ def taut_path(
         stretches: At least one.
         lap: The first stretch of those, to the last one, that are repeated; None where none are.
         entries: Stretches of the lap with which it may begin; by default with ``lap``.
+        spaces: Those that are known already, to which others are added.
 
     Raises:
         NoWayError: There is no such path.
     """
-    search = _Search()
+    search = _Search({} if spaces is None else spaces)
     start = np.asarray(start_m, dtype=np.float64).reshape(2)
     if lap is None:
         return TautPath(tuple(search.lines(start, list(enumerate(stretches)))))
@@ -128,8 +138,8 @@ def taut_path(
 class _Search:
     """Searches that share their free spaces."""
 
-    def __init__(self) -> None:
-        self._spaces: dict[int, tuple[FreeSpace, shapely.Geometry]] = {}
+    def __init__(self, spaces: Spaces) -> None:
+        self._spaces = spaces
 
     @staticmethod
     def rounding(length_m: float) -> float:

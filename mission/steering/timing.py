@@ -81,7 +81,7 @@ def time_law(
         slow: Where sigma' or the speed are to be less than elsewhere, but positive.
         ends: The rate sigma' with which the curve is begun and ended, where sigma'' = 0; at most the ``even_rate``.
         growth: sigma'' with which it is begun at any rate, in the motion that the vehicle has; None where it has none.
-        known: Laws of pieces that may be in the curve: from rest to rest they are flown by these, within the limits.
+        known: Laws of pieces that may be in the curve: to rest they are flown by these, within the limits.
 
     Raises:
         ValueError: A limit that is not positive, a hold outside the curve or of negative or infinite length, or a part
@@ -109,16 +109,18 @@ def time_law(
     laws = []
     for begin, end in pairwise(places):
         at_ends = ends[0] if begin == 0.0 else 0.0, ends[1] if end == curve.duration_s else 0.0
-        moving = any(at_ends) or (begin == 0.0 and growth is not None)
-        law = None if moving or not known else known_law(curve, (begin, end), known, limits, slow)
+        onward = growth if begin == 0.0 else None
+        law = None
+        if known and at_ends[1] == 0.0 and (at_ends[0] == 0.0 or onward is not None):
+            law = known_law(curve, (begin, end), known, limits, slow, begins=(at_ends[0], onward or 0.0))
         if law is not None:
             laws.append(law)
             continue
         own = np.union1d(knots[(knots > begin) & (knots < end)], np.linspace(begin, end, FEWEST_CELLS + 1))
         apart = np.minimum(np.diff(own[:-1]), end - own[1:-1]) > _SAME_KNOT * (end - begin)
         own = np.concatenate((own[:1], own[1:-1][apart], own[-1:]))
-        if begin == 0.0 and growth is not None:
-            laws.append(_rolling(curve, own, limits, slow, (*at_ends, growth)))
+        if onward is not None:
+            laws.append(_rolling(curve, own, limits, slow, (*at_ends, onward)))
         else:
             laws.append(_between_stops(curve, own, limits, slow, at_ends))
     return _with_holds(laws, places, [stops[place] for place in places])
