@@ -292,6 +292,7 @@ class Vehicle:
         self._wind.set_gusts(conditions.gust_m_s)
         self.airframe.weaken(conditions.efficiencies)
         self._sensors.suffer(conditions)
+        self.autopilot.pilot.receive(() if conditions.radio_lost else conditions.radio_us)
         if conditions.resting_v != self._resting_v:
             self._resting_v = conditions.resting_v
             self.battery.rest_at(conditions.resting_v, self.autopilot.settings.battery_thresholds.capacity_mah)

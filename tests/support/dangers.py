@@ -68,6 +68,7 @@ class Endangered:
             if self.beats and vehicle.steps % _HEARTBEAT_STEPS == 0:
                 station.send(mavlink.MAVLink_heartbeat_message(mavlink.MAV_TYPE_GCS, 8, 0, 0, 4, 3))
             if self.sticks and vehicle.steps % _STICK_STEPS == 0:
+                self._set(SIM_RC_FAIL=1)  # by joystick alone
                 station.send(mavlink.MAVLink_manual_control_message(1, 0, 0, 500, 0, 0))
             if self.streams and vehicle.steps % _SETPOINT_STEPS == 0:
                 if vehicle.autopilot.flavour is Flavour.PX4:

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from enum import Enum, auto
 from typing import Final, NamedTuple
 
-from vehicle_sim.autopilot.modes import Mode, ModeRule
+from vehicle_sim.autopilot.hand import Pilot
+from vehicle_sim.autopilot.modes import KEEPING_PLACE, Mode, ModeRule
 from vehicle_sim.battery import BatteryLevel
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import Estimate
@@ -24,6 +25,9 @@ class ArmingReason(Enum):
     FENCE_BLIND = auto()
     OUTSIDE_FENCE = auto()
     NO_MISSION = auto()
+    NO_RADIO = auto()
+    RADIO_LOST = auto()
+    THROTTLE_HIGH = auto()
 
 
 class ArmingFault(NamedTuple):
@@ -46,6 +50,9 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.FENCE_BLIND: "Fence requires position",
         ArmingReason.OUTSIDE_FENCE: "vehicle outside fence",
         ArmingReason.NO_MISSION: "No mission",
+        ArmingReason.NO_RADIO: "RC not found",
+        ArmingReason.RADIO_LOST: "Throttle below failsafe",
+        ArmingReason.THROTTLE_HIGH: "Throttle too high",
     },
     Flavour.PX4: {
         ArmingReason.CALIBRATING: "Attitude estimate not stable",
@@ -74,7 +81,7 @@ REMINDERS: Final[Mapping[Flavour, str]] = {Flavour.ARDUPILOT: "PreArm: {text}", 
 REMINDER_PERIOD_S: Final = 30.0
 
 ON_REQUEST_ALONE: Final[Mapping[Flavour, frozenset[ArmingReason]]] = {
-    Flavour.ARDUPILOT: frozenset({ArmingReason.MODE}),
+    Flavour.ARDUPILOT: frozenset({ArmingReason.MODE, ArmingReason.THROTTLE_HIGH}),
     Flavour.PX4: frozenset(),
 }
 """What is looked at when arming is asked for, and not before: nothing reminds of it, no health bit tells of it."""
@@ -93,6 +100,8 @@ def arming_faults(
     fence_blind: bool,
     outside_fence: bool,
     mission_flyable: bool,
+    pilot: Pilot,
+    now_s: float,
 ) -> tuple[ArmingFault, ...]:
     """Return every check that fails now, in the order in which an autopilot names them."""
     status = estimate.status
@@ -110,9 +119,29 @@ def arming_faults(
         ArmingReason.OUTSIDE_FENCE: outside_fence,
         # ArduPilot arms in AUTO, where that is allowed at all, with whatever mission there is.
         ArmingReason.NO_MISSION: flavour is Flavour.PX4 and mode is Mode.AUTO and not mission_flyable,
+        **(_radio_faults(mode, pilot, now_s) if pilot.hand.radio_checked else {}),
         ArmingReason.MODE: not rule.armable,
     }
     texts = _TEXTS[flavour]
     return tuple(
         ArmingFault(reason, texts[reason].format(mode=rule.name)) for reason, has_failed in failed.items() if has_failed
     )
+
+
+def _radio_faults(mode: Mode, pilot: Pilot, now_s: float) -> dict[ArmingReason, bool]:
+    """Return what ArduPilot asks of the radio; where sticks do not climb, it does not matter where the throttle is."""
+    throttle, zone = pilot.throttle(now_s), pilot.hand.climb_dead_zone
+    high = (mode in _DIRECT and throttle > _DOWN) or (mode in _CLIMBING and throttle > zone)
+    return {
+        ArmingReason.NO_RADIO: pilot.heard_s is None,
+        ArmingReason.RADIO_LOST: pilot.is_low(now_s),
+        ArmingReason.THROTTLE_HIGH: high,
+    }
+
+
+_DOWN: Final = -0.94
+"""A throttle up to here counts as down: RC3_DZ is 30 of 1000 microseconds."""
+
+_DIRECT: Final = frozenset({Mode.STABILIZE, Mode.ACRO})
+_CLIMBING: Final = KEEPING_PLACE | {Mode.ALT_HOLD}
+"""Modes in which the throttle is thrust, and in which it is a climb rate."""

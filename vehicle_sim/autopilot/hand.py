@@ -1,16 +1,21 @@
 """Flight by hand: the pilot's sticks, how long they count, and the task that flies by them.
 
+They come by a radio, by a joystick, or by MAVLink in the place of channels of the radio. The radio's pilot does what is
+fit until somebody says what the sticks do: the throttle is down on the ground and in the middle in the air.
+
 A stick that is let go keeps what was reached: the height, and where the mode keeps the place, the place. Silent sticks
 count as let go.
 """
 
+from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, inf, sin
+from math import cos, inf, isnan, sin
 from typing import Final, NamedTuple
 
 from vehicle_sim.autopilot.tasks import HoldTask, LevelTask, Task, stopping_place
 from vehicle_sim.parameters import FlightSettings
-from vehicle_sim.parameters.hand import HandSettings
+from vehicle_sim.parameters.hand import Channel, HandSettings
 from vehicle_sim.signals import Estimate, PartialVector, Setpoint
 
 
@@ -26,31 +31,100 @@ class Sticks(NamedTuple):
 CENTRED: Final = Sticks(0.0, 0.0, 0.0, 0.0)
 
 
+_DOWN_US, _MIDDLE_US = 1000.0, 1500.0
+_SETTLED_S: Final = 0.2
+"""A mode switch counts once it has stood for so long."""
+
+
 class Pilot:
     """What is known of the pilot at the sticks.
 
     Attributes:
         hand: What full stick means, and which sticks count; whoever changes the settings changes it.
-        heard_s: Vehicle time at which the sticks were last heard, None before the first time.
-        sticks: How they stood then.
+        sticks: How those of the joystick stood when they were last heard.
+        switched: The position from 0 that the mode switch has been put to; whoever has seen to it sets it to None.
     """
 
     def __init__(self, hand: HandSettings) -> None:
         """Nobody has been heard."""
         self.hand = hand
-        self.heard_s: float | None = None
         self.sticks = CENTRED
+        self.switched: int | None = None
+        self._joystick_s: float | None = None
+        self._radio_s: float | None = None
+        self._radio_first = True
+        self._overrides: dict[int, tuple[float, float]] = {}
+        self.receive(())
+        self._landed = True
+        self._position: int | None = None
+        self._moved: tuple[int, float] | None = None
+
+    def receive(self, sent_us: Sequence[float]) -> None:
+        """Note what the radio receives from now on.
+
+        Args:
+            sent_us: The pulse of each channel in microseconds, from channel 1 on, not a number where the pilot does
+                what is fit; empty while nothing is received.
+        """
+        channels = list(enumerate(sent_us, start=1))
+        self._fit = frozenset(number for number, us in channels if isnan(us))
+        self._grounded = {number: _DOWN_US if isnan(us) else us for number, us in channels}
+        self._airborne = {number: _MIDDLE_US if isnan(us) else us for number, us in channels}
+
+    @property
+    def _received(self) -> dict[int, float]:
+        return self._grounded if self._landed else self._airborne
 
     def move(self, sticks: Sticks, now_s: float) -> None:
-        """Note how the sticks stand; what is beyond their ends is at their ends."""
-        self.heard_s = now_s
+        """Note how the joystick stands; what is beyond its ends is at its ends."""
+        self._radio_first = self._radio_first and self._radio_s is not None
+        self._joystick_s = now_s
         forward, right, turn, climb = (max(-1.0, min(value, 1.0)) for value in sticks)
         self.sticks = Sticks(forward, right, turn, climb)
 
+    def override(self, channel: int, pulse_us: float | None, now_s: float) -> None:
+        """Put a pulse in the place of a channel of the radio, from 1 on; None gives the channel back."""
+        if pulse_us is None or self.hand.timeout_s <= 0.0:
+            self._overrides.pop(channel, None)
+        else:
+            self._overrides[channel] = (pulse_us, now_s)
+            self._hear(now_s)
+
+    def _hear(self, now_s: float) -> None:
+        self._radio_first = self._radio_first or self._joystick_s is None
+        self._radio_s = now_s
+
+    def listen(self, now_s: float, *, landed: bool) -> None:
+        """Note what the radio receives now, and whether the mode switch has been moved."""
+        self._landed = landed
+        if self._grounded:
+            self._hear(now_s)
+        pulse_us = self.pulse_us(self.hand.switch, now_s) if self.hand.radio else None
+        if pulse_us is None:
+            return
+        position = bisect_left(self.hand.switch_us, pulse_us)
+        if position == self._position:
+            self._moved = None
+        elif self._position is None:
+            self._position = position  # as it stands at the start
+        elif self._moved is None or self._moved[0] != position:
+            self._moved = (position, now_s)
+        elif now_s - self._moved[1] >= _SETTLED_S:
+            self.switched = self._position = position
+
     def leave(self) -> None:
         """Note that the sticks are given back: they are as unknown as before."""
-        self.heard_s = None
+        self._joystick_s = self._radio_s = None
+        self._overrides.clear()
         self.sticks = CENTRED
+
+    @property
+    def heard_s(self) -> float | None:
+        """Vehicle time at which sticks that count were last heard, None before the first time."""
+        joystick_s, radio_s = self._joystick_s, self._radio_s
+        if joystick_s is None or not self.hand.joystick:
+            return radio_s if self.hand.radio else None
+        return joystick_s if radio_s is None or not self.hand.radio else max(joystick_s, radio_s)
 
     def silent_s(self, now_s: float) -> float:
         """Return for how long the sticks have been silent, infinity where they were never heard."""
@@ -58,19 +132,61 @@ class Pilot:
 
     def is_lost(self, now_s: float) -> bool:
         """Whether somebody has been at the sticks and is there no more."""
-        heard_s, hand = self.heard_s, self.hand
-        return heard_s is not None and hand.listens and now_s - heard_s > hand.lost_after_s
+        heard_s = self.heard_s
+        return heard_s is not None and (now_s - heard_s > self.hand.lost_after_s or self.is_low(now_s))
+
+    def is_low(self, now_s: float) -> bool:
+        """Whether the throttle is where a receiver puts it that has lost its transmitter."""
+        least_us = self.hand.least_throttle_us
+        pulse_us = self.pulse_us(self.hand.channels[3].number, now_s) if least_us else None
+        return pulse_us is not None and pulse_us < least_us
 
     def counts(self, now_s: float) -> bool:
         """Whether somebody is at the sticks now: they have been heard lately, and they are listened to."""
-        return self.hand.listens and self.silent_s(now_s) <= self.hand.timeout_s
+        return (self.hand.radio and bool(self._grounded)) or self.silent_s(now_s) <= self.hand.timeout_s
+
+    def pulse_us(self, channel: int, now_s: float) -> float | None:
+        """Return the pulse of a channel of the radio, or of what counts in its place; None where there is none."""
+        override = self._overrides.get(channel)
+        if override is not None and now_s - override[1] <= self.hand.timeout_s:
+            return override[0]
+        return self._received.get(channel)
+
+    def channels(self, now_s: float) -> dict[int, float]:
+        """Return the pulse of each channel that has one, by its number from 1."""
+        counting = {n: us for n, (us, at_s) in self._overrides.items() if now_s - at_s <= self.hand.timeout_s}
+        return self._received | counting
+
+    def throttle(self, now_s: float) -> float:
+        """Return where the throttle of the radio stands, -1 to 1; down where there is none."""
+        channel = self.hand.channels[3]
+        pulse_us = self.pulse_us(channel.number, now_s)
+        return -1.0 if pulse_us is None else channel.share(pulse_us)
+
+    def standing(self, now_s: float) -> Sticks:
+        """Return how the sticks stand that count now."""
+        hand = self.hand
+        has_radio = hand.radio and (bool(self._grounded) or self._is_fresh(self._radio_s, now_s))
+        has_joystick = hand.joystick and self._is_fresh(self._joystick_s, now_s)
+        if has_joystick and not (has_radio and (self._radio_first or not hand.keeps_first)):
+            return self.sticks
+        return Sticks(*(self._stick(channel, now_s) for channel in hand.channels)) if has_radio else CENTRED
+
+    def _is_fresh(self, heard_s: float | None, now_s: float) -> bool:
+        return heard_s is not None and now_s - heard_s <= self.hand.timeout_s
+
+    def _stick(self, channel: Channel, now_s: float) -> float:
+        if channel.number in self._fit and channel.number not in self._overrides:
+            return 0.0
+        pulse_us = self.pulse_us(channel.number, now_s)
+        return 0.0 if pulse_us is None else channel.share(pulse_us)
 
     def asked(self, now_s: float) -> Sticks:
         """Return what the sticks ask for now, without their dead zones; nothing where they do not count."""
         if not self.counts(now_s):
             return CENTRED
         hand = self.hand
-        forward, right, turn, climb = self.sticks
+        forward, right, turn, climb = self.standing(now_s)
         zone = hand.dead_zone
         return Sticks(
             _beyond(forward, zone), _beyond(right, zone), _beyond(turn, zone), _beyond(climb, hand.climb_dead_zone)

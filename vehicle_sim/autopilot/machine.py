@@ -65,6 +65,7 @@ class Machine(State):
             wind_ned_m_s: The wind that the vehicle feels.
         """
         self._wind_ned_m_s = wind_ned_m_s
+        self.pilot.listen(self._now_s, landed=not self.flying)
         situation = self._situation()
         fresh = self.guard.look_at_fence(situation)
         if self.armed:

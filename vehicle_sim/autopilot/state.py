@@ -172,6 +172,8 @@ class State:
             fence_blind=self.guard.is_blind(position_ok=self._estimate.status.position_ok, home=self.home is not None),
             outside_fence=self.guard.is_outside,
             mission_flyable=mode is not Mode.AUTO or self.mission_fault is None,
+            pilot=self.pilot,
+            now_s=self._now_s,
         )
 
     @property

@@ -1,6 +1,7 @@
 """What is wrong now: one value, which the parts of the vehicle and its world suffer."""
 
 from enum import Enum, auto
+from math import nan
 from typing import Final, NamedTuple
 
 from vehicle_sim.dynamics.wind import blowing_from
@@ -27,7 +28,9 @@ class Conditions(NamedTuple):
     `gps_glitch` is in degrees of latitude and longitude and metres of altitude; `gps_offset_ned_m` is the same in
     metres. A drift grows as long as it lasts, and its velocity is that of the fix, too: the receiver follows a wrong
     signal. Biases are in body axes. Rotors are 1 front, 2 right, 3 rear,
-    4 left. `resting_v` is what the battery was last said to rest at.
+    4 left. `resting_v` is what the battery was last said to rest at. `radio_us` are the pulses of the radio's
+    transmitter from channel 1 on, in microseconds, not a number where its pilot does what is fit; empty where there is
+    none.
     """
 
     wind_ned_m_s: Vector = _NONE
@@ -49,7 +52,15 @@ class Conditions(NamedTuple):
     baro_drift_m_s: float = 0.0
     efficiencies: FourRotors = _SOUND
     resting_v: float = 12.6
+    radio_us: tuple[float, ...] = ()
+    radio_lost: bool = False
 
+
+PILOTED_US: Final = (1500.0, 1500.0, nan, 1500.0, 1800.0, 1000.0, 1000.0, 1800.0, *(1500.0,) * 8)
+"""What a transmitter sends by which nobody flies: the channels of ArduPilot's simulator."""
+
+_NO_PULSES, _NEUTRAL = 1, 2
+_NEUTRAL_US: Final = (1500.0, 1500.0, 950.0, *(1500.0,) * 13)
 
 SOUND: Final = Conditions()
 """Nothing is wrong."""
@@ -90,4 +101,13 @@ def conditions_of(store: ParameterStore) -> Conditions:
         baro_drift_m_s=store["SIM_BARO_DRIFT"],
         efficiencies=(first, second, third, fourth),
         resting_v=store["SIM_BATT_VOLTAGE"],
+        radio_us=_radio(store),
     )
+
+
+def _radio(store: ParameterStore) -> tuple[float, ...]:
+    """Return what the transmitter sends: as PX4 there is none until a fault sets a channel."""
+    failed = _NO_PULSES if store.flavour is Flavour.PX4 else int(store["SIM_RC_FAIL"])
+    if failed == _NO_PULSES:
+        return ()
+    return _NEUTRAL_US if failed == _NEUTRAL else PILOTED_US

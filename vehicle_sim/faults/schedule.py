@@ -11,7 +11,7 @@ from enum import StrEnum
 from math import cos, inf, pi
 from typing import Final, NamedTuple
 
-from vehicle_sim.faults.conditions import Conditions, SensorState
+from vehicle_sim.faults.conditions import PILOTED_US, Conditions, SensorState
 from vehicle_sim.signals import Vector
 
 
@@ -93,6 +93,12 @@ def _motor(now: Conditions, values: Mapping[str, float], share: float) -> Condit
     return now._replace(efficiencies=(first, second, third, fourth))
 
 
+def _radio(now: Conditions, values: Mapping[str, float], _share: float) -> Conditions:
+    sent, changed = now.radio_us or PILOTED_US, int(values["channel"])
+    pulses = enumerate(sent, start=1)
+    return now._replace(radio_us=tuple(values["pulse_us"] if number == changed else pulse for number, pulse in pulses))
+
+
 def _axes(names: tuple[str, ...], unit: str, most: float) -> dict[str, Quantity]:
     return {f"{name}_{unit}": Quantity(-most, most) for name in names}
 
@@ -136,6 +142,10 @@ KINDS: Final[Mapping[str, FaultKind]] = {
         lambda now, values, _share: now._replace(resting_v=values["voltage_v"]),
         lasting=False,
     ),
+    "radio": FaultKind(
+        {"channel": Quantity(1, 16, None, whole=True), "pulse_us": Quantity(800.0, 2200.0, None)}, _radio
+    ),
+    "radio_loss": FaultKind({}, lambda now, _values, _share: now._replace(radio_lost=True)),
     "link": FaultKind(
         {
             "up": Quantity(0, 1, 1, whole=True),

@@ -4,13 +4,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntFlag
 from math import radians
-from typing import Final
+from typing import Final, NamedTuple
 
 from vehicle_sim.parameters.actions import Action
 from vehicle_sim.parameters.store import Flavour, ParameterStore
 
 _JOYSTICK_COUNTS: Final = frozenset((1, 2, 3))
+_RADIO_COUNTS: Final = frozenset((0, 2, 3))
+_KEEPS_FIRST: Final = 3
 _HALF_THROTTLE: Final = 500.0
+_CHECK_ALL, _CHECK_RADIO = 1, 1 << 6
+_SWITCH_US: Final = (1230.0, 1360.0, 1490.0, 1620.0, 1749.0)
+"""The greatest pulse of each position of ArduPilot's mode switch but the last (`RC_Channel.cpp`)."""
+_POSITIONS: Final = 6
 
 
 class Stickless(IntFlag):
@@ -25,12 +31,45 @@ class Stickless(IntFlag):
     GUIDED = 4
 
 
+class Channel(NamedTuple):
+    """How a channel of the radio is read: its number from 1, its ends and its middle in microseconds, and its sense.
+
+    Number 0 is no channel.
+    """
+
+    number: int
+    least_us: float
+    middle_us: float
+    most_us: float
+    sense: float
+
+    def share(self, pulse_us: float) -> float:
+        """Return how far a stick with this pulse is off its middle, -1 to 1."""
+        end_us = self.most_us if pulse_us > self.middle_us else self.least_us
+        width_us = max(1.0, abs(end_us - self.middle_us))
+        return self.sense * max(-1.0, min((pulse_us - self.middle_us) / width_us, 1.0))
+
+    def pulse_us(self, share: float) -> float:
+        """Return the pulse of a stick that is so far off its middle."""
+        share *= self.sense
+        end_us = self.most_us if share > 0.0 else self.least_us
+        return self.middle_us + abs(share) * (end_us - self.middle_us)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandSettings:
     """How far full stick goes, and which sticks count at all; metres, seconds, radians.
 
     Attributes:
-        listens: Whether sticks that come by MAVLink count.
+        joystick: Whether the sticks of a joystick count as such.
+        radio: Whether the radio's do, or what MAVLink puts in their place.
+        keeps_first: Whether the first of both that is heard remains the one that counts.
+        channels: The channels of the sticks, in the order of `Sticks`: forward, right, turn, climb.
+        least_throttle_us: Shorter pulses of the throttle mean that the receiver has lost its transmitter; 0 none do.
+        switch: The channel of the mode switch, 0 for none.
+        switch_us: The greatest pulse of each of its positions but the last.
+        switch_modes: The mode at each position, as the parameters number it.
+        radio_checked: Whether arming waits for a radio.
         timeout_s: Sticks that are silent for so long count no more.
         dead_zone: Share of the stick's way that counts as centred.
         climb_dead_zone: The same of the stick that climbs.
@@ -44,7 +83,15 @@ class HandSettings:
         stickless: Where it leads to nothing.
     """
 
-    listens: bool
+    joystick: bool
+    radio: bool
+    keeps_first: bool
+    channels: tuple[Channel, Channel, Channel, Channel]
+    least_throttle_us: float
+    switch: int
+    switch_us: tuple[float, ...]
+    switch_modes: tuple[int, ...]
+    radio_checked: bool
     timeout_s: float
     dead_zone: float
     climb_dead_zone: float
@@ -61,8 +108,22 @@ class HandSettings:
 def hand_settings(store: ParameterStore) -> HandSettings:
     """Return the settings that the parameters of `store` amount to now."""
     if store.flavour is Flavour.PX4:
+        sources, switch = int(store["COM_RC_IN_MODE"]), int(store["RC_MAP_FLTMODE"])
         return HandSettings(
-            listens=int(store["COM_RC_IN_MODE"]) in _JOYSTICK_COUNTS,
+            joystick=sources in _JOYSTICK_COUNTS,
+            radio=sources in _RADIO_COUNTS,
+            keeps_first=sources == _KEEPS_FIRST,
+            channels=(
+                _px4_channel(store, "PITCH"),
+                _px4_channel(store, "ROLL"),
+                _px4_channel(store, "YAW"),
+                _px4_channel(store, "THROTTLE"),
+            ),
+            least_throttle_us=store["RC_FAILS_THR"],
+            switch=switch,
+            switch_us=_px4_positions(store, switch),
+            switch_modes=tuple(int(store[f"COM_FLTMODE{number}"]) for number in range(1, _POSITIONS + 1)),
+            radio_checked=False,
             timeout_s=store["COM_RC_LOSS_T"],
             dead_zone=store["MAN_DEADZONE"],
             climb_dead_zone=store["MAN_DEADZONE"],
@@ -75,12 +136,28 @@ def hand_settings(store: ParameterStore) -> HandSettings:
             loss=_PX4_LOSS.get(int(store["NAV_RCL_ACT"]), Action.NOTHING),
             stickless=Stickless(int(store["COM_RCL_EXCEPT"])),
         )
-    climb_m_s = store["PILOT_SPEED_UP"] / 100.0
+    climb_m_s, roll = store["PILOT_SPEED_UP"] / 100.0, int(store["RCMAP_ROLL"])
+    options, checks = int(store["FS_OPTIONS"]), int(store["ARMING_CHECK"])
+    loss = _ARDUPILOT_LOSS.get(int(store["FS_THR_ENABLE"]), Action.NOTHING)
     return HandSettings(
-        listens=store["RC_OVERRIDE_TIME"] != 0.0,
+        joystick=False,
+        radio=True,
+        keeps_first=False,
+        channels=(
+            # Pitch is low for forward.
+            _ardupilot_channel(store, "PITCH", -1.0),
+            _ardupilot_channel(store, "ROLL", 1.0),
+            _ardupilot_channel(store, "YAW", 1.0),
+            _ardupilot_channel(store, "THROTTLE", 1.0),
+        ),
+        least_throttle_us=store["FS_THR_VALUE"] if loss else 0.0,
+        switch=int(store["FLTMODE_CH"]),
+        switch_us=_SWITCH_US,
+        switch_modes=tuple(int(store[f"FLTMODE{number}"]) for number in range(1, _POSITIONS + 1)),
+        radio_checked=bool(loss) and bool(checks & (_CHECK_ALL | _CHECK_RADIO)),
         # Below 0 an override counts until it is taken back.
         timeout_s=store["RC_OVERRIDE_TIME"] if store["RC_OVERRIDE_TIME"] >= 0.0 else float("inf"),
-        dead_zone=_ARDUPILOT_DEAD_ZONE,
+        dead_zone=store[f"RC{roll}_DZ"] / _HALF_THROTTLE,
         climb_dead_zone=store["THR_DZ"] / _HALF_THROTTLE,
         speed_m_s=store["LOIT_SPEED"] / 100.0,
         climb_m_s=climb_m_s,
@@ -89,13 +166,36 @@ def hand_settings(store: ParameterStore) -> HandSettings:
         turn_rad_s=radians(store["PILOT_Y_RATE"]),
         # Without a receiver no input at all is left once the ground station's ends, whether it still counts or not.
         lost_after_s=store["RC_FS_TIMEOUT"],
-        loss=_ARDUPILOT_LOSS.get(int(store["FS_THR_ENABLE"]), Action.NOTHING),
-        stickless=Stickless.NOTHING,
+        loss=loss,
+        stickless=_CONTINUED[options & 1] | _CONTINUED[options & 4],
     )
 
 
-_ARDUPILOT_DEAD_ZONE: Final = 0.04
-"""RCn_DZ is 20 of 500 microseconds for roll, pitch and yaw; its channels are not modelled."""
+def _ardupilot_channel(store: ParameterStore, stick: str, sense: float) -> Channel:
+    number = int(store[f"RCMAP_{stick}"])
+    least_us, most_us = store[f"RC{number}_MIN"], store[f"RC{number}_MAX"]
+    middle_us = (least_us + most_us) / 2.0 if stick == "THROTTLE" else store[f"RC{number}_TRIM"]
+    return Channel(number, least_us, middle_us, most_us, -sense if store[f"RC{number}_REVERSED"] else sense)
+
+
+def _px4_channel(store: ParameterStore, stick: str) -> Channel:
+    number = int(store[f"RC_MAP_{stick}"])
+    if not number:
+        return _NO_CHANNEL
+    least_us, most_us = store[f"RC{number}_MIN"], store[f"RC{number}_MAX"]
+    middle_us = (least_us + most_us) / 2.0 if stick == "THROTTLE" else store[f"RC{number}_TRIM"]
+    return Channel(number, least_us, middle_us, most_us, store[f"RC{number}_REV"])
+
+
+def _px4_positions(store: ParameterStore, switch: int) -> tuple[float, ...]:
+    """Return where one position of PX4's mode switch ends, each a sixth of the way (`rc_update.cpp`)."""
+    least_us, most_us = (store[f"RC{switch}_MIN"], store[f"RC{switch}_MAX"]) if switch else (1000.0, 2000.0)
+    return tuple(least_us + (most_us - least_us) * number / _POSITIONS for number in range(1, _POSITIONS))
+
+
+_NO_CHANNEL: Final = Channel(0, 1000.0, 1500.0, 2000.0, 1.0)
+_CONTINUED: Final[Mapping[int, Stickless]] = {0: Stickless.NOTHING, 1: Stickless.MISSION, 4: Stickless.GUIDED}
+"""What goes on without sticks by the bits of FS_OPTIONS."""
 
 _ARDUPILOT_LOSS: Final[Mapping[int, Action]] = {
     1: Action.RETURN,

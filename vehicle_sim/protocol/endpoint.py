@@ -136,13 +136,14 @@ class Endpoint:
             calibrations,
         ):
             commands.handlers.update(service.commands)
+        self._sticks = StickService(self)
         self._handlers: dict[int, Callable[[Sender, Message], None]] = {
             **self._presence.messages,
             **commands.messages,
             **self._rates.messages,
             **SetpointService(self).messages,
             **AttitudeService(self).messages,
-            **StickService(self).messages,
+            **self._sticks.messages,
             **self._parameters.messages,
             **self._plans.messages,
             **self._missions.messages,
@@ -315,6 +316,7 @@ class Endpoint:
         if vehicle.autopilot.mission.news:
             self._missions.report()
         self._presence.advance()
+        self._sticks.advance()
         if vehicle.camera is not None and vehicle.camera.news:
             self._tell_pictures()
         for link in self._links.values():

@@ -28,6 +28,7 @@ _PLACE: Final = mavlink.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
 _AHRS: Final = mavlink.MAV_SYS_STATUS_AHRS
 _BATTERY: Final = mavlink.MAV_SYS_STATUS_SENSOR_BATTERY
 _FENCE: Final = mavlink.MAV_SYS_STATUS_GEOFENCE
+_RADIO: Final = mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
 _PREARM: Final = mavlink.MAV_SYS_STATUS_PREARM_CHECK
 _PRESENT: Final = _ALWAYS_WELL | _GPS | _HEIGHT | _PLACE | _AHRS | _BATTERY | _PREARM
 
@@ -74,6 +75,9 @@ def sys_status(host: Host) -> Message | None:
     well |= _BATTERY if battery.level == BatteryLevel.OK else 0
     well |= _PREARM if autopilot.armed or not (autopilot.terminated or autopilot.prearm_faults) else 0
     there, on = _PRESENT, _PRESENT
+    if autopilot.pilot.heard_s is not None:
+        there, on = there | _RADIO, on | _RADIO
+        well |= 0 if autopilot.pilot.is_lost(vehicle.time_s) else _RADIO
     # PX4's SYS_STATUS says nothing of its fence.
     if host.table.flavour is Flavour.ARDUPILOT and (fence := autopilot.guard.fence).is_there:
         there |= _FENCE

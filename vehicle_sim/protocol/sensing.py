@@ -119,17 +119,12 @@ def vibration(host: Host) -> Message | None:
 
 
 def rc_channels(host: Host) -> Message | None:
-    """RC_CHANNELS: no receiver is fitted; ArduPilot has the channels that override it, while they count."""
-    autopilot, parameters = host.vehicle.autopilot, host.vehicle.parameters
-    pulses = [_UNKNOWN] * 18
-    count = 0
-    if host.table.flavour is Flavour.ARDUPILOT and autopilot.pilot.counts(host.now_us * 1e-6):
-        forward, right, turn, climb = autopilot.pilot.sticks
-        sticks = {"RCMAP_ROLL": right, "RCMAP_PITCH": -forward, "RCMAP_THROTTLE": climb, "RCMAP_YAW": turn}
-        for name, value in sticks.items():
-            pulses[int(parameters[name]) - 1] = round(1500 + 500 * value)
-        count = max(int(parameters[name]) for name in sticks)
-    return mavlink.MAVLink_rc_channels_message(host.now_us // 1000, count, *pulses, 255)
+    """RC_CHANNELS: what the radio receives, or MAVLink puts in its place; ArduPilot says 0 of a channel without it."""
+    channels = host.vehicle.autopilot.pilot.channels(host.now_us * 1e-6)
+    shown = [_UNKNOWN if host.table.flavour is Flavour.PX4 else 0] * 18
+    for number, pulse_us in channels.items():
+        shown[number - 1] = round(pulse_us)
+    return mavlink.MAVLink_rc_channels_message(host.now_us // 1000, max(channels, default=0), *shown, 255)
 
 
 def servo_output_raw(host: Host) -> Message | None:

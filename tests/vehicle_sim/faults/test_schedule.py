@@ -104,6 +104,19 @@ def test_each_parameter_is_a_fault_of_its_own(
     assert faults.conditions == before
 
 
+def test_the_radio_sends_what_is_scheduled_and_can_be_lost() -> None:
+    faults = at(faults_of("radio, channel: 3, pulse_us: 940, at_s: 1, for_s: 2", "radio_loss, at_s: 4"), 0)
+    piloted = faults.conditions.radio_us
+    assert at(faults, 2.0).conditions.radio_us == (*piloted[:2], 940.0, *piloted[3:])
+    assert at(faults, 3.5).conditions.radio_us == piloted
+    assert not faults.conditions.radio_lost
+    assert at(faults, 4.5).conditions.radio_lost
+    store = default_parameters(Flavour.PX4)
+    assert Faults(store).conditions.radio_us == ()
+    sent = at(Faults(store, schedule_of("radio, channel: 5, pulse_us: 1000")), 1.0).conditions.radio_us
+    assert sent[4] == 1000.0
+
+
 def test_wind_by_parameter_may_blow_upwards_and_weak_motors_share_a_factor() -> None:
     store = default_parameters(Flavour.ARDUPILOT)
     faults = Faults(store)
@@ -148,4 +161,6 @@ def test_only_what_the_vehicle_has_can_fail(unit: FailureUnit, how: FailureType,
 
 
 def test_nothing_is_wrong_by_default_but_the_lag_that_every_receiver_has() -> None:
-    assert faults_of().conditions._replace(gps_lag_s=0.0, resting_v=SOUND.resting_v) == SOUND
+    now = faults_of().conditions
+    assert now._replace(gps_lag_s=0.0, resting_v=SOUND.resting_v, radio_us=()) == SOUND
+    assert len(now.radio_us) == 16

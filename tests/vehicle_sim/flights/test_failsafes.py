@@ -74,7 +74,16 @@ def test_sticks_that_were_never_there_are_not_missed(flavour: Flavour) -> None:
 @BOTH
 def test_sticks_that_were_gone_when_it_was_armed_are_not_missed_until_they_come_back(flavour: Flavour) -> None:
     vehicle = booted(flavour)
-    vehicle.autopilot.pilot.move(CENTRED, vehicle.time_s)
+
+    def be_there() -> None:
+        """Be heard for a moment: as ArduPilot by the radio, as PX4 by a joystick."""
+        if flavour is AP:
+            vehicle.parameters.set("SIM_RC_FAIL", 0)
+            run(vehicle, 0.1)
+            vehicle.parameters.set("SIM_RC_FAIL", 1)
+        vehicle.autopilot.pilot.move(CENTRED, vehicle.time_s)
+
+    be_there()
     run(vehicle, 3.0)
     if flavour is AP:
         vehicle.autopilot.set_mode(Mode.GUIDED)
@@ -82,7 +91,7 @@ def test_sticks_that_were_gone_when_it_was_armed_are_not_missed_until_they_come_
     assert vehicle.autopilot.takeoff(8.0) is Outcome.ACCEPTED
     run(vehicle, 15.0)
     assert vehicle.autopilot.failsafe is Failsafe.NONE
-    vehicle.autopilot.pilot.move(CENTRED, vehicle.time_s)
+    be_there()
     wait_until(vehicle, lambda v: v.autopilot.failsafe is Failsafe.STICKS_LOST, within_s=1.2)
 
 

@@ -7,6 +7,7 @@ from tests.support.bare_vehicle import run
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import Mode, Outcome, Progress
 from vehicle_sim.autopilot.geofence import FencePlan
+from vehicle_sim.autopilot.hand import CENTRED
 from vehicle_sim.autopilot.modes import FIRST_MODE
 from vehicle_sim.faults import Schedule
 from vehicle_sim.faults.conditions import SensorState
@@ -271,7 +272,8 @@ def test_an_upload_and_the_pilots_sticks_do_not_outlast_it(flavour: Flavour) -> 
     station.forget()
     station.run(10.0)
     assert not station.of("MISSION_REQUEST") + station.of("MISSION_REQUEST_INT") + station.of("MISSION_ACK")
-    assert station.endpoint.vehicle.autopilot.pilot.heard_s is None
+    vehicle = station.endpoint.vehicle
+    assert vehicle.autopilot.pilot.standing(vehicle.time_s) == CENTRED
 
 
 @BOTH

@@ -1,6 +1,7 @@
 """Flight by hand: the sticks of a joystick, and channels that override a receiver."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -102,7 +103,8 @@ def test_without_a_place_to_keep_a_stick_leans_and_a_stick_let_go_levels_and_dri
 @BOTH
 def test_sticks_that_fall_silent_count_as_let_go(flavour: Flavour) -> None:
     station = by_hand(flavour, Mode.POSITION)
-    without_failsafe = {"FS_THR_ENABLE": 0} if flavour is Flavour.ARDUPILOT else {"NAV_RCL_ACT": 1}
+    # By joystick alone, without a radio that goes on.
+    without_failsafe = {"FS_THR_ENABLE": 0, "SIM_RC_FAIL": 1} if flavour is Flavour.ARDUPILOT else {"NAV_RCL_ACT": 1}
     for name, value in without_failsafe.items():
         station.endpoint.vehicle.parameters.set(name, value)
     hold_sticks(station, 5.0, x=1000)
@@ -142,20 +144,39 @@ def test_modes_that_fly_by_themselves_do_not_listen_to_sticks(flavour: Flavour) 
     assert station.endpoint.vehicle.truth.position_ned_m == pytest.approx(before, abs=1.5)
 
 
+def standing(station: Station) -> Sticks:
+    vehicle = station.endpoint.vehicle
+    return vehicle.autopilot.pilot.standing(vehicle.time_s)
+
+
+def channels(station: Station) -> tuple[int, list[int]]:
+    """Return how many channels RC_CHANNELS tells of, and the pulses of all 18."""
+    station.request(mavlink.MAVLINK_MSG_ID_RC_CHANNELS)
+    shown = station.last("RC_CHANNELS")
+    return shown.chancount, [getattr(shown, f"chan{number}_raw") for number in range(1, 19)]
+
+
+def override(station: Station, **pulses: int) -> None:
+    """Override channels, `c5=1100`; those that are not named stay as they are."""
+    values = [pulses.get(f"c{number}", 65535) for number in range(1, 19)]
+    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, *values))
+
+
 def test_ardupilot_listens_to_its_own_ground_station_and_its_own_number_only() -> None:
     endpoint = endpoint_of(Flavour.ARDUPILOT)
-    pilot = endpoint.vehicle.autopilot.pilot
-    other = Station(endpoint, "other", system_id=254)
+    endpoint.vehicle.parameters.set("SIM_RC_FAIL", 1)
+    other, station = Station(endpoint, "other", system_id=254), Station(endpoint)
+    station.run(0.1)
+    assert endpoint.vehicle.autopilot.pilot.heard_s is None
     other.send(mavlink.MAVLink_manual_control_message(1, 1000, 0, 500, 0, 0))
-    other.send(mavlink.MAVLink_rc_channels_override_message(1, 1, *(2000,) * 8))
-    station = Station(endpoint)
+    override(other, c1=2000, c2=2000, c3=2000, c4=2000)
     station.send(mavlink.MAVLink_manual_control_message(0, 1000, 0, 500, 0, 0))
     station.send(mavlink.MAVLink_manual_control_message(2, 1000, 0, 500, 0, 0))
-    assert pilot.heard_s is None
+    assert endpoint.vehicle.autopilot.pilot.heard_s is None
     station.send(mavlink.MAVLink_manual_control_message(1, 1000, -500, 500, 250, 0))
-    assert pilot.sticks == Sticks(1.0, -0.5, 0.25, 0.0)
+    assert standing(station) == Sticks(1.0, -0.5, 0.25, 0.0)
     station.send(mavlink.MAVLink_manual_control_message(1, 32767, 32767, 32767, 0, 0))
-    assert pilot.sticks == Sticks(1.0, -0.5, 0.0, 0.0)
+    assert standing(station) == Sticks(1.0, -0.5, 0.0, 0.0)
 
 
 @pytest.mark.parametrize(("mode", "counts"), [(0, False), (1, True), (2, True), (3, True), (4, False)])
@@ -172,22 +193,126 @@ def test_px4_asks_its_parameter_whether_sticks_count(mode: int, *, counts: bool)
 def test_channels_of_ardupilot_are_mapped_shown_and_given_back() -> None:
     endpoint = endpoint_of(Flavour.ARDUPILOT)
     station = Station(endpoint)
-    pilot = endpoint.vehicle.autopilot.pilot
-    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, 1600, 1250, 1500, 1750, 0, 0, 0, 0))
-    assert pilot.sticks == Sticks(0.5, 0.2, 0.5, 0.0)  # pitch is low for forward
-    station.request(mavlink.MAVLINK_MSG_ID_RC_CHANNELS)
-    shown = station.last("RC_CHANNELS")
-    assert (shown.chan1_raw, shown.chan2_raw, shown.chan3_raw, shown.chan4_raw) == (1600, 1250, 1500, 1750)
-    assert (shown.chancount, shown.chan5_raw) == (4, 65535)
-    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, 65535, 1500, 65535, 0, 0, 0, 0, 0))
-    assert pilot.sticks == Sticks(0.0, 0.2, 0.0, 0.0)
-    endpoint.vehicle.parameters.set("RCMAP_ROLL", 5)
-    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, 65535, 65535, 65535, 65535, 1000, 0, 0, 0))
-    assert pilot.sticks == Sticks(0.0, -1.0, 0.0, 0.0)
-    station.send(mavlink.MAVLink_rc_channels_override_message(1, 1, *(0,) * 8))
-    assert (pilot.heard_s, pilot.sticks) == (None, CENTRED)
-    station.request(mavlink.MAVLINK_MSG_ID_RC_CHANNELS)
-    assert station.last("RC_CHANNELS").chancount == 0
+    station.run(0.1)
+    at_rest = [1500, 1500, 1000, 1500, 1800, 1000, 1000, 1800, *[1500] * 8, 0, 0]
+    assert channels(station) == (16, at_rest)
+    override(station, c1=1600, c2=1250, c3=1500, c4=1750)
+    assert standing(station) == Sticks(0.5, 0.2, 0.5, 0.0)  # pitch is low for forward
+    assert channels(station) == (16, [1600, 1250, 1500, 1750, *at_rest[4:]])
+    override(station, c2=1500, c4=0)
+    assert standing(station) == Sticks(0.0, 0.2, 0.0, 0.0)
+    endpoint.vehicle.parameters.set("RCMAP_ROLL", 10)
+    endpoint.vehicle.parameters.set("RC10_MIN", 1100)
+    endpoint.vehicle.parameters.set("RC10_REVERSED", 1)
+    override(station, c10=1200)
+    assert standing(station).right == 0.75
+    override(station, c10=0)  # so old clients fill the end of the message
+    assert standing(station).right == 0.75
+    override(station, c10=65534)
+    assert standing(station).right == 0.0
+    override(station, c1=0, c2=0, c3=0)
+    assert channels(station) == (16, at_rest)
+    override(station, c1=1900)
+    station.run(3.1)
+    assert channels(station) == (16, at_rest)
+
+
+@pytest.mark.parametrize(("mode", "by_radio"), [(0, True), (1, False), (2, True), (3, False), (4, False)])
+def test_px4_reads_the_channels_that_are_mapped_and_chooses_among_radio_and_joystick(
+    mode: int, *, by_radio: bool
+) -> None:
+    station = Station(endpoint_of(Flavour.PX4))
+    for name, value in {"COM_RC_IN_MODE": mode, "RC_MAP_PITCH": 2, "RC2_REV": -1}.items():
+        station.endpoint.vehicle.parameters.set(name, value)
+    station.run(0.1)
+    assert channels(station) == (0, [65535] * 18)
+    station.send(mavlink.MAVLink_manual_control_message(1, 250, 0, 500, 0, 0))
+    override(station, c2=1250)
+    assert channels(station) == (2, [65535, 1250, *[65535] * 16])
+    assert standing(station).forward == (0.5 if by_radio else 0.0 if mode == 4 else 0.25)
+
+
+@BOTH
+def test_the_mode_switch_changes_the_mode_once_it_has_settled(flavour: Flavour) -> None:
+    station = Station(endpoint_of(flavour))
+    autopilot, parameters = station.endpoint.vehicle.autopilot, station.endpoint.vehicle.parameters
+    for name, value in {"COM_RC_IN_MODE": 0, "RC_MAP_FLTMODE": 5, "COM_FLTMODE2": 1, "COM_FLTMODE6": 2}.items():
+        parameters.set(name, value) if name in parameters else None
+    station.wait_for_position()
+    override(station, c5=1100)
+    station.run(0.5)  # as PX4 this is how it stands at first
+    first = autopilot.mode
+    for pulse, seconds, mode in (
+        (1900, 0.1, first),
+        (1300, 0.1, first),
+        (1300, 0.3, Mode.LAND if flavour is Flavour.ARDUPILOT else Mode.ALT_HOLD),
+        (1900, 0.4, Mode.STABILIZE if flavour is Flavour.ARDUPILOT else Mode.POSITION),
+    ):
+        override(station, c5=pulse)
+        station.run(seconds)
+        assert autopilot.mode is mode
+
+
+def test_ardupilot_waits_for_a_radio_and_for_a_throttle_that_is_down() -> None:
+    station = Station(endpoint_of(Flavour.ARDUPILOT))
+    parameters = station.endpoint.vehicle.parameters
+    parameters.set("SIM_RC_FAIL", 1)
+    parameters.set("ARMING_CHECK", 1 << 3)
+    station.wait_for_position()
+
+    def refusal() -> str | None:
+        station.forget()
+        result = station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+        station.run(0.05)
+        if result == mavlink.MAV_RESULT_ACCEPTED:
+            assert station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0) == mavlink.MAV_RESULT_ACCEPTED
+            return None
+        return next(text for text in station.texts() if text.startswith("Arm: "))
+
+    assert refusal() is None
+    parameters.set("ARMING_CHECK", 1)
+    assert refusal() == "Arm: RC not found"
+    parameters.set("SIM_RC_FAIL", 2)
+    station.run(0.1)
+    assert refusal() == "Arm: Throttle below failsafe"
+    parameters.set("SIM_RC_FAIL", 0)
+    station.run(0.1)
+    assert refusal() is None
+    assert station.set_mode(Mode.STABILIZE) == mavlink.MAV_RESULT_ACCEPTED
+    assert refusal() is None
+    override(station, c3=1100)
+    assert refusal() == "Arm: Throttle too high"
+    assert station.set_mode(Mode.POSITION) == mavlink.MAV_RESULT_ACCEPTED
+    assert refusal() is None
+    override(station, c3=1700)
+    assert refusal() == "Arm: Throttle too high"
+    assert station.set_mode(Mode.GUIDED) == mavlink.MAV_RESULT_ACCEPTED
+    assert refusal() is None
+
+
+@pytest.mark.parametrize("failed", [1, 2])
+@pytest.mark.parametrize(("options", "mode"), [(0, Mode.RETURN), (4, Mode.GUIDED)])
+def test_a_radio_that_fails_in_flight_leads_home_unless_guided_flight_goes_on(
+    failed: int, options: int, mode: Mode
+) -> None:
+    station = Station(endpoint_of(Flavour.ARDUPILOT))
+    vehicle = station.endpoint.vehicle
+    vehicle.parameters.set("FS_OPTIONS", options)
+    station.take_off(5.0)
+    for name, is_well in (("SIM_RC_FAIL", True), ("SIM_RC_FAIL", False)):
+        vehicle.parameters.set(name, 0 if is_well else failed)
+        station.run(1.5)
+        station.request(mavlink.MAVLINK_MSG_ID_SYS_STATUS)
+        status = station.last("SYS_STATUS")
+        bit = mavlink.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+        assert (
+            bool(status.onboard_control_sensors_present & bit),
+            bool(status.onboard_control_sensors_health & bit),
+        ) == (
+            True,
+            is_well,
+        )
+    assert vehicle.autopilot.mode is mode
 
 
 ways = st.floats(-3.0, 3.0)
@@ -197,7 +322,7 @@ ways = st.floats(-3.0, 3.0)
 def test_what_sticks_ask_for_is_bounded_and_odd(
     flavour: Flavour, stand: tuple[float, float, float, float], silent_s: float
 ) -> None:
-    pilot = Pilot(hand_settings(default_parameters(flavour)))
+    pilot = Pilot(replace(hand_settings(default_parameters(flavour)), joystick=True))
     assert pilot.asked(0.0) == CENTRED
     pilot.move(Sticks(*stand), 5.0)
     asked = pilot.asked(5.0 + silent_s)
