@@ -1,10 +1,11 @@
-"""MAVLink FTP, as far as ground stations use it: folders are listed, files are read, nothing is written.
+"""MAVLink FTP: folders are listed, files are read, and written in memory.
 
 https://mavlink.io/en/services/ftp.html; ArduPilot `GCS_FTP.cpp`, PX4 `mavlink_ftp.cpp`. A request that comes again is
 answered with the same bytes again; a burst that is asked for again starts over.
 """
 
 from collections import OrderedDict
+from errno import EBADF, EEXIST, ENOENT
 from struct import pack
 from typing import TYPE_CHECKING, Final, NamedTuple
 
@@ -16,7 +17,8 @@ from vehicle_sim.protocol.flight_log import FlightRecorder
 from vehicle_sim.protocol.ftp import LARGEST_BLOCK, Nak, Opcode, RefusedError, Reply, Request
 from vehicle_sim.protocol.host import Host, Sender
 from vehicle_sim.protocol.link import Link
-from vehicle_sim.protocol.virtual_tree import InvalidReadError, OpenFile, VirtualTree
+from vehicle_sim.protocol.virtual_tree import OpenFile, VirtualTree
+from vehicle_sim.protocol.written_files import InvalidReadError, Path, WrittenFile
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -28,16 +30,7 @@ _BURST_BLOCKS: Final = 2000
 _PX4_BURST_BYTES: Final = 35_000
 _REPEATED_WITHIN_US: Final = 5_000_000
 _MOST_CLIENTS: Final = 16
-_WRITERS: Final = frozenset(
-    (
-        Opcode.CREATE,
-        Opcode.OPEN_TO_WRITE,
-        Opcode.REMOVE,
-        Opcode.CREATE_DIRECTORY,
-        Opcode.REMOVE_DIRECTORY,
-        Opcode.RENAME,
-    )
-)
+_ERRORS: Final = {ENOENT: Nak.FILE_NOT_FOUND, EEXIST: Nak.FILE_EXISTS}
 
 
 class _Answered(NamedTuple):
@@ -65,6 +58,14 @@ class FileService:
         self.messages: Mapping[int, Callable[[Sender, Message], None]] = {
             mavlink.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL: self.on_file_transfer,
         }
+        written = self._tree.written
+        self._changes: dict[int, Callable[..., None]] = {
+            Opcode.REMOVE: written.remove,
+            Opcode.REMOVE_DIRECTORY: written.remove,
+            Opcode.CREATE_DIRECTORY: written.make_folder,
+            Opcode.RENAME: written.rename,
+            **({} if self._is_ardupilot else {Opcode.TRUNCATE: written.truncate}),
+        }
         self._answers: Mapping[int, Callable[[Client, Request], Reply | None]] = {
             Opcode.NONE: lambda _client, request: _ack(request),
             Opcode.TERMINATE_SESSION: self._terminate,
@@ -74,9 +75,10 @@ class FileService:
             Opcode.READ: self._read,
             Opcode.BURST_READ: self._start_burst,
             Opcode.CHECKSUM: self._checksum,
+            Opcode.CREATE: self._open_to_write,
+            Opcode.OPEN_TO_WRITE: self._open_to_write,
             Opcode.WRITE: self._write,
-            Opcode.TRUNCATE: self._truncate,
-            **dict.fromkeys(_WRITERS, self._refuse_to_write),
+            **dict.fromkeys(self._changes, self._change),
         }
 
     def forget(self, link: Link) -> None:
@@ -99,6 +101,8 @@ class FileService:
             reply = self._answer(client, request)
         except RefusedError as refused:
             reply = _nak(request, refused)
+        except OSError as error:
+            reply = _nak(request, _refusal(error.errno or 0))
         if reply is None:
             self._answered.pop(client, None)
             return
@@ -202,17 +206,32 @@ class FileService:
             offset += len(data)
         return _ack(request, pack("<I", checksum))
 
+    def _place(self, path: str) -> Path:
+        place = self._tree.place_to_write(path)
+        if place is None:
+            raise RefusedError(Nak.FILE_PROTECTED)
+        return place
+
+    def _open_to_write(self, client: Client, request: Request) -> Reply:
+        place = self._place(request.path)
+        file = self._tree.written.open(place, empties=request.opcode == Opcode.CREATE)
+        session = self.sessions.begin(client, request.session, file, self._host.now_us)
+        told = b"" if self._is_ardupilot else pack("<I", file.told_size)
+        return _ack(request, told)._replace(session=session.number)
+
     def _write(self, client: Client, request: Request) -> Reply:
-        self.sessions.of(client, request.session, self._host.now_us)
-        return self._refuse_to_write(client, request)
+        file = self.sessions.of(client, request.session, self._host.now_us).file
+        if not isinstance(file, WrittenFile):
+            raise RefusedError(Nak.FAIL) if self._is_ardupilot else RefusedError(Nak.FAIL_WITH_ERRNO, EBADF)
+        file.write(request.offset, request.data)
+        return _ack(request, b"" if self._is_ardupilot else pack("<I", len(request.data)))
 
-    def _truncate(self, client: Client, request: Request) -> Reply:
-        if self._is_ardupilot:
-            raise RefusedError(Nak.UNKNOWN_COMMAND)
-        return self._refuse_to_write(client, request)
-
-    def _refuse_to_write(self, _client: Client, _request: Request) -> Reply:
-        raise RefusedError(Nak.FILE_PROTECTED)
+    def _change(self, _client: Client, request: Request) -> Reply:
+        """Remove, rename or cut what is there, or make a folder."""
+        places = [self._place(path) for path in request.paths(2 if request.opcode == Opcode.RENAME else 1)]
+        sizes = (request.offset,) if request.opcode == Opcode.TRUNCATE else ()
+        self._changes[request.opcode](*places, *sizes)
+        return _ack(request)
 
 
 def _ack(request: Request, data: bytes = b"") -> Reply:
@@ -221,6 +240,11 @@ def _ack(request: Request, data: bytes = b"") -> Reply:
 
 def _nak(request: Request, refused: RefusedError) -> Reply:
     return Reply(request.sequence + 1, request.session, Opcode.NAK, request.opcode, request.offset, refused.data)
+
+
+def _refusal(errno: int) -> RefusedError:
+    known = _ERRORS.get(errno)
+    return RefusedError(Nak.FAIL_WITH_ERRNO, errno) if known is None else RefusedError(known)
 
 
 def _send(client: Client, payload: bytes) -> None:

@@ -44,6 +44,7 @@ class Nak(IntEnum):
     NO_SESSIONS_AVAILABLE = 5
     END_OF_FILE = 6
     UNKNOWN_COMMAND = 7
+    FILE_EXISTS = 8
     FILE_PROTECTED = 9
     FILE_NOT_FOUND = 10
 
@@ -83,10 +84,18 @@ class Request(NamedTuple):
         Raises:
             RefusedError: There is none.
         """
-        name = self.data.split(b"\0")[0]
-        if not name:
+        return self.paths(1)[0]
+
+    def paths(self, count: int) -> list[str]:
+        """Return so many paths in the data.
+
+        Raises:
+            RefusedError: There are fewer.
+        """
+        names = self.data.split(b"\0")[:count]
+        if len(names) < count or not all(names):
             raise RefusedError(Nak.INVALID_DATA_SIZE)
-        return name.decode("latin-1")
+        return [name.decode("latin-1") for name in names]
 
     @property
     def block_bytes(self) -> int:

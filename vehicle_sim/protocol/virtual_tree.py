@@ -1,48 +1,37 @@
-"""The files that the vehicle shows: its logs, and ArduPilot's packed parameters. Nothing of the machine is among them.
+"""The files that the vehicle shows: its logs, ArduPilot's packed parameters, what clients have written, none besides.
 
 | autopilot | logs                                                  | besides                                |
 |-----------|-------------------------------------------------------|----------------------------------------|
 | ArduPilot | `/APM/LOGS/00000001.tlog`, the same in `logs`         | `@PARAM/param.pck`, an empty `@SYS`    |
 | PX4       | `/fs/microsd/log/DATE/TIME_NUMBER.tlog`, also in `log` | `/etc/extras`: its component metadata  |
 
+Clients write anywhere as ArduPilot, and below `/fs/microsd` as PX4, but neither logs nor what the autopilot itself has.
 The folders are those of the autopilots; the names end in `.tlog`, for that is what the logs are. Paths are compared
 with names in memory, never given to the operating system.
 """
 
 from collections.abc import Iterable
-from errno import EINVAL
+from errno import EINVAL, ENOENT
 from time import gmtime, strftime
 from typing import TYPE_CHECKING, Final, Protocol
 
 from vehicle_sim.parameters import Flavour, ParameterStore
 from vehicle_sim.protocol.component_metadata import FOLDER, metadata_files
 from vehicle_sim.protocol.packed_parameters import Excerpt, estimated_size, excerpt_of, packed
+from vehicle_sim.protocol.written_files import InvalidReadError, Path, WrittenFiles
 
 if TYPE_CHECKING:
     from vehicle_sim.protocol.flight_log import FlightLog, FlightRecorder
     from vehicle_sim.protocol.host import Host
 
-_Path = tuple[str, ...]
-_Files = dict[_Path, "FlightLog"]
+_Files = dict[Path, "FlightLog"]
 _PARAMETERS: Final = ("@PARAM", "param.pck")
-_LOG_FOLDERS: Final[dict[Flavour, _Path]] = {
+_LOG_FOLDERS: Final[dict[Flavour, Path]] = {
     Flavour.ARDUPILOT: ("APM", "LOGS"),
     Flavour.PX4: ("fs", "microsd", "log"),
 }
 _SHORT: Final = {Flavour.ARDUPILOT: "logs", Flavour.PX4: "log"}
 _SECOND_US: Final = 1_000_000
-
-
-class InvalidReadError(Exception):
-    """A file cannot be read like this.
-
-    Attributes:
-        errno: The system's number for it, as the autopilot tells it.
-    """
-
-    def __init__(self, errno: int) -> None:
-        super().__init__(f"errno {errno}")
-        self.errno = errno
 
 
 class OpenFile(Protocol):
@@ -120,6 +109,23 @@ class VirtualTree:
         self._host = host
         self._recorder = recorder
         self._flavour = host.table.flavour
+        self.written = WrittenFiles()
+
+    def place_to_write(self, path: str) -> Path | None:
+        """Return the place that a path names, if clients may write there; None if not.
+
+        Raises:
+            FileNotFoundError: It is in a folder that is not there.
+        """
+        place = self._parts(path)
+        inside = ("fs", "microsd") if self._flavour is Flavour.PX4 else ()
+        if not place or place[0].startswith("@") or place[: len(inside)] != inside or place in self._logs():
+            return None
+        if place not in self.written.folders and self.entries(path) is not None:
+            return None
+        if self.entries("/".join(place[:-1])) is None:
+            raise FileNotFoundError(ENOENT, path)
+        return place
 
     def entries(self, path: str) -> list[bytes] | None:
         """Return what a folder holds, each as `D` and a name or `F`, a name, a tab and a size; None of no folder."""
@@ -127,7 +133,8 @@ class VirtualTree:
         if folder is None:
             return None
         sizes = {place: len(log.data) for place, log in files.items()}
-        folders: set[_Path] = {(), _LOG_FOLDERS[self._flavour]}
+        sizes.update({place: len(data) for place, data in self.written.files.items()})
+        folders: set[Path] = {(), _LOG_FOLDERS[self._flavour], *self.written.folders}
         if self._flavour is Flavour.ARDUPILOT:
             sizes[_PARAMETERS] = estimated_size(self._host.vehicle.parameters)
             folders.add(("@SYS",))
@@ -159,10 +166,12 @@ class VirtualTree:
         if self._flavour is Flavour.PX4 and place is not None and place[:-1] == FOLDER:
             data = metadata_files().get(place[-1])
             return None if data is None else OpenBytes(data)
+        if place is not None and place in self.written.files:
+            return OpenBytes(bytes(self.written.files[place]))
         log = None if place is None else self._logs().get(place)
         return None if log is None else OpenLog(log)
 
-    def _parts(self, path: str) -> _Path | None:
+    def _parts(self, path: str) -> Path | None:
         parts = tuple(part for part in path.split("/") if part not in ("", "."))
         if ".." in parts:
             return None
@@ -182,6 +191,6 @@ class VirtualTree:
         return files
 
 
-def _children(folder: _Path, places: Iterable[_Path]) -> list[str]:
+def _children(folder: Path, places: Iterable[Path]) -> list[str]:
     """Return the names of what lies directly in a folder."""
     return sorted(place[-1] for place in places if place and place[:-1] == folder)

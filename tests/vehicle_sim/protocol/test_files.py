@@ -290,18 +290,19 @@ def test_without_a_file_there_is_nothing_to_read(client: FileClient) -> None:
         assert client.ask(opcode, session=3, size=80).error == (ftp.NOT_FOUND if is_ardupilot else ftp.BAD_SESSION)
 
 
-def test_nothing_is_written(client: FileClient) -> None:
+def test_logs_and_what_the_autopilot_has_are_not_written(client: FileClient) -> None:
     data = fly_by_the_ground(client)
     path = log_path(client)
+    is_ardupilot = client.station.endpoint.table.flavour is Flavour.ARDUPILOT
+    own = b"@PARAM/param.pck" if is_ardupilot else b"/etc/extras/actuators.json.xz"
     for opcode in (ftp.CREATE, ftp.REMOVE, ftp.MAKE, ftp.UNMAKE, ftp.OPEN_TO_WRITE):
-        for name in (path, b"/APM/new"):
-            assert client.ask(opcode, name).error == ftp.PROTECTED
+        for name in (path, path.rsplit(b"/", 1)[0], own, b"/", b"/../x"):
+            assert client.ask(opcode, name).error == ftp.PROTECTED, name
     assert client.ask(ftp.RENAME, path + b"\0/x").error == ftp.PROTECTED
     truncated = client.ask(ftp.TRUNCATE, path).error
-    is_ardupilot = client.station.endpoint.table.flavour is Flavour.ARDUPILOT
     assert truncated == (ftp.UNKNOWN if is_ardupilot else ftp.PROTECTED)
     session, _ = client.opened(path)
-    assert client.ask(ftp.WRITE, b"x", session=session).error == ftp.PROTECTED
+    assert client.ask(ftp.WRITE, b"x", session=session).error == (ftp.FAIL if is_ardupilot else ftp.ERRNO)
     assert client.content(session) == data
 
 
