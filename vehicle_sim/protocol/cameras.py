@@ -15,7 +15,6 @@ from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.camera_orders import COMMANDS
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.motion import quaternion
-from vehicle_sim.protocol.sensing import UNIX_EPOCH_OF_BOOT_US
 from vehicle_sim.protocol.units import E7, wrapped
 from vehicle_sim.signals import CameraOrder
 
@@ -103,7 +102,7 @@ class CameraService:
         return lambda _host: None if self._last is None else make(self._last)
 
     def _utc_us(self, time_us: int) -> int:
-        return UNIX_EPOCH_OF_BOOT_US + time_us if self._host.vehicle.readings.gps is not None else 0
+        return self._host.utc_of_boot_us + time_us if self._host.vehicle.readings.gps is not None else 0
 
     def _feedback(self, photo: "Photo") -> Message:
         """CAMERA_FEEDBACK: where the vehicle was and how it lay; its time is that of the satellites."""

@@ -33,6 +33,7 @@ from vehicle_sim.protocol.policy import SigningPolicy
 from vehicle_sim.protocol.presence import PresenceService
 from vehicle_sim.protocol.rates import RateService
 from vehicle_sim.protocol.routing import Router
+from vehicle_sim.protocol.sensing import UTC_OF_FIRST_BOOT_US
 from vehicle_sim.protocol.setpoints import SetpointService
 from vehicle_sim.protocol.signing import Signer
 from vehicle_sim.protocol.special_commands import SpecialCommandService
@@ -40,6 +41,7 @@ from vehicle_sim.protocol.statustext import TextChunker
 from vehicle_sim.protocol.sticks import StickService
 from vehicle_sim.protocol.streams import NEVER_US
 from vehicle_sim.protocol.telemetry import BUILDERS, Builder
+from vehicle_sim.protocol.terrain import TerrainService
 from vehicle_sim.protocol.timesync import TimeService
 
 if TYPE_CHECKING:
@@ -63,6 +65,7 @@ class Endpoint:
         key_setup: Takes another key from a ground station.
         recorder: Writes the log of each armed period.
         now_us: Vehicle time since boot, in microseconds.
+        utc_of_boot_us: When that was by the satellites' clock, in microseconds since 1970.
         on_message: Called with each message for the vehicle, and the name of its link, before it is handled.
     """
 
@@ -91,6 +94,7 @@ class Endpoint:
         vehicle.parameters.set(self.table.system_id_parameter, system_id)
         self.system_id, self.component_id = system_id, component_id
         self.signer = Signer() if signer is None else signer
+        self.utc_of_boot_us = UTC_OF_FIRST_BOOT_US
         self._step_us = round(vehicle.config.step_s * 1e6)
         self.now_us = vehicle.steps * self._step_us
         self.on_message: Callable[[str, Message], None] | None = None
@@ -101,12 +105,10 @@ class Endpoint:
         self._chunker = TextChunker()
         self._built: dict[int, Message | None] = {}
         self._reboot_due_us = NEVER_US
-        commands = CommandService(self)
-        time = TimeService(self)
+        commands, mode_list, fences = CommandService(self), ModeListService(self), FenceService(self)
         self._rates = RateService(self)
         self._parameters = ParameterService(self)
         self._plans = PlanService(self)
-        fences = FenceService(self)
         self._missions = MissionService(self, self._plans.store)
         self._plans.keepers.update(fences.keepers)
         self._plans.keepers.update(self._missions.keepers)
@@ -114,57 +116,26 @@ class Endpoint:
         self.recorder = FlightRecorder(self)
         self._log_transfer = LogService(self, self.recorder)
         self._files = FileService(self, self.recorder)
-        mode_list = ModeListService(self)
         self._rates.requests.update(mode_list.requests)
         self.key_setup = KeySetupService(self, self.signer)
         self._events = EventService(self)
         self._cameras = CameraService(self)
-        special, calibrations = SpecialCommandService(self), CalibrationService(self)
+        self._sticks = StickService(self)
+        calibrations = CalibrationService(self)
         self._with_partners = (self._parameters, self._plans, self._log_transfer, self._files)
         self._timed = (self._events, calibrations, self._plans)
+        self._handlers: dict[int, Callable[[Sender, Message], None]] = {}
+        builders: dict[int, Builder] = dict(BUILDERS)
         for service in (
-            self._parameters,
-            mode_list,
-            self._rates,
-            FailureService(self),
-            self._events,
-            fences,
-            self._missions,
-            self._cameras,
-            MountService(self),
-            special,
-            calibrations,
+            *(commands, mode_list, fences, calibrations, self._rates, self._presence, self._missions, self._events),
+            *(self.key_setup, self._cameras, *self._with_partners),
+            *(SetpointService(self), AttitudeService(self), self._sticks, TimeService(self)),
+            *(FailureService(self), MountService(self), SpecialCommandService(self)),
+            *(LegacyPlanService(self), TerrainService(self)),
         ):
-            commands.handlers.update(service.commands)
-        self._sticks = StickService(self)
-        self._handlers: dict[int, Callable[[Sender, Message], None]] = {
-            **self._presence.messages,
-            **commands.messages,
-            **self._rates.messages,
-            **SetpointService(self).messages,
-            **AttitudeService(self).messages,
-            **self._sticks.messages,
-            **self._parameters.messages,
-            **self._plans.messages,
-            **self._missions.messages,
-            **time.messages,
-            **self._log_transfer.messages,
-            **self._files.messages,
-            **self.key_setup.messages,
-            **self._events.messages,
-            **special.messages,
-            **calibrations.messages,
-            **LegacyPlanService(self).messages,
-        }
-        builders: dict[int, Builder] = {
-            **BUILDERS,
-            **time.telemetry,
-            **self._missions.telemetry,
-            **mode_list.telemetry,
-            **fences.telemetry,
-            **self._cameras.telemetry,
-            **special.telemetry,
-        }
+            commands.handlers.update(getattr(service, "commands", {}))
+            self._handlers.update(getattr(service, "messages", {}))
+            builders.update(getattr(service, "telemetry", {}))
         self._builders = {
             message_id: build for message_id, build in builders.items() if message_id not in self.table.absent_messages
         }
@@ -350,6 +321,7 @@ class Endpoint:
     def _reboot(self) -> None:
         """Begin anew: streams as by default, no transfer under way, and the system id that the parameter names."""
         self._reboot_due_us = NEVER_US
+        self.utc_of_boot_us += self.now_us
         self.recorder.finish()
         self._parameters.reboot()
         self.vehicle.reboot()

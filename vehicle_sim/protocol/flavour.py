@@ -11,8 +11,9 @@ from typing import Final
 
 from vehicle_sim.autopilot import MODES, Mode, Outcome
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.data_files import data_file
 from vehicle_sim.protocol.dialect import mavlink
-from vehicle_sim.protocol.late_messages import ComponentMetadata, CurrentMode
+from vehicle_sim.protocol.late_messages import AvailableModesMonitor, ComponentMetadata, CurrentMode
 
 _CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 _STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
@@ -57,6 +58,7 @@ class FlavourTable:
         autopilot: MAV_AUTOPILOT of the heartbeat.
         capabilities: What AUTOPILOT_VERSION says that it understands.
         software_version: major << 24 | minor << 16 | patch << 8 | release type.
+        git_hash: What it was built from, as AUTOPILOT_VERSION holds it: eight digits, or eight bytes from the last on.
         custom_modes: The number that stands for each mode.
         base_modes: Flags of the heartbeat's base_mode in each mode, without the armed bit.
         default_rates_hz: What is streamed unasked, by the link's purpose: message id to messages per second.
@@ -84,6 +86,7 @@ class FlavourTable:
     autopilot: int
     capabilities: Capability
     software_version: int
+    git_hash: bytes
     custom_modes: Mapping[Mode, int]
     base_modes: Mapping[Mode, int]
     default_rates_hz: Mapping[Rates, Mapping[int, float]]
@@ -116,8 +119,13 @@ def _px4_mode(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
 
-def _rates(**hertz: float) -> dict[int, float]:
-    return {getattr(mavlink, f"MAVLINK_MSG_ID_{name}"): rate for name, rate in hertz.items()}
+def _rates(name: str) -> dict[Rates, dict[int, float]]:
+    """Return the rates in Hz that a file holds for each purpose of a link, by the names of the messages."""
+    numbers = {kind.msgname: number for number, kind in mavlink.mavlink_map.items()}
+    return {
+        Rates[purpose]: {numbers[message]: hertz for message, hertz in rates.items()}
+        for purpose, rates in data_file(name).items()
+    }
 
 
 def _messages(*names: str) -> tuple[int, ...]:
@@ -144,6 +152,7 @@ _ARDUPILOT: Final = FlavourTable(
         | Capability.FLIGHT_TERMINATION
     ),
     software_version=0x04070000,
+    git_hash=b"90700977",
     custom_modes={
         Mode.STABILIZE: 0,
         Mode.ACRO: 1,
@@ -202,11 +211,15 @@ _ARDUPILOT: Final = FlavourTable(
         mavlink.MAV_DATA_STREAM_POSITION: _messages("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
         mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE", "SIMSTATE"),
         mavlink.MAV_DATA_STREAM_EXTRA2: _messages("VFR_HUD"),
-        mavlink.MAV_DATA_STREAM_EXTRA3: _messages(
-            "AHRS", "WIND", "SYSTEM_TIME", "BATTERY_STATUS", "EKF_STATUS_REPORT", "VIBRATION"
+        mavlink.MAV_DATA_STREAM_EXTRA3: (
+            *_messages("AHRS", "WIND", "SYSTEM_TIME", "TERRAIN_REPORT", "BATTERY_STATUS", "EKF_STATUS_REPORT"),
+            *_messages("VIBRATION"),
+            AvailableModesMonitor.id,
         ),
     },
-    absent_messages=frozenset(_messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY"))
+    absent_messages=frozenset(
+        _messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "WIND_COV", "ORBIT_EXECUTION_STATUS")
+    )
     | {CurrentMode.id, ComponentMetadata.id},
     told_on_change=frozenset(),
     no_stream=Outcome.DENIED,
@@ -246,6 +259,7 @@ _PX4: Final = FlavourTable(
         | Capability.MISSION_RALLY
     ),
     software_version=0x011001FF,
+    git_hash=bytes.fromhex("94cb201200000000")[::-1],
     custom_modes={
         Mode.MANUAL: _px4_mode(1),
         Mode.ALT_HOLD: _px4_mode(2),
@@ -267,66 +281,7 @@ _PX4: Final = FlavourTable(
         mode: _BY_HAND if rule.manual or Mode.POSITION in (mode, rule.like) else _BY_ITSELF
         for mode, rule in MODES[Flavour.PX4].items()
     },
-    default_rates_hz={
-        Rates.SILENT: {},
-        Rates.GROUND_STATION: _rates(
-            ATTITUDE=15,
-            VFR_HUD=4,
-            GLOBAL_POSITION_INT=5,
-            GPS_RAW_INT=5,
-            LOCAL_POSITION_NED=1,
-            SYS_STATUS=1,
-            EXTENDED_SYS_STATE=1,
-            BATTERY_STATUS=0.5,
-            HOME_POSITION=0.5,
-            ESTIMATOR_STATUS=0.5,
-            POSITION_TARGET_LOCAL_NED=1.5,
-            ATTITUDE_TARGET=2,
-            RC_CHANNELS=5,
-            SERVO_OUTPUT_RAW=1,
-            ALTITUDE=1,
-            GPS_GLOBAL_ORIGIN=1,
-            SYSTEM_TIME=1,
-            PING=0.1,
-            VIBRATION=0.1,
-            MISSION_CURRENT=1,
-            CAMERA_IMAGE_CAPTURED=1,
-            WIND_COV=0.5,
-            ORBIT_EXECUTION_STATUS=2,
-        )
-        | {CurrentMode.id: 0.5},
-        Rates.ONBOARD: _rates(
-            TIMESYNC=10,
-            ATTITUDE=100,
-            ATTITUDE_QUATERNION=50,
-            HIGHRES_IMU=50,
-            GLOBAL_POSITION_INT=50,
-            LOCAL_POSITION_NED=30,
-            ODOMETRY=30,
-            POSITION_TARGET_LOCAL_NED=10,
-            ATTITUDE_TARGET=10,
-            VFR_HUD=10,
-            GPS_RAW_INT=10,
-            ALTITUDE=10,
-            RC_CHANNELS=20,
-            SERVO_OUTPUT_RAW=10,
-            SYS_STATUS=5,
-            EXTENDED_SYS_STATE=5,
-            ESTIMATOR_STATUS=1,
-            SYSTEM_TIME=1,
-            GPS_GLOBAL_ORIGIN=1,
-            HOME_POSITION=1,
-            PING=1,
-            BATTERY_STATUS=0.5,
-            VIBRATION=0.5,
-            MISSION_CURRENT=1,
-            CAMERA_TRIGGER=1,
-            WIND_COV=10,
-            ORBIT_EXECUTION_STATUS=5,
-            CAMERA_IMAGE_CAPTURED=1,
-        )
-        | {CurrentMode.id: 0.5},
-    },
+    default_rates_hz={Rates.SILENT: {}, **_rates("px4_rates")},
     stream_parameters={},
     stream_groups={},
     absent_messages=frozenset(

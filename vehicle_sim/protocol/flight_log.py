@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Final
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.framing import frame_of
 from vehicle_sim.protocol.host import Host
-from vehicle_sim.protocol.sensing import UNIX_EPOCH_OF_BOOT_US
 from vehicle_sim.protocol.streams import StreamSchedule
 
 if TYPE_CHECKING:
@@ -97,7 +96,7 @@ class FlightRecorder:
         """Begin a log, with all of its messages in the coming step."""
         host = self._host
         knows_date = host.vehicle.readings.gps is not None
-        self._boot_utc_us = UNIX_EPOCH_OF_BOOT_US if knows_date else 0
+        self._boot_utc_us = host.utc_of_boot_us if knows_date else 0
         self._mav.srcSystem, self._mav.srcComponent = host.system_id, host.component_id
         self._open()
         self._schedule.clear()

@@ -170,15 +170,14 @@ def flight_information(host: Host) -> Message | None:
 
 def autopilot_version(host: Host) -> Message | None:
     """AUTOPILOT_VERSION: capabilities and the version of the autopilot that it answers like."""
-    table = host.table
-    eight_zeros = (0,) * 8
+    table, eight_zeros = host.table, (0,) * 8
     return mavlink.MAVLink_autopilot_version_message(
         int(table.capabilities),
         table.software_version,
         table.software_version if table.flavour is Flavour.PX4 else 0,
         0,
         0,
-        eight_zeros,
+        tuple(table.git_hash),
         eight_zeros,
         eight_zeros,
         0,

@@ -25,6 +25,7 @@ class Host(Protocol):
     system_id: int
     component_id: int
     now_us: int
+    utc_of_boot_us: int
 
     def broadcast(self, message: Message) -> None:
         """Send a message of the vehicle on every link."""

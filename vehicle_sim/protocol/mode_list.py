@@ -12,7 +12,7 @@ from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.commands import Request
 from vehicle_sim.protocol.dialect import Message
 from vehicle_sim.protocol.host import Host
-from vehicle_sim.protocol.late_messages import AvailableModes, CurrentMode
+from vehicle_sim.protocol.late_messages import AvailableModes, AvailableModesMonitor, CurrentMode
 from vehicle_sim.protocol.units import whole_number
 
 if TYPE_CHECKING:
@@ -44,9 +44,10 @@ class ModeListService:
         self._order = sorted(host.table.custom_modes, key=lambda mode: host.table.custom_modes[mode])
         self.requests: Mapping[int, Callable[[Request], Outcome]] = {AvailableModes.id: self._give}
         self.commands: Mapping[int, Callable[[Request], Outcome]] = {_DO_SET_STANDARD_MODE: self._set_standard}
-        # The set of modes never changes, so there is nothing to stream of it.
+        # The set of modes never changes, so there is nothing to stream of it but that.
         self.telemetry: Mapping[int, Builder] = {
             AvailableModes.id: lambda _host: None,
+            **({} if self._is_px4 else {AvailableModesMonitor.id: lambda _host: AvailableModesMonitor(1)}),
             CurrentMode.id: lambda _host: self._current(),
         }
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from vehicle_sim.vehicle import Readings
 
 _UNKNOWN: Final = 65535
-UNIX_EPOCH_OF_BOOT_US: Final = 1_735_689_600_000_000
-"""Vehicle time zero is 2025-01-01 00:00 UTC: every flight is reproducible to the byte."""
+UTC_OF_FIRST_BOOT_US: Final = 1_735_689_600_000_000
+"""The vehicle is switched on at 2025-01-01 00:00 UTC: every flight is reproducible to the byte."""
 
 _NO_FIELD: Final[Vector] = (0.0, 0.0, 0.0)
 _HIGHRES_FIELDS: Final = 0b1_1011_1111_1111
@@ -55,7 +55,7 @@ def gps_raw_int(host: Host) -> Message | None:
 def system_time(host: Host) -> Message | None:
     """SYSTEM_TIME: the date once a receiver told it, and the time since boot."""
     knows_date = host.vehicle.readings.gps is not None
-    unix_us = UNIX_EPOCH_OF_BOOT_US + host.now_us if knows_date else 0
+    unix_us = host.utc_of_boot_us + host.now_us if knows_date else 0
     return mavlink.MAVLink_system_time_message(unix_us, host.now_us // 1000)
 
 

@@ -16,6 +16,9 @@ SENSORS = 1 | 2 | 4
 GPS = 32
 PREARM = 0x10000000
 
+IN_FLIGHT = {"POSITION_TARGET_LOCAL_NED", "WIND_COV", "ORBIT_EXECUTION_STATUS"}
+"""Of these there is something to say in flight alone, or in a mode of it."""
+
 
 @pytest.mark.parametrize(
     ("flavour", "autopilot", "base_mode", "custom_mode", "system"),
@@ -98,8 +101,8 @@ def test_default_rates_of_px4(rates: Rates) -> None:
     station.run(20.0)
     for message_id, hertz in TABLES[Flavour.PX4].default_rates_hz[rates].items():
         name = str(mavlink.mavlink_map[message_id].msgname)
-        # There is nothing to fly to on the ground; the origin and pictures come on change alone, whatever their rate.
-        if name != "POSITION_TARGET_LOCAL_NED" and message_id not in TABLES[Flavour.PX4].told_on_change:
+        # The origin and pictures come on change alone, whatever their rate.
+        if name not in IN_FLIGHT and message_id not in TABLES[Flavour.PX4].told_on_change:
             assert len(station.of(name)) == pytest.approx(20.0 * hertz, abs=1.1), name
 
 
@@ -207,7 +210,7 @@ def test_every_message_can_be_sent_at_every_stage_of_a_flight(flavour: Flavour) 
     station.wait_for_position()
     # No target is flown yet, no fence watched, no picture taken.
     pictures = {"CAMERA_FEEDBACK", "CAMERA_TRIGGER", "CAMERA_IMAGE_CAPTURED"}
-    assert ask_for_all() <= {"POSITION_TARGET_LOCAL_NED", "POSITION_TARGET_GLOBAL_INT", "FENCE_STATUS"} | pictures
+    assert ask_for_all() <= {"POSITION_TARGET_GLOBAL_INT", "FENCE_STATUS"} | IN_FLIGHT | pictures
     station.take_off()
     ask_for_all()
 
