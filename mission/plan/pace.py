@@ -15,6 +15,7 @@ from mission.steering.grid import Limits, Slow
 from mission.steering.joined import Curve, JoinedCurve, Piece, joins_smoothly
 from mission.steering.known_laws import KnownLaw
 from mission.steering.smoothing import FourierCurve
+from mission.steering.stopping import stopping
 from mission.steering.timing import even_rate, level_acceleration, time_law
 from mission.steering.trajectory import Leg, Trajectory
 
@@ -89,7 +90,14 @@ def law_onward(spec: MissionSpec, piece: Piece, begins: tuple[float, float]) -> 
     # On other cells its bounds are others, but for less than this.
     limits = Limits(*(_SPARE * limit for limit in limits_in_motion(spec, piece, begins)))
     try:
-        law = time_law(piece, limits, fastest=_fastest(piece), ends=(begins[0], 0.0), growth=begins[1])
+        law = time_law(
+            piece,
+            limits,
+            fastest=_fastest(piece),
+            slow=tuple(each._replace(speed_m_s=_SPARE * each.speed_m_s) for each in _slowed_down(spec, piece, begins)),
+            ends=(begins[0], 0.0),
+            growth=begins[1],
+        )
     except ValueError as error:
         raise NoRollingStartError(str(error)) from error
     return KnownLaw(piece, law)
@@ -153,10 +161,13 @@ def _legs(
             _vehicle_limits(spec, leg) if onward is None else limits_in_motion(spec, leg, onward),
             fastest=_fastest(leg),
             holds=tuple((min(s - begin, leg.duration_s), held) for s, held in holds),
-            slow=tuple(
-                each._replace(begin_s=max(each.begin_s, begin) - begin, end_s=min(each.end_s, end) - begin)
-                for each in slow
-                if max(each.begin_s, begin) < min(each.end_s, end)
+            slow=(
+                *(
+                    each._replace(begin_s=max(each.begin_s, begin) - begin, end_s=min(each.end_s, end) - begin)
+                    for each in slow
+                    if max(each.begin_s, begin) < min(each.end_s, end)
+                ),
+                *(() if onward is None else _slowed_down(spec, leg, onward)),
             ),
             ends=ends,
             growth=growth,
@@ -215,6 +226,15 @@ def limits_in_motion(spec: MissionSpec, curve: Curve, begins: tuple[float, float
         speed_m_s=min(spec.limits.speed_m_s, max(limits.speed_m_s, _IN_MOTION * velocity)),
         acceleration_m_s2=min(most, max(limits.acceleration_m_s2, _PULLED * acceleration)),
     )
+
+
+def _slowed_down(spec: MissionSpec, curve: Curve, begins: tuple[float, float]) -> tuple[Slow, ...]:
+    """Where a flight that begins in motion is no faster than others any more: after the way on which it could stop."""
+    limits, first = _vehicle_limits(spec, curve), float(np.hypot(*curve.derivative([0.0], 1)[0]))
+    way = stopping(*begins, limits.acceleration_m_s2 / first, limits.jerk_m_s3 / first).way
+    if way >= curve.duration_s:
+        return ()
+    return (Slow(way, curve.duration_s, speed_m_s=limits.speed_m_s),)
 
 
 def _vehicle_limits(spec: MissionSpec, curve: Curve) -> Limits:

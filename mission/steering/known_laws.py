@@ -66,7 +66,8 @@ def known_law(
         return None
     knots = law.knots_s
     if begins[0] > 0.0:  # it may have few knots, and must not be slowed down by anyone who checks it
-        knots = np.union1d(knots, np.linspace(0.0, knots[-1], _CELLS + 1))
+        cuts = [each.begin_s for each in slow if 0.0 < each.begin_s < knots[-1]]
+        knots = np.union1d(knots, [*np.linspace(0.0, knots[-1], _CELLS + 1), *cuts])
     excess = strain(law, grid_of(curve, span_s, knots, limits, slow), limits).excess
     return law if excess <= (1.0 if begins[0] > 0.0 else _NEARLY) else None
 

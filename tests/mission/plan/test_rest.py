@@ -192,6 +192,29 @@ def test_a_plan_goes_on_in_the_motion_that_the_vehicle_has(
     assert plan_to_json(plan_from_json(plan_to_json(left))) == plan_to_json(left)
 
 
+def test_who_is_too_fast_slows_down_to_what_the_mission_asks_for() -> None:
+    plan = planned(ORDERED)
+    rest = moving(plan, 3.0)
+    vx, vy = rest.velocity_m_s
+    left = plan_rest(plan, replace(rest, velocity_m_s=(1.04 * vx, 1.04 * vy)))
+    speeds = np.hypot(*left.trajectory.state(np.linspace(0.0, left.trajectory.duration_s, 2000))[1].T)
+    assert speeds[0] > 1.03 * plan.spec.flight.speed_m_s
+    assert (speeds <= plan.spec.flight.speed_m_s + 1e-9)[200:].all()
+    assert faults(left) == []
+
+
+def test_who_has_to_turn_back_halts_first_on_the_way_ahead() -> None:
+    plan = planned(ORDERED)
+    rest = moving(plan, 3.0)
+    left = plan_rest(plan, rest, replace(plan.spec, formula="F G home", tasks=()))
+    law = left.trajectory.legs[0].law
+    halts_s = float(law.knots_t_s[law.rates == 0.0][0])
+    away_m = np.array(left.trajectory.state([halts_s])[0][0]) - rest.place_m
+    assert away_m @ rest.velocity_m_s == pytest.approx(np.hypot(*away_m) * np.hypot(*rest.velocity_m_s))
+    assert halts_s < 4.0
+    assert faults(left) == []
+
+
 def test_a_beginning_in_motion_that_was_tampered_with_is_found() -> None:
     left = plan_rest(planned(ORDERED), moving(planned(ORDERED), 4.0))
     data = json.loads(plan_to_json(left))
