@@ -6,7 +6,8 @@ amended; and the new plan. A thread here writes and reads, so that not even a fu
 the process, the flight is told that no plan comes.
 
 Before anything is asked for, what a flight might ask for is rehearsed, twice: so all that is read or made once is
-there, and how long an answer takes is known. Garbage is collected between answers, not while somebody waits for one.
+there, and how long an answer takes is known, one for which little can be kept of the plan that is flown. Garbage is
+collected between answers, not while somebody waits for one.
 """
 
 import contextlib
@@ -19,6 +20,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from subprocess import DEVNULL, PIPE, Popen
 from typing import IO, Any, Final, TypeVar
 
@@ -39,6 +41,7 @@ _TAKES_S: Final = 1.0
 
 _ENDS_WITHIN_S: Final = 2.0
 _REHEARSALS: Final = 2
+_SLOWER: Final = 0.99
 _FORGETS: Final = 0.7
 """By what part an answer may be expected sooner than the last time: some are had sooner than others."""
 
@@ -132,11 +135,13 @@ class PlannerProcess:
 
 
 def _rehearsed(plan: FlightPlan) -> PlanRequest:
-    """What a flight might ask for half way to the first of its rests, or laps."""
+    """What a flight might ask for half way to the first of its rests, or laps: to fly on, and a little more slowly."""
     leg = plan.trajectory.legs[0]
     at_s = 0.5 * float(leg.law.knots_t_s[np.flatnonzero(leg.law.rates == 0.0)[1:2]].sum())
     place, velocity, acceleration = (tuple(each[0].tolist()) for each in plan.trajectory.state(at_s))
-    return PlanRequest(0, plan, Rest((), place, velocity, acceleration, flown_s=at_s))
+    flight = replace(plan.spec.flight, speed_m_s=_SLOWER * plan.spec.flight.speed_m_s)
+    amended = replace(plan.spec, flight=flight)
+    return PlanRequest(0, plan, Rest((), place, velocity, acceleration, flown_s=at_s), amended=amended)
 
 
 def _written(asked: PlanRequest, *, sends: bool, its_own: bool) -> str:

@@ -37,7 +37,7 @@ CHANGES = (
     (34.0, "formula F (S2 & F (S3 & F home)) & G !K1 & G !K2"),
     (42.0, "restrict near [[88, 40], [98, 40], [98, 50], [88, 50]]"),
     (50.0, "drop near"),
-    (58.0, "formula F home & G !S3 & G !K1 & G !K2"),
+    (58.0, "formula F home & G !S1 & G !K1 & G !K2"),
 )
 """So long after the trajectory began, this is asked for."""
 
