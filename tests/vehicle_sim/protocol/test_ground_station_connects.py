@@ -1,26 +1,17 @@
 """What QGroundControl asks a vehicle that it has just found, in its order and within its time-outs.
 
 Sequence: QGroundControl's initial connection (version, modes, component information, parameters, mission, geofence,
-rally points), then what its views ask for. Time-outs: 3 s for an acknowledgement of a command, 5 s for the first
-parameter, 1.5 s for a mission message, 1 s for a file transfer. A request that gets no answer within its time-out
-makes the ground station repeat itself, wait, and complain.
+rally points), then what its views ask for. A request that gets no answer within its time-out makes the ground station
+repeat itself, wait, and complain.
 """
 
-from collections.abc import Callable
-from struct import pack, unpack_from
+from struct import unpack_from
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
-from tests.support.station import Station, endpoint_of
+from tests.support.ground_station import ACK, NAK, GroundStation
 from vehicle_sim.parameters import Flavour
-from vehicle_sim.protocol.dialect import Message
-from vehicle_sim.protocol.flavour import Rates
-
-COMMAND_S = 3.0
-FIRST_PARAMETER_S = 5.0
-PLAN_S = 1.5
-FILE_S = 1.0
 
 AVAILABLE_MODES = 435
 COMPONENT_METADATA = 397
@@ -30,83 +21,7 @@ FLIGHT_INFORMATION = 264
 CAMERA_INFORMATION = 259
 GIMBAL_MANAGER_INFORMATION = 280
 
-ACK, NAK = 128, 129
 TERMINATE, RESET, LIST, OPEN, READ, BURST = 1, 2, 3, 4, 5, 15
-
-
-class GroundStation(Station):
-    """A station that wants an answer to each of its requests in time."""
-
-    def __init__(self, flavour: Flavour) -> None:
-        super().__init__(endpoint_of(flavour), rates=Rates.GROUND_STATION)
-        self.flavour = flavour
-        self._file_sequence = 0
-
-    def asks(self, request: Message, answers: Callable[[Message], bool], within_s: float) -> Message:
-        """Send a request and return the first answer to it."""
-        self.forget()
-        self.send(request)
-        found: list[Message] = []
-
-        def answered() -> bool:
-            found[:] = [message for message in self.heard if answers(message)]
-            return bool(found)
-
-        self.wait_until(answered, within_s=within_s)
-        return found[0]
-
-    def commands(self, command: int, *params: float, component: int = 1) -> int:
-        """Send a command and return the result of its acknowledgement, which is addressed to this station."""
-        seven = (*params, *(0.0,) * (7 - len(params)))
-        ack = self.asks(
-            mavlink.MAVLink_command_long_message(1, component, command, 0, *seven),
-            lambda message: message.get_type() == "COMMAND_ACK" and message.command == command,
-            COMMAND_S,
-        )
-        assert (ack.target_system, ack.target_component) == (255, 190)
-        return int(ack.result)
-
-    def requests(self, message_id: int, index: int = 0) -> Message | None:
-        """Ask for a message; None where the vehicle says that it has no such message."""
-        if self.commands(mavlink.MAV_CMD_REQUEST_MESSAGE, message_id, index) != mavlink.MAV_RESULT_ACCEPTED:
-            return None
-        return next(message for message in self.heard if message.get_msgId() == message_id)
-
-    def plan(self, mission_type: int) -> list[Message]:
-        """Download a plan."""
-
-        def of_plan(kind: str) -> Callable[[Message], bool]:
-            return lambda message: message.get_type() == kind and message.mission_type == mission_type
-
-        request_list = mavlink.MAVLink_mission_request_list_message(1, 1, mission_type)
-        count = self.asks(request_list, of_plan("MISSION_COUNT"), PLAN_S).count
-        items = []
-        for seq in range(count):
-            request = mavlink.MAVLink_mission_request_int_message(1, 1, seq, mission_type)
-            items.append(self.asks(request, of_plan("MISSION_ITEM_INT"), PLAN_S))
-        self.send(mavlink.MAVLink_mission_ack_message(1, 1, mavlink.MAV_MISSION_ACCEPTED, mission_type))
-        return items
-
-    def file_request(
-        self, opcode: int, data: bytes = b"", *, session: int = 0, offset: int = 0, size: int = 0
-    ) -> bytes:
-        """Send one request of the file transfer protocol and return the payload of its answer."""
-        self._file_sequence = sequence = (self._file_sequence + 1) & 0xFFFF
-        header = pack("<HBBBBBxI", sequence, session, opcode, size or len(data), 0, 0, offset)
-        payload = (header + data).ljust(251, b"\0")
-        answer = self.asks(
-            mavlink.MAVLink_file_transfer_protocol_message(0, 1, 1, payload),
-            lambda message: (
-                message.get_type() == "FILE_TRANSFER_PROTOCOL"
-                and unpack_from("<H", bytes(message.payload))[0] == (sequence + 1) & 0xFFFF
-            ),
-            FILE_S,
-        )
-        assert (answer.target_system, answer.target_component) == (255, 190)
-        answered = bytes(answer.payload)
-        assert answered[3] in (ACK, NAK)
-        assert answered[5] == opcode
-        return answered
 
 
 @pytest.fixture(params=Flavour)
@@ -138,32 +53,6 @@ def test_version_modes_and_component_information_are_answered(station: GroundSta
 
     if station.requests(COMPONENT_METADATA) is None:
         station.requests(COMPONENT_INFORMATION)
-
-
-def test_parameters_arrive_whole_although_some_are_lost(station: GroundStation) -> None:
-    values: dict[int, Message] = {}
-
-    def is_value(message: Message) -> bool:
-        return bool(message.get_type() == "PARAM_VALUE" and message.param_id != "_HASH_CHECK")
-
-    def values_heard() -> int:
-        return sum(is_value(message) for message in station.heard)
-
-    request = mavlink.MAVLink_param_request_list_message(1, mavlink.MAV_COMP_ID_ALL)
-    count = station.asks(request, is_value, FIRST_PARAMETER_S).param_count
-    station.wait_until(lambda: values_heard() >= count, within_s=30.0)
-    heard = [message for message in station.heard if is_value(message)]
-    values = {message.param_index: message for place, message in enumerate(heard) if place % 3}  # one of three is lost
-
-    missing = [index for index in range(count) if index not in values]
-    assert missing
-    for batch in (missing[start : start + 10] for start in range(0, len(missing), 10)):
-        station.forget()
-        station.send(*(mavlink.MAVLink_param_request_read_message(1, 1, b"", index) for index in batch))
-        assert values_heard() == len(batch)  # at once
-        values.update({message.param_index: message for message in station.heard if is_value(message)})
-    assert sorted(values) == list(range(count))
-    assert len({message.param_id for message in values.values()}) == count
 
 
 def test_plans_of_all_kinds_are_downloaded(station: GroundStation) -> None:
