@@ -26,13 +26,14 @@ from scipy.linalg import LinAlgError, solveh_banded
 
 from mission.geometry.arrays import FloatArray
 
-_SHARPEN: Final = 8.0
+_SHARPEN: Final = 16.0
 """By how much the time weighs more from one round to the next."""
 _GAP: Final = 1e-3  # of the time: how far from the least it may stay
 _MOST_GAP_S: Final = 0.02
 _STEPS: Final = 8  # of Newton's method in a round, at most
 _LAST_STEPS: Final = 16
-_CENTRED: Final = 0.1  # Newton decrement below which a round is over
+_CENTRED: Final = 0.5  # Newton decrement below which a round is over
+_ROUGHLY: Final = 0.1  # of the time: how far a rough guess is from the least, about
 _HALVINGS: Final = 30
 _ENOUGH: Final = 0.1  # of what the gradient promises
 _POWER: Final = 4.0 / 3.0
@@ -266,7 +267,7 @@ def fastest_squares(problem: PacingProblem, inner: FloatArray, *, rough: bool = 
     limits = 4.0 * len(inner)
     present_s = problem.duration_s(problem.squares(inner))
     gap_s = min(_GAP * present_s, _MOST_GAP_S)
-    weight = limits / (present_s if rough else gap_s * _SHARPEN)
+    weight = limits / (_ROUGHLY * present_s if rough else gap_s * _SHARPEN)
     while True:
         last = limits <= gap_s * weight
         value = problem.barrier(inner, weight)

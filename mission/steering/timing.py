@@ -43,7 +43,8 @@ _SAME_KNOT: Final = 1e-9  # of the way between two stops
 _QUICKEST_S: Final = 0.15  # in which the acceleration comes up: a larger jerk is not made use of
 _TURNS: Final = 3
 _MORE_TURNS: Final = 6  # where what exceeds the limits cannot be slowed down
-_NEARLY: Final = 1.001  # of a limit; a law that asks for no more is good
+_NEARLY: Final = 1.001  # of a limit: rounding, and more
+_GOOD: Final = 1.005  # by what a law is slowed down at most for which another turn is not worth while
 _BEGIN: Final = 0.9
 _SLOWER: Final = 0.8
 _NEXT: Final = 0.98
@@ -209,7 +210,7 @@ def _fastest(
             continue
         found = strain(law, grid, limits)
         laws.append(_slowed(law, found, moving=moving))
-        if found.excess <= (1.0 if moving else _NEARLY):
+        if found.excess <= (1.0 if moving else _GOOD):
             break
         ceilings, accelerations, jerks = _lowered((ceilings, accelerations, jerks), found, beyond, sharply)
         inner = start if moving else inner
