@@ -42,7 +42,7 @@ _TAKES_S: Final = 1.0
 _ENDS_WITHIN_S: Final = 2.0
 _REHEARSALS: Final = 2
 _SLOWER: Final = 0.99
-_FORGETS: Final = 0.7
+_FORGETS: Final = 0.9
 """By what part an answer may be expected sooner than the last time: some are had sooner than others."""
 
 _Made = TypeVar("_Made")
