@@ -201,6 +201,7 @@ _ARDUPILOT: Final = FlavourTable(
         mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: _messages(
             "SYS_STATUS",
             "POWER_STATUS",
+            "MEMINFO",
             "MISSION_CURRENT",
             "GPS_RAW_INT",
             "NAV_CONTROLLER_OUTPUT",
@@ -289,6 +290,7 @@ _PX4: Final = FlavourTable(
             "EKF_STATUS_REPORT",
             "RAW_IMU",
             "POWER_STATUS",
+            "MEMINFO",
             "NAV_CONTROLLER_OUTPUT",
             "AHRS",
             "WIND",

@@ -119,6 +119,11 @@ def power_status(_host: Host) -> Message | None:
     return mavlink.MAVLink_power_status_message(5000, 0, mavlink.MAV_POWER_STATUS_BRICK_VALID)
 
 
+def meminfo(_host: Host) -> Message | None:
+    """MEMINFO (ArduPilot): how much memory is left, which is always plenty."""
+    return mavlink.MAVLink_meminfo_message(0, _NO_CELL, 1 << 19)
+
+
 def extended_sys_state(host: Host) -> Message | None:
     """EXTENDED_SYS_STATE: on the ground, in the air, or between."""
     landed = host.vehicle.autopilot.landed_state

@@ -31,6 +31,7 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     mavlink.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
     mavlink.MAVLINK_MSG_ID_HIGHRES_IMU: sensing.highres_imu,
     mavlink.MAVLINK_MSG_ID_POWER_STATUS: health.power_status,
+    mavlink.MAVLINK_MSG_ID_MEMINFO: health.meminfo,
     mavlink.MAVLINK_MSG_ID_ALTITUDE: motion.altitude,
     mavlink.MAVLINK_MSG_ID_BATTERY_STATUS: health.battery_status,
     mavlink.MAVLINK_MSG_ID_AUTOPILOT_VERSION: health.autopilot_version,
