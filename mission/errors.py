@@ -119,6 +119,10 @@ class NoRollingStartError(NoPlanError):
     """No plan begins with the present velocity and acceleration; one that begins at rest there may."""
 
 
+class LateError(NoPlanError):
+    """No plan was found that keeps what its mission asks for in seconds; the message has a line for each bound."""
+
+
 class LinkError(MissionError):
     """The MAVLink connection could not be opened, or was lost."""
 

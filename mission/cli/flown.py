@@ -176,11 +176,18 @@ def _measured_lines(flight: LoggedFlight, found: Judged) -> Iterator[tuple[str, 
         lost = missing([number for _, number in flight.track.pictures])
         unheard = [f"nothing was heard of {lost} more"] if lost else []
         yield "pictures", ", ".join([str(found.pictures[_ALL]), *places, *unheard])
+    for bound in found.bounds:
+        margin = "" if bound.margin_s is None or not math.isfinite(bound.margin_s) else _margin(bound.margin_s)
+        yield "in time", f"{bound.formula}: {_MET[bound.met]}{margin}"
     for wish in found.wishes:
         yield "wish", f"{wish.task}: {_MET[wish.met]}"
     if found.deviation is not None:
         most = f"at most {found.deviation.largest_m:.2f} m at {clock.text(found.deviation.t_s)}"
         yield "path", f"{most} from the planned path, rms {found.deviation.rms_m:.2f} m"
+
+
+def _margin(margin_s: float) -> str:
+    return f", with {margin_s:.1f} s to spare" if margin_s >= 0.0 else f", by {-margin_s:.1f} s"
 
 
 def _named(names: tuple[str, ...], spec: MissionSpec) -> str:
@@ -270,6 +277,10 @@ def _values(flight: LoggedFlight, found: Judged) -> dict[str, Any]:
             for each in found.nearness
         ],
         "covered": [asdict(each) for each in found.covered],
+        "bounds": [
+            {**asdict(each), "margin_s": each.margin_s if math.isfinite(each.margin_s or 0.0) else None}
+            for each in found.bounds
+        ],
         "wishes": [asdict(each) for each in found.wishes],
         "laps": None if found.laps is None else {"flown": found.laps[0], "asked": found.laps[1]},
         "pictures": found.pictures,

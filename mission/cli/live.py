@@ -143,6 +143,8 @@ class Display:
         if self._plan.run.recurrent:
             parts.append(Part(_lap(moment), 2))
         parts.append(Part(f"automaton {moment.done}/{moment.total}", 5))
+        watched = [bound for bound in moment.bounds if bound.met is not True]
+        parts += [Part(bound.text(moment.since_s), 2 if bound.met is None else 1) for bound in watched]
         if moment.awaited:
             parts.append(Part(f"waits for {' or '.join(moment.awaited)}", 3))
         return parts

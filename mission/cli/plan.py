@@ -118,6 +118,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "frequencies": plan.curve.frequencies,
         "guidance": plan.spec.flight.guidance,
         "covers": [visit.figures() for visit in plan.covers],
+        "bounds": [bound.to_json() for bound in plan.bounds],
         "certificate": {
             "holds": certificate.holds,
             "tube_m": certificate.tube_m,
@@ -162,6 +163,8 @@ def print_plan(plan: FlightPlan) -> None:
     for visit in plan.covers:
         _print(f"Covered        {_lanes(visit)}")
     _print_certificate(plan)
+    for number, bound in enumerate(plan.bounds):
+        _print(f"{'In time' if number == 0 else '':<15}{bound.text}")
     if plan.spec.flight.guidance == FIELD:
         _print_guidance(plan)
     print_warnings(plan.warnings)

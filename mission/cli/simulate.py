@@ -27,7 +27,7 @@ def run(arguments: Namespace) -> int:
     plan = planned(arguments.file, arguments.run, changes_of(arguments))
     simulation = simulate_plan(plan, off_m=arguments.off)
     monitor = judged(plan, simulation)
-    outcome = monitor.verdict_at_end(stays=not plan.run.recurrent)
+    outcome = monitor.outcome(stays=not plan.run.recurrent)
     if arguments.csv is not None:
         write_named("--csv", Path(arguments.csv), _table(simulation))
     if not arguments.no_pictures:

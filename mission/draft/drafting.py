@@ -16,7 +16,7 @@ from mission.draft.turns import turns_of
 from mission.errors import Fault, FormulaSyntaxError, SpecError
 from mission.interchange.features import Drawing, Feature
 from mission.interchange.roles import role_of
-from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.parser import parse_timed_formula
 from mission.logic.formula.syntax import propositions, written_name
 from mission.printable import printable
 from mission.spec.model import CORRIDOR, Cost
@@ -173,7 +173,7 @@ def _kept_formula(text: str, layout: Layout) -> str:
     """The formula that a file's flight satisfied, if all that it speaks of is there; empty otherwise."""
     names = frozenset(piece.name for piece in layout.regions)
     try:
-        return text if propositions(parse_formula(text, names)) <= names else ""
+        return text if propositions(parse_timed_formula(text, names)) <= names else ""
     except FormulaSyntaxError:
         return ""
 

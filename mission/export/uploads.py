@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from mission.errors import Fault, SpecError
 from mission.export.nose import nose_items
 from mission.export.placed_plan import PlacedPlan
 from mission.export.route import Waypoint
@@ -25,8 +26,16 @@ _SHORTEST_STOP_S: Final = 1.0
 
 
 def autopilot_plan(placed: PlacedPlan, firmware: str) -> AutopilotPlan:
-    """Everything that an autopilot needs to fly a plan by itself; ``firmware`` is a key of ``FIRMWARE``."""
+    """Everything that an autopilot needs to fly a plan by itself; ``firmware`` is a key of ``FIRMWARE``.
+
+    Raises:
+        SpecError: The plan keeps bounds in seconds: an autopilot that flies waypoints keeps no time law.
+    """
     plan = placed.plan
+    if plan.required.timed:
+        message = f"{plan.required.timed[0]} is proved of the trajectory, and who flies waypoints keeps no time law"
+        hint = "fly it with `mission fly`, or export .kml, .geojson or .gpx to look at"
+        raise SpecError((Fault(0, 0, "mission", message, hint),), plan.spec.name)
     return AutopilotPlan(
         home=placed.places(np.array([plan.start_m]))[0],
         items=_items(placed, firmware),

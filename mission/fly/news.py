@@ -55,6 +55,9 @@ class News:
         if now.stage is Stage.FLY and (entered or before is None or before.done != now.done):
             following = f", next {' or '.join(now.awaited)}" if now.awaited and now.done < now.total else ""
             told.append(f"{now.done} of {now.total} done{following}")
+        for number, bound in enumerate(now.bounds):
+            if bound.met is not None and (before is None or before.bounds[number : number + 1] != (bound,)):
+                told.append(bound.text(now.since_s))
         if now.returning and (before is None or not before.returning):
             told.append("returning")
         return told

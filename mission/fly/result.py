@@ -8,6 +8,7 @@ from mission.monitor.coverage import Covered, covered_values
 from mission.monitor.gaps import Gap
 from mission.monitor.monitor import Violation
 from mission.monitor.stage import Stage
+from mission.monitor.time_bounds import BoundNow
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 from mission.spec.model import Point
@@ -44,6 +45,8 @@ class Progress:
         place_m: Where the vehicle is by its last report, ENU in the domain; None before one.
         heading_rad: Where its nose points, clockwise from north; None where it does not tell.
         word: The letters that were spelled by the plan that is flown.
+        bounds: What is known of what is asked for in seconds.
+        since_s: Since the trajectory began, by the vehicle's clock; 0 before it.
     """
 
     stage: Stage
@@ -72,6 +75,8 @@ class Progress:
     place_m: Point | None = None
     heading_rad: float | None = None
     word: tuple[frozenset[str], ...] = ()
+    bounds: tuple[BoundNow, ...] = ()
+    since_s: float = 0.0
 
     @property
     def left_s(self) -> float:

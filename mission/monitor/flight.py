@@ -31,6 +31,7 @@ class FlightMonitor:
             restricted=plan.restricted,
             counter=laps_of(plan, laps_before, begun=begun),
             laps=laps_asked(plan, laps_before),
+            timed=plan.required.timed,
         )
         self._flying = False
 

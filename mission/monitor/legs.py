@@ -192,10 +192,10 @@ class FlightLegs:
     def _outcome_of_return(self, left: FlightLeg) -> Outcome:
         """The verdict on a mission that was given up for a return: on what was flown of it, and the way home."""
         if left.plan.run.recurrent:
-            return left.judged.monitor.verdict_at_end(stays=False)
+            return left.judged.monitor.outcome(stays=False)
         parts = [leg.judged.monitor.word for leg in self.legs[self.legs.index(left) :]]
         word = tuple(letter for letter, _ in groupby(chain.from_iterable(parts)))
-        if left.plan.required.satisfied_by(LassoWord(word, word[-1:])):
+        if not left.plan.required.timed and left.plan.required.satisfied_by(LassoWord(word, word[-1:])):
             return Outcome(achieved=True, reason="the word that was flown satisfies the specification all the same")
         return Outcome(achieved=False, reason="the mission was given up for a return")
 
@@ -205,7 +205,7 @@ class FlightLegs:
         if not broken and self.now.given_up is not None:
             return self._outcome_of_return(self.now.given_up)
         leg = broken[0] if broken else self.now
-        outcome = leg.judged.monitor.verdict_at_end(stays=not leg.plan.run.recurrent)
+        outcome = leg.judged.monitor.outcome(stays=not leg.plan.run.recurrent)
         returned = leg.laps_before > 0 and not leg.plan.run.recurrent
         if not returned:
             return outcome

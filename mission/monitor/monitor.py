@@ -18,8 +18,10 @@ from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
 from mission.logic.automata.rabin import Rabin
+from mission.logic.formula.syntax import Formula
 from mission.logic.formula.word import LassoWord, Letter
 from mission.monitor.laps import Laps, laps_text
+from mission.monitor.time_bounds import BoundNow, BoundWatch
 from mission.monitor.verdict import FormulaWatch, Progress, Verdict
 from mission.spec.model import Point, Semantics
 
@@ -118,6 +120,7 @@ class Monitor:
         restricted: Shape (M,), triangles that must not be entered.
         counter: What counts laps; by default, of a flight that ends in a stay.
         laps: How many are to be flown in all; None where nobody has said.
+        timed: Formulas with bounds in seconds, which the specification has beside that.
     """
 
     def __init__(
@@ -133,12 +136,14 @@ class Monitor:
         restricted: BoolArray,
         counter: Laps | None = None,
         laps: int | None = 0,
+        timed: Sequence[Formula] = (),
     ) -> None:
         self._locator, self._labelling = locator, labelling
         self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
         self._watch = FormulaWatch(automata, whole, refutation, labelling.letters)
         self._laps, self._laps_asked = counter or Laps(whole, labelling), laps
+        self._in_time = BoundWatch(timed)
         self._last: tuple[float, Point] | None = None
         self._inside = True
         self._visits: list[Visit] = []
@@ -212,6 +217,11 @@ class Monitor:
         return self._laps.over(satisfied=self._laps.ends and self.verdict_at_end(stays=True).achieved)
 
     @property
+    def bounds(self) -> tuple[BoundNow, ...]:
+        """What is known of what is asked for in seconds."""
+        return () if self._last is None else self._in_time.now(self._last[0])
+
+    @property
     def whereabouts(self) -> Whereabouts | None:
         """Where the flight is; None before its word begins, and outside the domain."""
         if not self._visits or not self._inside:
@@ -236,8 +246,21 @@ class Monitor:
         """The word so far, and the automaton's state."""
         return _foreseen(self.word, self._laps)
 
+    def outcome(self, *, stays: bool) -> Outcome:
+        """The verdict on the flight as if it ended now, its bounds in seconds among what it has to keep.
+
+        Args:
+            stays: As in ``verdict_at_end``.
+        """
+        found = self.verdict_at_end(stays=stays)
+        missed = self._in_time.missed(stays=stays) if found.achieved else None
+        if missed is None:
+            return found
+        when = "" if missed.at_s is None else f" {missed.at_s:.1f} s after the trajectory began"
+        return Outcome(achieved=False, reason=f"{missed.formula} was missed{when}")
+
     def verdict_at_end(self, *, stays: bool) -> Outcome:
-        """The verdict on the flight as if it ended now.
+        """The verdict on the word as if it ended now.
 
         Args:
             stays: Whether the vehicle is taken to stay where it is for ever. The word closed that way is judged by the
@@ -280,6 +303,7 @@ class Monitor:
             self._watch.read(int(self._labelling.letter_of[triangle]))
         self._laps.enter(triangle, spells=spells)
         self._visits.append(Visit(triangle, time_s))
+        self._in_time.enter(time_s, self._labelling.label(triangle))
 
 
 def _foreseen(word: tuple[frozenset[str], ...], laps: Laps) -> Foreseen:

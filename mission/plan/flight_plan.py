@@ -24,6 +24,7 @@ from mission.plan.landing import little_room_to_land
 from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
 from mission.plan.tasks import DroppedTask
+from mission.plan.time_bounds import TimeBound, bounds_of
 from mission.plan.way import Way
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
@@ -113,6 +114,11 @@ class FlightPlan:
     def planned_pictures(self) -> int:
         """How many pictures a flight takes that keeps to the trajectory."""
         return planned_pictures(self.trajectory, self.photographs)
+
+    @cached_property
+    def bounds(self) -> tuple[TimeBound, ...]:
+        """What is asked for in seconds, with the margins of every flight within the tube."""
+        return bounds_of(self.required.timed, self.trajectory, self.certificate, self.locator, self.labelling)
 
     @property
     def specification(self) -> str:

@@ -45,6 +45,7 @@ def trajectory_of(
     toward_m: Point | None = None,
     begins: tuple[float, float] | None = None,
     known: Sequence[KnownLaw] = (),
+    wait: tuple[float, float] | None = None,
 ) -> Trajectory:
     """The fastest flight along a curve within a mission's limits that has time to turn where its nose has to.
 
@@ -58,6 +59,7 @@ def trajectory_of(
         toward_m: Where the nose looks, if that is one place.
         begins: The rate and its growth with which the flight begins; None where it begins at rest.
         known: Laws of pieces of the curve that are known already.
+        wait: A place at which to stand still for a while, and how long, s; not where it begins in motion.
 
     Raises:
         ValueError: A stop is not on the curve, or it cannot be flown with such a beginning.
@@ -69,6 +71,8 @@ def trajectory_of(
     slow, turns_s = (*slow, *slowly), (*turns_at_rest(spec, curve, lap), *turns_s)
     if begins is not None:
         turns_s = tuple((s, seconds) for s, seconds in turns_s if s > 0.0)
+    if wait is not None:
+        turns_s = (wait, *turns_s)
     flown = _trajectory(spec, curve, (stops, turns_s), lap, slow, begins=begins, known=known)
     turns: tuple[RunIn, ...] = ()
     # Where one part is flown more slowly another one may be faster than it was, and lack time in turn.

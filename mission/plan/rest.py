@@ -57,13 +57,14 @@ from mission.spec.model import (
     Semantics,
     Start,
 )
-from mission.spec.specification import deterministic_of, generalised_of, of_mission
+from mission.spec.specification import deterministic_of, generalised_of, of_mission, timed_of
 
 _RETURN: Final = "return.hoa"
 _START: Final = "start"
 _ROOM: Final = 3.0  # tubes
 _ROUNDING: Final = 1e-6
 _LEAST_ROOM_M: Final = 0.5
+_CLOCK: Final = "the mission has bounds in seconds from the beginning of its trajectory: its rest is not planned anew"
 _LOST: Final = "what was flown so far violates the mission: nothing that is flown from here satisfies it"
 
 
@@ -114,6 +115,8 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
         AutomatonSizeError: What is left asks for too large an automaton.
     """
     spec = plan.spec if amended is None else amended
+    if plan.required.timed or timed_of(spec):
+        raise NoPlanError(_CLOCK)
     if spec.origin != plan.spec.origin:
         raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
     if not _asks_the_same(spec, plan.spec):

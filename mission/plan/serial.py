@@ -91,6 +91,7 @@ def plan_to_json(plan: FlightPlan) -> str:
         "stops": [list(stop) for stop in plan.stops],
         "trajectory": plan.trajectory.to_json(),
         "certificate": plan.certificate.to_json(),
+        **({"bounds": [bound.to_json() for bound in plan.bounds]} if plan.bounds else {}),
         "photographs": photographs_to_json(plan.photographs),
         "dropped": [asdict(task) for task in plan.dropped],
         "homeward": None

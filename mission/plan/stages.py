@@ -1,8 +1,10 @@
 """The stages of planning, one after the other; each is a function of what came before it."""
 
+from functools import partial
+
 import numpy as np
 
-from mission.errors import Fault, NoPlanError, NoRollingStartError, SpecError
+from mission.errors import Fault, LateError, NoPlanError, NoRollingStartError, SpecError
 from mission.geometry.arrays import IntArray
 from mission.geometry.location import OUTSIDE, Locator
 from mission.plan.beginning import Beginning
@@ -25,11 +27,12 @@ from mission.plan.shortest_way import RunSearch
 from mission.plan.slow_parts import slow_parts
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import dropped_tasks
+from mission.plan.timely import Law, given_up_in_time, in_time
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import Cost, MissionSpec, Point
-from mission.spec.specification import of_mission
+from mission.spec.specification import Specification, of_mission
 from mission.steering.trajectory import Trajectory
 
 
@@ -82,42 +85,38 @@ def planned(
     covering = Covering(spec, partition, labelling, restricted)
     planner = PathPlanner(spec, partition, labelling, covering)
 
-    try:
-        dropped = dropped_tasks(
-            spec,
-            Feasibility(search, planner).refusal,
-            lambda error, mission: explained(error, mission, partition, labelling, start=triangle),
+    def told(error: NoPlanError, mission: MissionSpec) -> NoPlanError:
+        return explained(error, mission, partition, labelling, start=triangle)
+
+    def in_its_time(left_out: frozenset[int]) -> tuple[Specification, BestRuns, Steered, Trajectory]:
+        specification = of_mission(spec, labelling.letters, left_out)
+        try:
+            found = search.best(specification)
+        except NoPlanError as error:
+            raise closed_by_clearances(told(error, spec), spec, start) from error
+        steering = Steering(
+            restricted=restricted,
+            planner=planner,
+            specification=specification,
+            search=search,
+            found=found,
+            index=_index(spec, found, run),
+            free=run is None and spec.run == 0,
+            kept=Kept.of(known, spec),
         )
-        specification = of_mission(spec, labelling.letters, (task.number for task in dropped))
-        found = search.best(specification)
-    except NoPlanError as error:
-        told = explained(error, spec, partition, labelling, start=triangle)
-        raise closed_by_clearances(told, spec, start) from error
-    runs = found.runs
-    index = spec.run if run is None else run
-    if index >= runs.count:
-        hint = f"the runs are numbered from 0 to {runs.count - 1}"
-        if found.way is not None:
-            hint = (
-                f"by {spec.search.cost} there is one run, number 0; by `search: {{cost: transitions}}` there are more"
-            )
-        raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
-    steering = Steering(
-        restricted=restricted,
-        planner=planner,
-        specification=specification,
-        search=search,
-        found=found,
-        index=index,
-        free=run is None and spec.run == 0,
-        kept=Kept.of(known, spec),
-    )
+        try:
+            return specification, found, *in_time(steering, partial(_flown, beginning=begins))
+        except (LateError, NoRollingStartError):
+            raise
+        except NoPlanError as error:
+            raise closed_by_clearances(error, spec, start) from error
+
     try:
-        flown, trajectory = _flown(steering, begins)
-    except NoRollingStartError:
-        raise
+        dropped = dropped_tasks(spec, Feasibility(search, planner).refusal, told)
     except NoPlanError as error:
-        raise closed_by_clearances(error, spec, start) from error
+        raise closed_by_clearances(told(error, spec), spec, start) from error
+    dropped, (specification, found, flown, trajectory) = given_up_in_time(spec, dropped, in_its_time)
+    runs = found.runs
     return FlightPlan(
         spec=spec,
         start_m=start,
@@ -149,12 +148,23 @@ def planned(
     )
 
 
+def _index(spec: MissionSpec, found: BestRuns, run: int | None) -> int:
+    """The number of the run that is asked for; raises SpecError where there is none of that number."""
+    index = spec.run if run is None else run
+    if index < found.runs.count:
+        return index
+    hint = f"the runs are numbered from 0 to {found.runs.count - 1}"
+    if found.way is not None:
+        hint = f"by {spec.search.cost} there is one run, number 0; by `search: {{cost: transitions}}` there are more"
+    raise SpecError((Fault(0, 0, "mission.run", f"there is no run {index} among the shortest", hint),), spec.name)
+
+
 def _map_of(spec: MissionSpec) -> tuple[object, ...]:
     """All that the triangles of a mission, and their labels, follow from."""
     return spec.domain, [(each.name, each.kind, each.shape, each.clearance_m) for each in spec.regions]
 
 
-def _flown(steering: Steering, beginning: Beginning) -> tuple[Steered, Trajectory]:
+def _flown(steering: Steering, beginning: Beginning) -> tuple[Steered, Law]:
     """A smooth path, and how it is flown: in motion from the first, or from a halt on, or from rest."""
     of, pace = steering.planner, pace_of(steering.planner.spec)
     onward, way = beginning.onward(pace), steering.found.way
@@ -162,7 +172,8 @@ def _flown(steering: Steering, beginning: Beginning) -> tuple[Steered, Trajector
     for begins in beginning.each(np.empty((0, 2)) if way is None else way.prefix_m, pace):
         try:
             flown = steering.steered(begins)
-            return flown, trajectory_of(
+            law = partial(
+                trajectory_of,
                 of.spec,
                 flown.curve,
                 flown.stops,
@@ -173,6 +184,7 @@ def _flown(steering: Steering, beginning: Beginning) -> tuple[Steered, Trajector
                 begins=None if onward is None else onward.law,
                 known=(*flown.known, *steering.kept.laws),
             )
+            return flown, Law(law(), None if onward else law)
         except NoRollingStartError as error:
             refused = error
         except ValueError as error:

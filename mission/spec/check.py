@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from mission.errors import FormulaSyntaxError
-from mission.logic.formula.parser import parse_formula
+from mission.logic.formula.parser import parse_timed_formula
 from mission.logic.formula.syntax import propositions, written_name
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, listed, rather, shortened
@@ -128,7 +128,7 @@ def _formula_findings(formula: str, names: frozenset[str] | None) -> list[Findin
     try:
         # A region of a name like G is a fault of its own and must not change how the formula is read.
         known = frozenset(name for name in names or () if not re.search(OPERATOR_NAMES, name))
-        parsed = parse_formula(formula, known)
+        parsed = parse_timed_formula(formula, known)
     except FormulaSyntaxError as error:
         # The end of the text has no character of its own; the last one stands for it.
         character = max(0, min(error.column, len(formula)) - 1)

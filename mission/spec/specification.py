@@ -1,7 +1,8 @@
 """What a flight must satisfy, and the automata that plan and judge it.
 
 A mission gives a formula or names an automaton, and tasks beside either. A word satisfies it if the automaton accepts
-it, where there is one, and it satisfies the formula that everything else makes together.
+it, where there is one, and it satisfies the formula that everything else makes together. What has bounds in seconds is
+asked of the flight in time beside it: the word satisfies what of that can be said without seconds.
 """
 
 from collections.abc import Iterable
@@ -17,12 +18,13 @@ from mission.logic.automata.conversion import with_accepting_states
 from mission.logic.automata.determined import part_of, parts_of
 from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import GLANCE, translate, translate_generalised
-from mission.logic.formula.conjuncts import separated
-from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import TRUE, Formula, conjunction
+from mission.logic.formula.conjuncts import conjuncts, separated
+from mission.logic.formula.parser import parse_timed_formula
+from mission.logic.formula.syntax import TRUE, Formula, Operator, conjunction
 from mission.logic.formula.word import LassoWord, Letter, satisfies
+from mission.logic.timed.rewriting import untimed
 from mission.spec.model import MissionSpec, NamedAutomaton
-from mission.spec.tasks import task_formula
+from mission.spec.tasks import task_formula, timed_formula
 
 
 @dataclass(frozen=True)
@@ -33,11 +35,13 @@ class Specification:
         formula: The mission's formula and its tasks; TRUE where there is nothing of the kind.
         given: The automaton that the mission names; None without one.
         letters: The observations of the map; an automaton that is given is complemented over these.
+        timed: Formulas with bounds in seconds, all of which the flight satisfies in time.
     """
 
     formula: Formula
     given: NamedAutomaton | None = None
     letters: tuple[Letter, ...] = ()
+    timed: tuple[Formula, ...] = ()
 
     @cached_property
     def automaton(self) -> BuchiAutomaton:
@@ -77,11 +81,11 @@ class Specification:
         return satisfies(word, self.formula) and (self.given is None or accepts(self.given, word))
 
     def __str__(self) -> str:
-        return described(self.given, self.formula)
+        return described(self.given, conjunction(*(each for each in (self.formula, *self.timed) if each is not TRUE)))
 
 
 def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
-    """The mission's formula and its tasks, all at once.
+    """The mission's formula and its tasks, all at once, and as far as that can be said without seconds.
 
     Args:
         spec: The mission.
@@ -90,10 +94,34 @@ def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
     Raises:
         FormulaSyntaxError: If the mission's own formula is none.
     """
-    own = [parse_formula(spec.formula, frozenset(region.name for region in spec.regions))] if spec.formula else []
+    own = (untimed(part) if part.timed else part for part in _own_parts(spec))
     left_out = frozenset(dropped)
     tasks = (task_formula(task, spec.regions) for i, task in enumerate(spec.tasks) if i not in left_out)
-    return conjunction(*own, *tasks)
+    return conjunction(*(part for part in own if part is not TRUE), *tasks)
+
+
+def timed_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> tuple[Formula, ...]:
+    """What a mission asks of a flight in time: the conjuncts of its formula that have bounds, and those of its tasks.
+
+    Args:
+        spec: The mission.
+        dropped: Tasks that are left out, by their places in the file.
+
+    Raises:
+        FormulaSyntaxError: If the mission's own formula is none.
+    """
+    left_out = frozenset(dropped)
+    tasks = [timed_formula(task) for i, task in enumerate(spec.tasks) if i not in left_out]
+    of_tasks = conjuncts(conjunction(*(each for each in tasks if each is not None)))
+    return tuple(dict.fromkeys((*(part for part in _own_parts(spec) if part.timed), *of_tasks)))
+
+
+def _own_parts(spec: MissionSpec) -> tuple[Formula, ...]:
+    """The conjuncts of the mission's own formula."""
+    if not spec.formula:
+        return ()
+    parsed = parse_timed_formula(spec.formula, frozenset(region.name for region in spec.regions))
+    return parsed.operands if parsed.operator is Operator.AND else (parsed,)
 
 
 def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable[int] = ()) -> Specification:
@@ -107,7 +135,8 @@ def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable
     Raises:
         FormulaSyntaxError: If the mission's own formula is none.
     """
-    return Specification(formula_of(spec, dropped), spec.automaton, letters)
+    left_out = frozenset(dropped)
+    return Specification(formula_of(spec, left_out), spec.automaton, letters, timed_of(spec, left_out))
 
 
 def deterministic_of(formula: Formula, given: NamedAutomaton | None, letters: tuple[Letter, ...]) -> Conjunction:

@@ -18,6 +18,7 @@ from mission.spec.nodes import Mapping, Node, Scalar, Sequence, Table
 from mission.spec.scalars import Oddity, number_hint, plain_value
 from mission.spec.schema import NEEDLESS_KEYS, keys_of, mission_schema
 from mission.spec.shape_schema import MAX_COORDINATE_M, POINT_REFERENCE, Schema
+from mission.spec.task import BY, EVERY, WITHIN
 
 MOST_ERRORS: Final = 1_000
 
@@ -178,7 +179,7 @@ def _alternatives(path: Path, instance: dict[str, Any], options: list[Schema]) -
         yield Finding(path, f"{' and '.join(given)} exclude each other", hint, at_key=True)
     elif whole_task:
         # An unknown key in a task is most likely the one that is missing, misspelt; it is reported.
-        if instance.keys() <= {"weight"}:
+        if instance.keys() <= {"weight", BY, WITHIN, EVERY}:
             yield Finding(path, "a task is missing here", f"give one of {wanted}", at_key=True)
     elif path[:1] != ("tasks",) or instance.keys() <= {"region"}:
         yield Finding(path, f"one of {wanted} is missing in `{dotted(path)}`", "give exactly one of them", at_key=True)

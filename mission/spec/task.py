@@ -1,7 +1,9 @@
 """Tasks of a mission, which stand for formulas; their meaning is in ``mission.logic.formula.patterns``."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Final
 
 
 class TaskKind(StrEnum):
@@ -39,6 +41,33 @@ class TaskMode(StrEnum):
     BOUND_DELAY = "bound_delay"
 
 
+BY: Final = "by_s"
+WITHIN: Final = "within_s"
+EVERY: Final = "every_s"
+
+BOUND_KEYS: Final[Mapping[TaskKind, str]] = {
+    TaskKind.VISIT: BY,
+    TaskKind.ORDERED_VISIT: BY,
+    TaskKind.STRICT_ORDERED_VISIT: BY,
+    TaskKind.FAIR_VISIT: BY,
+    TaskKind.WAIT: BY,
+    TaskKind.AVOID: BY,
+    TaskKind.REACT: WITHIN,
+    TaskKind.PATROL: EVERY,
+    TaskKind.SEQUENCED_PATROL: EVERY,
+    TaskKind.ORDERED_PATROL: EVERY,
+    TaskKind.STRICT_ORDERED_PATROL: EVERY,
+    TaskKind.FAIR_PATROL: EVERY,
+}
+"""Kinds of tasks that may carry a bound in seconds, with its key: by when, how long after its trigger, how often."""
+
+UNBOUND_MODES: Final = frozenset(
+    {(TaskKind.AVOID, TaskMode.PLAIN), (TaskKind.AVOID, TaskMode.AFTER)}
+    | {(TaskKind.REACT, TaskMode.INSTANTANEOUS), (TaskKind.REACT, TaskMode.BOUND)}
+)
+"""Forms of them that may not: nothing is to come, or it comes at once."""
+
+
 @dataclass(frozen=True)
 class Task:
     """One entry of ``tasks``.
@@ -50,6 +79,7 @@ class Task:
         mode: Its form, where the kind has several.
         count: The number of visits of ``visits``; 0 otherwise.
         weight: How much is lost where it is dropped, above 0; None where it must be met.
+        bound_s: Within how many seconds, by the key that ``BOUND_KEYS`` has of its kind; None where any time will do.
     """
 
     kind: TaskKind
@@ -57,3 +87,4 @@ class Task:
     mode: TaskMode = TaskMode.PLAIN
     count: int = 0
     weight: float | None = None
+    bound_s: float | None = None

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
 from mission.spec.finding import Finding, Path, rather, shortened
+from mission.spec.task import BOUND_KEYS, BY, EVERY, UNBOUND_MODES, WITHIN, TaskKind, TaskMode
 from mission.spec.task_schema import MOST_SOFT_TASKS
 
 _ENTERED: Final = frozenset({"until", "then", "in"})
@@ -26,11 +27,28 @@ def task_findings(number: int, task: dict[str, Any], kinds: Mapping[str, str]) -
         elif entered and kinds[name] == "restricted":
             message = f"the task asks to enter `{name}`, which is restricted and so never entered"
             findings.append(Finding(path, message, "name another region, or make it one to survey"))
-    key = next(key for key in task if key != "weight")
+    findings += _bound_findings(number, task)
+    key = next(key for key in task if key in set(TaskKind))
     if isinstance(task[key], dict) and len(named) > 1 and named[0][1] == named[1][1]:
         message = f"the task relates `{shortened(named[0][1])}` to itself"
         findings.append(Finding(named[1][0], message, "name two different regions"))
     return findings
+
+
+def _bound_findings(number: int, task: dict[str, Any]) -> list[Finding]:
+    """A bound in seconds that the kind of task has not."""
+    kind = next(kind for kind in TaskKind if kind in task)
+    value, allowed = task[kind], BOUND_KEYS.get(kind, "")
+    if kind is TaskKind.AVOID and not (isinstance(value, dict) and "until" in value):
+        allowed = ""
+    if kind is TaskKind.REACT and (kind, TaskMode(value.get("how", "delayed"))) in UNBOUND_MODES:
+        allowed = ""
+    hint = f"write `{allowed}`" if allowed else "take it away, or say it by a formula with bounds, such as F[0,120] S1"
+    return [
+        Finding(("tasks", number, key), f"a task of this form, `{kind}`, has no `{key}`", hint)
+        for key in (BY, WITHIN, EVERY)
+        if key in task and key != allowed
+    ]
 
 
 def weight_findings(tasks: list[Any]) -> list[Finding]:

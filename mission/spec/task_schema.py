@@ -1,8 +1,9 @@
 """The structure of ``tasks``, as JSON Schema."""
 
+from collections.abc import Mapping
 from typing import Any, Final
 
-from mission.spec.task import TaskKind
+from mission.spec.task import BOUND_KEYS, BY, EVERY, WITHIN, TaskKind
 
 Schema = dict[str, Any]
 
@@ -111,11 +112,30 @@ _KINDS: Final[Schema] = {
     "react": _pair("Whenever in one region (when), then in the other.", "when", "then", how=_HOW),
 }
 
+_BOUNDS: Final[Mapping[str, str]] = {
+    BY: "It is done so many seconds after the trajectory begins, at most",
+    WITHIN: "The reaction comes so many seconds after each moment of its trigger, at most",
+    EVERY: "Each region is visited again after so many seconds, at most, once it has been: lap after lap",
+}
+
+
+def _bound(key: str) -> Schema:
+    kinds = ", ".join(kind.value for kind, of_kind in BOUND_KEYS.items() if of_kind == key)
+    return {
+        "description": f"{_BOUNDS[key]}; of {kinds}.",
+        "type": "number",
+        "minimum": 0.001,
+        "maximum": 100_000.0,
+        "examples": [120],
+    }
+
+
 TASK: Final[Schema] = {
     "description": "What is to be done: one kind of task, and a weight where it may be dropped.",
     "type": "object",
     "additionalProperties": False,
     "properties": _KINDS
+    | {key: _bound(key) for key in _BOUNDS}
     | {
         "weight": {
             "description": "Makes the task soft: where not all can be met, those of the least total weight are "

@@ -1,12 +1,24 @@
 """Tasks between their three forms: the data of a file, frozen values, and formulas."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
 from typing import Any, Final
 
+from mission.decimals import decimal
 from mission.logic.formula import patterns
-from mission.logic.formula.syntax import Formula
+from mission.logic.formula.syntax import (
+    Formula,
+    always,
+    conjunction,
+    eventually,
+    implication,
+    negation,
+    proposition,
+    until,
+)
 from mission.spec.model import Region, RegionKind
-from mission.spec.task import Task, TaskKind, TaskMode
+from mission.spec.task import BOUND_KEYS, EVERY, Task, TaskKind, TaskMode
 
 Data = dict[str, Any]
 
@@ -69,23 +81,52 @@ def task_formula(task: Task, regions: Sequence[Region]) -> Formula:
     return _OF_PAIR[task.kind, task.mode](first, second)
 
 
+def timed_formula(task: Task) -> Formula | None:
+    """What a task asks for in time, beside ``task_formula``; None where it has no bound.
+
+    By when: ``F[0,s] a`` of each region, or the ``U`` of the formula with this bound. Within: ``G (a -> F[0,s] b)``.
+    Every: ``G (a -> G F[0,s] a)``, from the first visit on.
+    """
+    if task.bound_s is None:
+        return None
+    bounds = Fraction(0), Fraction(decimal(task.bound_s))
+    places = [proposition(name) for name in task.regions]
+    if task.kind is TaskKind.WAIT:
+        return until(places[0], places[1], bounds)
+    if task.kind is TaskKind.AVOID:
+        return until(negation(places[0]), places[1], bounds)
+    if task.kind is TaskKind.REACT:
+        return always(implication(places[0], eventually(places[1], bounds)))
+    if BOUND_KEYS[task.kind] == EVERY:
+        return conjunction(*(always(implication(place, always(eventually(place, bounds)))) for place in places))
+    return conjunction(*(eventually(place, bounds) for place in places))
+
+
 def task_of(data: Data) -> Task:
     """The task of an entry that fits the schema."""
-    weight = float(data["weight"]) if "weight" in data else None
-    key = next(key for key in data if key != "weight")
-    kind, value = TaskKind(key), data[key]
+    kind = TaskKind(next(key for key in data if key in set(TaskKind)))
+    weight, bound_s = (data.get(key) for key in ("weight", BOUND_KEYS.get(kind, "")))
+    return replace(
+        _kind_of(kind, data[kind]),
+        weight=None if weight is None else float(weight),
+        bound_s=None if bound_s is None else float(bound_s),
+    )
+
+
+def _kind_of(kind: TaskKind, value: Any) -> Task:  # noqa: ANN401 - any of its shapes
+    """What is asked for by one key of an entry."""
     if isinstance(value, str):
-        return Task(kind, (value,), weight=weight)
+        return Task(kind, (value,))
     if isinstance(value, list):
-        return Task(kind, tuple(value), weight=weight)
+        return Task(kind, tuple(value))
     if kind is TaskKind.WAIT:
-        return Task(kind, (value["in"], value["until"]), weight=weight)
+        return Task(kind, (value["in"], value["until"]))
     if kind is TaskKind.REACT:
-        return Task(kind, (value["when"], value["then"]), TaskMode(value.get("how", "delayed")), weight=weight)
+        return Task(kind, (value["when"], value["then"]), TaskMode(value.get("how", "delayed")))
     mode = TaskMode(next(key for key in value if key != "region"))
     if kind is TaskKind.VISITS:
-        return Task(kind, (value["region"],), mode, int(value[mode]), weight)
-    return Task(kind, (value["region"], value[mode]), mode, weight=weight)
+        return Task(kind, (value["region"],), mode, int(value[mode]))
+    return Task(kind, (value["region"], value[mode]), mode)
 
 
 def task_data(task: Task) -> Data:
@@ -99,12 +140,15 @@ def task_data(task: Task) -> Data:
         value = {"when": task.regions[0], "then": task.regions[1], "how": task.mode.value}
     elif task.mode is not TaskMode.PLAIN:
         value = {"region": task.regions[0], task.mode.value: task.regions[1]}
-    return {task.kind.value: value} | ({} if task.weight is None else {"weight": task.weight})
+    bound = {} if task.bound_s is None else {BOUND_KEYS[task.kind]: task.bound_s}
+    return {task.kind.value: value} | bound | ({} if task.weight is None else {"weight": task.weight})
 
 
 def task_text(task: Task) -> str:
-    """A task as it would be written on one line, without its weight: ``ordered_visit [S1, S2]``."""
-    ((key, value),) = ((key, value) for key, value in task_data(task).items() if key != "weight")
+    """A task as it would be written on one line, without its weight: ``ordered_visit [S1, S2], by_s: 120``."""
+    data = task_data(task)
+    key, value = task.kind.value, data[task.kind.value]
+    bound = "" if task.bound_s is None else f", {BOUND_KEYS[task.kind]}: {decimal(task.bound_s)}"
     if isinstance(value, list):
-        return f"{key} {value[0]}" if len(value) == 1 else f"{key} [{', '.join(value)}]"
-    return f"{key} {{{', '.join(f'{name}: {what}' for name, what in value.items())}}}"
+        return (f"{key} {value[0]}" if len(value) == 1 else f"{key} [{', '.join(value)}]") + bound
+    return f"{key} {{{', '.join(f'{name}: {what}' for name, what in value.items())}}}{bound}"

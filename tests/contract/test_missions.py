@@ -41,6 +41,7 @@ WORDS = {
     "response": "lab well lab pond lab",
     "survey": "home S1 S2 S3 home",
     "tasks_delivery": "base depot clinic farm base",
+    "timed": "home road mast road barn home",
     "tasks_soft": "home road mast road barn home",
     "yard": "office gate tank crane stock office",
 }

@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Final, NamedTuple
 
 from mission.logic.formula.word import Letter
-from mission.logic.timed.time_sets import AFTER, BEFORE, NEVER, Span, TimeSet, complement, joined
+from mission.logic.timed.time_sets import AFTER, BEFORE, NEVER, Span, Time, TimeSet, complement, joined
 
 _MOMENT_S: Final = Fraction(1, 2)
 
@@ -34,8 +34,8 @@ class Behaviour:
 
     known: Mapping[str, Known]
     untold: TimeSet
-    loop_s: Fraction
-    end_s: Fraction
+    loop_s: Time
+    end_s: Time
 
     def __post_init__(self) -> None:
         if not 0 <= self.loop_s < self.end_s:
@@ -60,12 +60,12 @@ class Piece(NamedTuple):
     may: Letter
 
 
-def from_to(begin_s: Fraction, end_s: Fraction, *, closed: bool = False) -> Span:
+def from_to(begin_s: Time, end_s: Time, *, closed: bool = False) -> Span:
     """The times from one on up to another, which is one of them if ``closed``."""
     return (begin_s, BEFORE), (end_s, AFTER if closed else BEFORE)
 
 
-def behaviour_of(pieces: Sequence[Piece], loop_s: Fraction, end_s: Fraction) -> Behaviour:
+def behaviour_of(pieces: Sequence[Piece], loop_s: Time, end_s: Time) -> Behaviour:
     """The behaviour of pieces that ascend by their beginnings.
 
     Where pieces overlap all of them are true, and where there is none, nothing is known.
@@ -94,7 +94,7 @@ def staying(pieces: Sequence[Piece]) -> Behaviour:
     return behaviour_of([*before, last._replace(span=(last.span[0], (end_s, BEFORE)))], begin_s + _MOMENT_S, end_s)
 
 
-def so_far(pieces: Sequence[Piece], now_s: Fraction) -> Behaviour:
+def so_far(pieces: Sequence[Piece], now_s: Time) -> Behaviour:
     """The behaviour of pieces the last of which lasts for ever, as far as it is known at a time."""
     now = now_s, AFTER
     begun = [piece for piece in pieces if piece.span[0] < now]
@@ -105,7 +105,7 @@ def so_far(pieces: Sequence[Piece], now_s: Fraction) -> Behaviour:
     return behaviour_of(known, now_s + _MOMENT_S, _far(now_s))
 
 
-def _far(last_s: Fraction) -> Fraction:
+def _far(last_s: Time) -> Time:
     """After a time, as far as it is from the beginning: so a bound is not many times round what follows."""
     return 2 * last_s + 1
 

@@ -15,8 +15,8 @@ Source: Koymans, "Specifying real-time properties with metric temporal logic" (1
 Nickovic, "Monitoring temporal properties of continuous signals" (2004).
 """
 
-from collections.abc import Callable
-from fractions import Fraction
+from collections.abc import Callable, Sequence
+from math import lcm
 from typing import Final
 
 from mission.logic.formula.syntax import BOUNDABLE, Bounds, Formula, Operator, postorder
@@ -29,13 +29,16 @@ from mission.logic.timed.time_sets import (
     TimeSet,
     complement,
     contains,
+    in_whole,
     intersection,
     joined,
     moved,
     union,
+    whole,
 )
 
-_START: Final = Fraction(0)
+_START: Final = 0
+_Window = tuple[int, int]
 
 
 def satisfied(behaviour: Behaviour, formula: Formula) -> bool | None:
@@ -47,36 +50,42 @@ def satisfied(behaviour: Behaviour, formula: Formula) -> bool | None:
     Raises:
         ValueError: The formula has an ``X``.
     """
-    known = when(behaviour, formula)
-    if contains(known.must, _START):
-        return True
-    return None if contains(known.may, _START) else False
-
-
-def when(behaviour: Behaviour, formula: Formula) -> Known:
-    """The times, up to the end of the first round, at which a formula must hold, and at which it may."""
-    line = _Line(behaviour.loop_s, behaviour.end_s)
+    nodes = postorder(formula)
+    unit = _common_unit(behaviour, nodes)
+    line = _Line(behaviour, unit)
     found: dict[Formula, Known] = {}
-    for node in postorder(formula):
+    for node in nodes:
         if node.operator is Operator.PROPOSITION:
-            found[node] = behaviour.of(node.name)
+            known = behaviour.of(node.name)
+            found[node] = Known(in_whole(known.must, unit), in_whole(known.may, unit))
             continue
         operands = [found[operand] for operand in node.operands]
         must, may = [each.must for each in operands], [each.may for each in operands]
-        if all(each.must == each.may for each in operands):
+        if must == may:
             sure = line.holds(node, must, must)
             found[node] = Known(sure, sure)
         else:
             found[node] = Known(line.holds(node, must, may), line.holds(node, may, must))
-    return found[formula]
+    if contains(found[formula].must, _START):
+        return True
+    return None if contains(found[formula].may, _START) else False
+
+
+def _common_unit(behaviour: Behaviour, nodes: Sequence[Formula]) -> int:
+    """A part of a second of which all times are multiples: whole numbers are as exact as fractions, and quicker."""
+    sets = [behaviour.untold, *(each for known in behaviour.known.values() for each in known)]
+    cuts = (cut[0] for times in sets for span in times for cut in span)
+    bounds = (bound for node in nodes for bound in node.bounds or ())
+    return lcm(*{time.denominator for time in (*cuts, *bounds, behaviour.loop_s, behaviour.end_s)})
 
 
 class _Line:
     """Time up to the end of the first round, and what is looked up of times beyond it."""
 
-    def __init__(self, loop_s: Fraction, end_s: Fraction) -> None:
-        self._loop_s, self._end_s, self._round_s = loop_s, end_s, end_s - loop_s
-        self._whole: Span = (_START, BEFORE), (end_s, BEFORE)
+    def __init__(self, behaviour: Behaviour, unit: int) -> None:
+        self._unit, self._loop, self._end = unit, whole(behaviour.loop_s, unit), whole(behaviour.end_s, unit)
+        self._round = self._end - self._loop
+        self._whole: Span = (_START, BEFORE), (self._end, BEFORE)
 
     def holds(  # noqa: PLR0911 - one return for each operator
         self, node: Formula, sets: list[TimeSet], others: list[TimeSet]
@@ -102,41 +111,41 @@ class _Line:
     def _not(self, times: TimeSet) -> TimeSet:
         return complement(times, self._whole)
 
-    def _bounds(self, bounds: Bounds | None) -> Bounds:
+    def _bounds(self, bounds: Bounds | None) -> _Window:
         """Bounds of the same meaning of which neither is much later than the end of the first round.
 
         From any time on, what lies farther ahead than one whole way to that end has been met before; and what is later
         than two such ways is a whole number of rounds later than something that is not.
         """
-        least, most = bounds or (_START, self._end_s)
-        rounds = max(0, (least - self._end_s) // self._round_s)
-        least, most = least - rounds * self._round_s, most - rounds * self._round_s
-        return least, min(most, least + self._end_s)
+        least, most = (_START, self._end) if bounds is None else (whole(bound, self._unit) for bound in bounds)
+        rounds = max(0, (least - self._end) // self._round)
+        least, most = least - rounds * self._round, most - rounds * self._round
+        return least, min(most, least + self._end)
 
-    def _ahead(self, times: TimeSet, to_s: Fraction) -> TimeSet:
+    def _ahead(self, times: TimeSet, to: int) -> TimeSet:
         """A set beyond the end of the first round, at least up to and including a time."""
-        again = intersection(times, (((self._loop_s, BEFORE), self._whole[1]),))
-        rounds = max(0, (to_s - self._end_s) // self._round_s + 1)
-        shifts = (k * self._round_s for k in range(1, rounds + 1)) if again else ()
+        again = intersection(times, (((self._loop, BEFORE), self._whole[1]),))
+        rounds = max(0, (to - self._end) // self._round + 1)
+        shifts = (k * self._round for k in range(1, rounds + 1)) if again else ()
         return joined([*times, *((moved(a, by), moved(b, by)) for by in shifts for a, b in again)])
 
     def _clipped(self, times: TimeSet) -> TimeSet:
         return intersection(times, (self._whole,))
 
-    def eventually(self, times: TimeSet, bounds: Bounds) -> TimeSet:
+    def eventually(self, times: TimeSet, bounds: _Window) -> TimeSet:
         least, most = bounds
-        ahead = self._ahead(times, self._end_s + most)
+        ahead = self._ahead(times, self._end + most)
         return self._clipped(joined((moved(begin, -most), moved(end, -least)) for begin, end in ahead))
 
-    def always(self, times: TimeSet, bounds: Bounds) -> TimeSet:
+    def always(self, times: TimeSet, bounds: _Window) -> TimeSet:
         return self._not(self.eventually(self._not(times), bounds))
 
-    def until(self, left: TimeSet, right: TimeSet, bounds: Bounds) -> TimeSet:
+    def until(self, left: TimeSet, right: TimeSet, bounds: _Window) -> TimeSet:
         least, most = bounds
-        to_s = self._end_s + most
-        goals, first = self._ahead(right, to_s), 0
+        to = self._end + most
+        goals, first = self._ahead(right, to), 0
         found: list[Span] = []
-        for begin, end in self._ahead(left, to_s):
+        for begin, end in self._ahead(left, to):
             # While the left holds, and at the moment at which it ceases to, the right may come.
             last = end[0], AFTER
             while first < len(goals) and goals[first][1] <= begin:
@@ -149,11 +158,11 @@ class _Line:
         reached = self._clipped(joined(sorted(found)))
         return union(right, reached) if least == 0 else reached
 
-    def release(self, left: TimeSet, right: TimeSet, bounds: Bounds) -> TimeSet:
+    def release(self, left: TimeSet, right: TimeSet, bounds: _Window) -> TimeSet:
         return self._not(self.until(self._not(left), self._not(right), bounds))
 
 
-_OF: Final[dict[Operator, Callable[[_Line, list[TimeSet], Bounds], TimeSet]]] = {
+_OF: Final[dict[Operator, Callable[[_Line, list[TimeSet], _Window], TimeSet]]] = {
     Operator.EVENTUALLY: lambda line, sets, bounds: line.eventually(sets[0], bounds),
     Operator.ALWAYS: lambda line, sets, bounds: line.always(sets[0], bounds),
     Operator.UNTIL: lambda line, sets, bounds: line.until(sets[0], sets[1], bounds),

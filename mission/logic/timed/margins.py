@@ -5,10 +5,11 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Final
 
-from mission.logic.formula.syntax import Formula, postorder
+from mission.logic.formula.syntax import Formula, Operator, postorder, proposition, propositions, rebuilt
 from mission.logic.timed.behaviour import Behaviour, Piece, so_far, staying
 from mission.logic.timed.judge import satisfied
 from mission.logic.timed.rewriting import positive, tightened
+from mission.logic.timed.time_sets import AFTER, BEFORE, Time
 
 STEP_S: Final = Fraction(1, 1000)
 """Margins and times of verdicts are whole multiples of this."""
@@ -34,7 +35,7 @@ def margin_s(behaviour: Behaviour, formula: Formula) -> float:
     return float((_first(fails, least, most) - 1) * STEP_S)
 
 
-def settled_s(pieces: Sequence[Piece], formula: Formula, *, from_s: Fraction = Fraction(0)) -> float | None:
+def settled_s(pieces: Sequence[Piece], formula: Formula, *, from_s: Time = 0) -> float | None:
     """When it was certain what becomes of a formula in a behaviour that stays as its last piece is, s.
 
     None where that is never certain, as what counts may still come.
@@ -54,6 +55,42 @@ def settled_s(pieces: Sequence[Piece], formula: Formula, *, from_s: Fraction = F
     if verdict is None or not decided(last):
         return None
     return float(_first(decided, first - 1, last) * STEP_S)
+
+
+def unbroken(pieces: Sequence[Piece], formula: Formula, now_s: Time) -> bool | None:
+    """Whether nothing up to a time breaks a formula, as if all that follows were as it should be; None if untold.
+
+    So a flight of laps is judged, of which no time is the last.
+
+    Args:
+        pieces: What is passed, ascending.
+        formula: The formula.
+        now_s: What comes after this counts as whatever the formula asks for.
+    """
+    names = propositions(formula)
+
+    def named(node: Formula, operands: tuple[Formula, ...]) -> Formula:
+        if node.operator is Operator.NOT:
+            return proposition(_denied(operands[0].name))
+        return node if not operands else Formula(node.operator, operands, "", node.bounds)
+
+    end = now_s, AFTER
+    known = [
+        Piece(
+            (piece.span[0], min(piece.span[1], end)),
+            piece.must | {_denied(name) for name in names - piece.may},
+            piece.may | {_denied(name) for name in names - piece.must},
+        )
+        for piece in pieces
+        if piece.span[0] < end
+    ]
+    well = names | {_denied(name) for name in names}
+    last = Piece((end, (now_s + 1, BEFORE)), well, well)
+    return satisfied(staying([*known, last]), rebuilt(positive(formula), named))
+
+
+def _denied(name: str) -> str:
+    return f"! {name}"
 
 
 def _first(true: Callable[[int], bool], least: int, most: int) -> int:

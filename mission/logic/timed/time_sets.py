@@ -13,7 +13,10 @@ from typing import Final
 BEFORE: Final = 0
 AFTER: Final = 1
 
-Cut = tuple[Fraction, int]
+Time = Fraction | int
+"""Of one unit within one set: seconds, or whole parts of them."""
+
+Cut = tuple[Time, int]
 Span = tuple[Cut, Cut]
 TimeSet = tuple[Span, ...]
 
@@ -59,11 +62,21 @@ def intersection(first: TimeSet, second: TimeSet) -> TimeSet:
     return tuple(found)
 
 
-def moved(cut: Cut, by: Fraction) -> Cut:
+def moved(cut: Cut, by: Time) -> Cut:
     """A cut at another time."""
     return cut[0] + by, cut[1]
 
 
-def contains(times: TimeSet, time: Fraction) -> bool:
+def whole(time: Time, unit: int) -> int:
+    """A time, which is a multiple of a part of a second, as their number: of ``unit`` such parts in a second."""
+    return time.numerator * (unit // time.denominator)
+
+
+def in_whole(times: TimeSet, unit: int) -> TimeSet:
+    """A set in such parts."""
+    return tuple(((whole(a, unit), begins), (whole(b, unit), ends)) for (a, begins), (b, ends) in times)
+
+
+def contains(times: TimeSet, time: Time) -> bool:
     """Whether a time is in a set."""
     return any(begin <= (time, BEFORE) and (time, AFTER) <= end for begin, end in times)

@@ -14,6 +14,8 @@ from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD
+from mission.logic.formula.conjuncts import conjuncts
+from mission.logic.formula.syntax import Formula
 from mission.logic.formula.word import LassoWord
 from mission.monitor.flight import laps_asked, laps_of
 from mission.monitor.laps import laps_text
@@ -25,8 +27,9 @@ from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Semantics
 from mission.spec.restricted import restricted_as_drawn
 from mission.spec.specification import Specification, deterministic_of, of_mission
-from mission.spec.tasks import task_formula, task_text
+from mission.spec.tasks import task_formula, task_text, timed_formula
 from mission.verify.flown.covered import CoveredShare, ToCover, covered_shares
+from mission.verify.flown.in_time import BoundFlown, Timing, bounds_flown
 from mission.verify.flown.nearness import Deviation, Nearness, deviation_of, nearness_of
 from mission.verify.flown.possible import Doubt, Entered, Following, Ground, follow
 from mission.verify.flown.reach import FASTEST_M_S, Reaches
@@ -70,6 +73,7 @@ class Judged:
         doubts: Of which times it cannot be told what it did, as far as that makes a difference.
         nearness: How near it came to restricted regions.
         covered: How much it covered of what is to be covered.
+        bounds: What became of what is asked for in seconds.
         wishes: What became of tasks that may be given up.
         laps: How many laps it flew for certain, and how many are asked for, None for as many as somebody
             wants; None of a mission that ends.
@@ -88,6 +92,7 @@ class Judged:
     doubts: tuple[Doubt, ...]
     nearness: tuple[Nearness, ...]
     covered: tuple[CoveredShare, ...]
+    bounds: tuple[BoundFlown, ...]
     wishes: tuple[Wish, ...]
     laps: tuple[int, int | None] | None
     pictures: dict[str, int]
@@ -151,7 +156,10 @@ class _Judge:
         found = self._followed(self._automaton, self._restricted)
         covered = covered_shares(self._reaches, self._to_cover(found), whole=self._whole)
         laps = self._laps(found)
+        bounds = self._in_time(self._required.timed)
         achieved, reason, at_s = self._decided(found, covered, laps)
+        if achieved is not False and not found.violations:
+            achieved, reason = _with_bounds(achieved, reason, bounds)
         jumps = self._reaches.t_s[1:][self._reaches.jumps].tolist()
         return Judged(
             achieved=achieved,
@@ -167,6 +175,7 @@ class _Judge:
                 whole=self._whole,
             ),
             covered=covered,
+            bounds=bounds,
             wishes=self._wishes(),
             laps=laps,
             pictures=self._pictures(),
@@ -177,6 +186,14 @@ class _Judge:
 
     def _automaton_of(self, required: Specification) -> Conjunction:
         return deterministic_of(required.formula, required.given, self._labelling.letters)
+
+    def _in_time(self, formulas: Sequence[Formula]) -> tuple[BoundFlown, ...]:
+        track = self._track
+        ground = Ground(self._locator, self._labelling, self._restricted, self._automaton.whole, self._spec.semantics)
+        latest_s = track.word_from_s if track.moves_from_s is None else track.moves_from_s
+        timing = Timing((track.word_from_s, latest_s), track.ends_whole, laps=bool(self._legs))
+        found = bounds_flown(formulas, ground, self._reaches, timing)
+        return found if track.begins_whole else tuple(BoundFlown(each.formula, None, None, None) for each in found)
 
     def _followed(self, automaton: Conjunction, restricted: BoolArray) -> Following:
         ground = Ground(self._locator, self._labelling, restricted, automaton.whole, self._spec.semantics)
@@ -298,9 +315,12 @@ class _Judge:
             automaton = deterministic_of(task_formula(task, self._spec.regions), None, self._labelling.letters)
             found = self._followed(automaton, nowhere)
             letter_of = self._labelling.letter_of
-            met = {s != DEAD and bool(automaton.repeated[s, letter_of[at]]) for at, s in found.pairs}
-            sure = self._track.ends_whole and len(met) == 1
-            wishes.append(Wish(task_text(task), next(iter(met)) if sure else None))
+            outcomes = {s != DEAD and bool(automaton.repeated[s, letter_of[at]]) for at, s in found.pairs}
+            met = next(iter(outcomes)) if self._track.ends_whole and len(outcomes) == 1 else None
+            timed = timed_formula(task)
+            if met is not False and timed is not None:
+                met, _ = _with_bounds(met, "", self._in_time(conjuncts(timed)))
+            wishes.append(Wish(task_text(task), met))
         return tuple(wishes)
 
     def _pictures(self) -> dict[str, int]:
@@ -323,6 +343,18 @@ class _Judge:
         curve = self._compared.trajectory.curve
         points = 2 + int(curve.length_m / _PATH_STEP_M)
         return deviation_of(self._reaches, curve.position(np.linspace(0.0, curve.duration_s, points)))
+
+
+def _with_bounds(achieved: bool | None, reason: str, bounds: Sequence[BoundFlown]) -> tuple[bool | None, str]:  # noqa: FBT001 - a verdict
+    """A verdict that is not false with what became of bounds in seconds."""
+    missed = next((bound for bound in bounds if bound.met is False), None)
+    if missed is not None:
+        when = "" if missed.at_s is None else f", {missed.at_s:.1f} s after the trajectory began"
+        return False, f"{missed.formula} was missed{when}"
+    untold = next((bound for bound in bounds if bound.met is None), None)
+    if achieved and untold is not None:
+        return None, f"whether {untold.formula} was kept depends on what the log does not tell"
+    return achieved, reason
 
 
 def _reaches(spec: MissionSpec, track: Track, fastest_m_s: float) -> Reaches:

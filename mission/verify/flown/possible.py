@@ -126,7 +126,7 @@ class _Follower:
     def followed(self) -> Following:
         """Look at each interval that may hold more than a stay in one triangle."""
         spelled = int(np.searchsorted(self._reaches.t_s, self._from_s))
-        plain = self._plain()
+        plain = plain_intervals(self._ground, self._reaches, self._at)
         for index in np.flatnonzero(~plain[:spelled]).tolist():
             self._guard(index)
         if spelled < len(self._at):
@@ -137,22 +137,6 @@ class _Follower:
             self._stand(0)
         self._found.doubts = _merged(self._found.doubts)
         return self._found
-
-    def _plain(self) -> BoolArray:
-        """Intervals all of whose reach lies well inside one triangle that may be entered, shape (N - 1,)."""
-        partition, positions = self._ground.locator.partition, self._reaches.position_m
-        same = (self._at[:-1] == self._at[1:]) & (self._at[:-1] != OUTSIDE)
-        same &= ~self._ground.restricted[self._at[:-1]]
-        triangles = np.where(same, self._at[:-1], 0)
-        heights = partition.heights_m[triangles]
-        nearest = np.minimum(
-            *(
-                (partition.barycentric(triangles, ends) * heights).min(axis=1)
-                for ends in (positions[:-1], positions[1:])
-            )
-        )
-        plain: BoolArray = same & (nearest > 1.05 * self._reaches.reach_m + 1e-6)
-        return plain
 
     def _guard(self, index: int) -> None:
         """Before the word begins, nothing is spelled."""
@@ -315,6 +299,26 @@ class _Follower:
             begin_s, end_s = self._reaches.t_s[index : index + 2].tolist()
             names = tuple(sorted(regions)), tuple(sorted(restricted))
             self._found.doubts.append(Doubt(begin_s, end_s, *names, outside=outside))
+
+
+def plain_intervals(ground: Ground, reaches: Reaches, at: IntArray) -> BoolArray:
+    """Intervals all of whose reach lies well inside one triangle that may be entered, shape (N - 1,).
+
+    Args:
+        ground: What the flight is judged on.
+        reaches: Its N reports.
+        at: Shape (N,), the triangle of each report.
+    """
+    partition, positions = ground.locator.partition, reaches.position_m
+    same = (at[:-1] == at[1:]) & (at[:-1] != OUTSIDE)
+    same &= ~ground.restricted[at[:-1]]
+    triangles = np.where(same, at[:-1], 0)
+    heights = partition.heights_m[triangles]
+    nearest = np.minimum(
+        *((partition.barycentric(triangles, ends) * heights).min(axis=1) for ends in (positions[:-1], positions[1:]))
+    )
+    plain: BoolArray = same & (nearest > 1.05 * reaches.reach_m + 1e-6)
+    return plain
 
 
 def _merged(doubts: list[Doubt]) -> list[Doubt]:

@@ -18,6 +18,9 @@ _SPHERE_SHARE: Final = 0.005
 _AGREE_M: Final = 2.0
 _MOST: Final = 0.9  # of the rows: the others may be damaged
 _GLOBE_DEG: Final = (90.0, 180.0)
+_LEFT_M: Final = 2.0
+"""So far from where it took off a vehicle is on its way, and not at the mercy of the wind."""
+
 _MOVED_M: Final = 0.5
 """An origin that is told anew so far away is another one."""
 
@@ -38,6 +41,8 @@ class Track:
         planned_from_m: Where the vehicle stood when its plan was made anew; None where nothing is known of that.
         left: Times of reports after which nobody led the vehicle until the next one, and its velocity then, east and
             north: its autopilot brought it to rest, and held it.
+        moves_from_s: By when its trajectory had begun, for it had left the place of take-off; None where
+            ``word_from_s`` tells when that was.
     """
 
     t_s: FloatArray
@@ -50,6 +55,7 @@ class Track:
     frame: str
     planned_from_m: Point | None = None
     left: tuple[tuple[float, Point], ...] = ()
+    moves_from_s: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t_s", frozen_floats(self.t_s))
@@ -89,7 +95,7 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
         name += f", the place of take-off being the mission's start ({start_m[0]:g}, {start_m[1]:g})"
     else:
         name += ", seen from the mission's origin"
-    times = rows[:, 0]
+    times, left = rows[:, 0], np.hypot(*(places - places[0]).T) > _LEFT_M
     return Track(
         t_s=times,
         position_m=places,
@@ -99,6 +105,7 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
         pictures=_pictures(flight),
         clock=Clock.of(told.clock),
         frame=name,
+        moves_from_s=float(times[int(np.argmax(left))] if left.any() else times[-1]),
     )
 
 

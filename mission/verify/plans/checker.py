@@ -16,6 +16,7 @@ from mission.spec.model import UNTIL_STOPPED, Semantics
 from mission.spec.tasks import task_text
 from mission.verify.plans.fields import curve_fault, steering_fault
 from mission.verify.plans.flight import heading_kept, limits_kept, stops_made
+from mission.verify.plans.in_time import bounds_kept
 from mission.verify.plans.lanes import lanes_cover, pictures_taken
 from mission.verify.plans.patches import pieces_of
 from mission.verify.plans.proof import Sets, far_from_restricted, layers_of, tube_holds, words_satisfy
@@ -23,7 +24,7 @@ from mission.verify.plans.written import Verdict, Written
 
 JUDGED: Final = frozenset((
     "format", "mission", "mission_automaton", "start_m", "partition", "labels", "run", "path", "covers", "stops",
-    "trajectory", "certificate", "photographs", "homeward", "onward",
+    "trajectory", "certificate", "bounds", "photographs", "homeward", "onward",
 ))  # fmt: skip
 """The parts of a plan file that are judged here."""
 
@@ -244,6 +245,7 @@ _ROWS: Final[Mapping[str, Callable[[Written], Verdict]]] = {
     "figures": far_from_restricted,
     "time law": limits_kept,
     "stops": stops_made,
+    "in time": bounds_kept,
     "lanes": lanes_cover,
     "photographs": pictures_taken,
     "heading": heading_kept,

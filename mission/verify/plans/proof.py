@@ -45,7 +45,7 @@ def words_satisfy(plan: Written) -> Verdict:
     arguments = (plan.partition, plan.labelling.letter_of)
     first = plan.spec.semantics is Semantics.STANDARD
     compiled = compile_to_alphabet(asked.refutation, plan.labelling.letters)
-    landed = [] if lap else [sorted(_landing(plan, laps)[1].tolist())]
+    landed = [] if lap else [sorted(landed_in(plan, laps).tolist())]
     if spells(Layers([*sets, *landed], lap), *arguments, compiled, reads_first=first):
         return "a flight within the tube may spell a word that violates the mission", ""
     for proof in back:
@@ -82,6 +82,11 @@ def layers_of(plan: Written, proof: Proof, *, alone: bool = False) -> tuple[Sets
     before = _merged([begin, *sets[: head + (abs(knots[head] - lap_s) > 1e-9 * knots[-1])]])
     after = _merged([*sets[head:], end])
     return [*before, *after], (len(before), len(before) + len(after))
+
+
+def landed_in(plan: Written, proof: Proof) -> IntArray:
+    """The triangles in which a vehicle may be that lands where the curve of a proof ends."""
+    return _landing(plan, proof)[1]
 
 
 def _landing(plan: Written, proof: Proof) -> tuple[IntArray, IntArray, BoolArray]:

@@ -1,6 +1,7 @@
 """The figures of a flight on the terminal: what is known, as much as there is room for, never more than a line."""
 
 import io
+from dataclasses import replace
 
 import pytest
 from rich.cells import cell_len
@@ -11,6 +12,7 @@ from mission.cli.live import Display, Part, figures, fitted
 from mission.fly import Progress
 from mission.fly.nearness import Nearness
 from mission.monitor.stage import Stage
+from mission.monitor.time_bounds import BoundNow
 from mission.monitor.verdict import Verdict
 from tests.support.small_missions import SMALL, plan_of
 
@@ -87,3 +89,20 @@ def test_the_nearest_restricted_region_is_told_by_its_drawn_shape() -> None:
     assert nearness.of(plan, (10.0, 25.0)) == ("pond", 0.0)
     assert nearness.of(plan, (float("nan"), 0.0)) is None
     assert nearness.of(plan_of(SMALL.replace("kind: restricted", "kind: area")), plan.start_m) is None
+
+
+def test_the_bar_tells_what_is_open_and_what_was_missed_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = io.StringIO()
+    console = Console(file=screen, force_terminal=True, width=200, color_system=None, legacy_windows=False)
+    monkeypatch.setattr(live, "err", console)
+    display = Display(plan_of(SMALL))
+    bounds = (
+        BoundNow("F[0,9] home", met=True, at_s=0.0),
+        BoundNow("F[0,60] goal", met=None, at_s=60.0, will=False),
+        BoundNow("G[0,15] !pond", met=False, at_s=12.3),
+    )
+    display.show(replace(FLYING, bounds=bounds, since_s=20.0))
+    lines = console.render_lines(display._bar.get_renderable(), pad=False)
+    shown = "".join(segment.text for segment in lines[0])
+    assert "F[0,60] goal open, 40 s left · G[0,15] !pond missed at 12.3 s" in shown
+    assert "F[0,9] home" not in shown

@@ -164,6 +164,8 @@ EXPECTED = [
     ("tag", 12, 7, "name", "the tag `!!python/object/apply:os.system` is not allowed"),
     ("task_avoid_two_ends", 9, 5, "tasks[0].avoid", "until and after exclude each other"),
     ("task_avoid_without_end", 9, 5, "tasks[0].avoid", "one of until or after is missing in `tasks[0].avoid`"),
+    ("task_bound_of_another_kind", 9, 25, "tasks[0].by_s", "a task of this form, `avoid`, has no `by_s`"),
+    ("task_bound_of_another_kind", 10, 30, "tasks[1].within_s", "a task of this form, `visit`, has no `within_s`"),
     ("task_negative_weight", 9, 27, "tasks[0].weight", "-1 is less than 0.001"),
     ("task_not_a_mapping", 9, 5, "tasks[0]", "expected a mapping of keys to values, found the text `Home`"),
     ("task_number_for_region", 9, 12, "tasks[0].visit", "expected text or a list, found `5`"),

@@ -1,0 +1,122 @@
+"""Bounds in seconds, proved of a plan: each piece of its certificate has its time by the time law.
+
+While a piece is flown the vehicle is in one of its triangles, wherever it is in the tube: what all of them have holds
+for certain, and what one of them has may hold. So a bound is judged on intervals of time, and its margin is one of
+every flight within the tube that keeps to the clock of the trajectory.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import groupby
+from typing import Any, Final
+
+import shapely
+
+from mission.geometry.location import Locator
+from mission.geometry.regions import Labelling
+from mission.logic.formula.syntax import Formula, Operator, seconds_text
+from mission.logic.formula.word import Letter
+from mission.logic.timed.behaviour import Behaviour, Piece, behaviour_of, from_to, staying
+from mission.logic.timed.margins import margin_s
+from mission.steering.certificate import Certificate
+from mission.steering.trajectory import Trajectory
+
+FOLLOWED_S: Final = 0.05
+"""A flight keeps to the clock of its trajectory to so much, s: setpoints are for moments. A bound has this to spare."""
+
+
+@dataclass(frozen=True)
+class TimeBound:
+    """A formula with bounds, and by how much a plan keeps it.
+
+    Attributes:
+        formula: The formula.
+        margin_s: By how much all its bounds could be tightened at once; below 0, by how much they would have to be
+            wider; infinite where time makes no difference.
+    """
+
+    formula: Formula
+    margin_s: float
+
+    @property
+    def kept(self) -> bool:
+        """Whether it is kept for certain."""
+        return self.margin_s >= FOLLOWED_S
+
+    @property
+    def text(self) -> str:
+        """How it fares, in words."""
+        if self.margin_s == math.inf:
+            return f"{self.formula} is kept, however long it takes"
+        if self.kept:
+            return f"{self.formula} is kept with {self.margin_s:.2f} s to spare"
+        if self.margin_s == -math.inf:
+            return f"{self.formula} is not kept, whatever its bounds"
+        short_s = FOLLOWED_S - self.margin_s
+        soonest = f"; the soonest is {_soonest(self.formula, short_s)} s" if _is_deadline(self.formula) else ""
+        return f"{self.formula} fails by {short_s:.2f} s{soonest}"
+
+    def to_json(self) -> dict[str, Any]:
+        """The bound as JSON values; a margin without end is null."""
+        return {"formula": str(self.formula), "margin_s": self.margin_s if math.isfinite(self.margin_s) else None}
+
+
+def bounds_of(
+    formulas: Sequence[Formula],
+    trajectory: Trajectory,
+    certificate: Certificate,
+    locator: Locator,
+    labelling: Labelling,
+) -> tuple[TimeBound, ...]:
+    """What becomes of formulas with bounds on every flight within the tube.
+
+    Args:
+        formulas: The formulas.
+        trajectory: What is flown.
+        certificate: Of it, as far as it repeats or stays.
+        locator: The domain.
+        labelling: Its labels.
+    """
+    if not formulas:
+        return ()
+    flown = _behaviour(trajectory, certificate, locator, labelling)
+    return tuple(TimeBound(formula, margin_s(flown, formula)) for formula in formulas)
+
+
+def _behaviour(trajectory: Trajectory, certificate: Certificate, locator: Locator, labelling: Labelling) -> Behaviour:
+    times = [Fraction(t_s) for t_s in trajectory.time_at(certificate.knots_s).tolist()]
+    letters = [_letters(labelling, possible) for possible in certificate.possible]
+    if trajectory.lap is not None:
+        lap = trajectory.legs[trajectory.lap]
+        loop_s = Fraction(float(trajectory.time_at(trajectory.curve.starts_s[[trajectory.lap]])[0]))
+        return behaviour_of(_pieces(times, letters), loop_s, loop_s + Fraction(lap.duration_s))
+    # It lands where it comes to rest, and may drift meanwhile.
+    (x, y), half_m = trajectory.curve.position(certificate.knots_s[-1:])[0], certificate.tube_m + certificate.landing_m
+    landed = locator.meeting(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
+    letters.append(_letters(labelling, landed.tolist()))
+    times[-1] = max(times[-1], Fraction(trajectory.duration_s))
+    return staying(_pieces([*times, times[-1] + 1], letters))
+
+
+def _letters(labelling: Labelling, triangles: Sequence[int]) -> tuple[Letter, Letter]:
+    """What all of some triangles have, and what one of them has."""
+    labels = [labelling.label(triangle) for triangle in triangles]
+    return frozenset.intersection(*labels), frozenset.union(*labels)
+
+
+def _pieces(times: Sequence[Fraction], letters: Sequence[tuple[Letter, Letter]]) -> list[Piece]:
+    """A piece between each two times, both included, for each is about places; alike ones that follow are one."""
+    spans = zip(letters, times[:-1], times[1:], strict=True)
+    groups = [(known, list(group)) for known, group in groupby(spans, key=lambda each: each[0])]
+    return [Piece(from_to(group[0][1], group[-1][2], closed=True), *known) for known, group in groups]
+
+
+def _is_deadline(formula: Formula) -> bool:
+    return formula.operator is Operator.EVENTUALLY and formula.bounds is not None and formula.bounds[0] == 0
+
+
+def _soonest(formula: Formula, short_s: float) -> str:
+    last_s = formula.bounds[1] if formula.bounds else Fraction(0)
+    return seconds_text(last_s + Fraction(math.ceil(short_s * 100), 100))

@@ -1,0 +1,228 @@
+"""Plans in time: of the ways that do what a mission asks for, one that keeps its bounds in seconds.
+
+The best run is tried first. Where it is late somewhere, runs are tried that visit in the order of what is due; where it
+is early, it waits where it begins, or before it comes into a region of which the bounds speak. Each is as fast as the
+limits admit, and each is proved before it counts.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import combinations, pairwise
+from typing import Final, Protocol, TypeVar
+
+from mission.errors import AutomatonSizeError, LateError, NoPlanError, NoRollingStartError, SearchSizeError
+from mission.logic.formula.conjuncts import conjuncts
+from mission.logic.formula.syntax import Formula, Operator, conjunction, negation, propositions, until
+from mission.plan.steered import Steered, Steering
+from mission.plan.tasks import DroppedTask, Numbers
+from mission.plan.time_bounds import FOLLOWED_S, TimeBound, bounds_of
+from mission.spec.model import FIELD, MissionSpec
+from mission.spec.tasks import task_text
+from mission.steering.trajectory import Trajectory
+
+_MOST_WAITS: Final = 6
+_MOST_PLACES: Final = 6
+_MOST_CHOICES: Final = 24  # sets of tasks to leave out that are tried, in the order of their weight
+
+
+class Waiting(Protocol):
+    """A trajectory that stands still at a place of its curve, for so many seconds."""
+
+    def __call__(self, *, wait: tuple[float, float]) -> Trajectory:
+        """Make it."""
+        ...
+
+
+@dataclass(frozen=True)
+class Law:
+    """How a path is flown.
+
+    Attributes:
+        fastest: As fast as the limits admit.
+        later: After a wait; None where it begins in motion.
+    """
+
+    fastest: Trajectory
+    later: Waiting | None
+
+
+def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, Law]]) -> tuple[Steered, Trajectory]:
+    """A path, and how it is flown so that all that is asked for in seconds is kept.
+
+    Args:
+        steering: What the best runs are steered from.
+        flown_of: Steers one of them.
+
+    Raises:
+        LateError: None that was tried keeps the bounds.
+        NoPlanError: There is no plan.
+    """
+    asked = steering.specification.timed
+    if not asked:
+        flown, law = flown_of(steering)
+        return flown, law.fastest
+    flight = steering.planner.spec.flight
+    if flight.guidance == FIELD or flight.replan:
+        key = "guidance: field" if flight.guidance == FIELD else "replan: true"
+        message = f"bounds in seconds are kept by the time law of one trajectory, and a flight with `{key}` leaves it"
+        raise NoPlanError(message, conjuncts=tuple(map(str, asked)))
+    nearest: list[TimeBound] = []
+    for tried in _ways(steering):
+        try:
+            flown, law = flown_of(tried)
+        except NoRollingStartError:
+            raise
+        except NoPlanError:
+            if tried is steering:
+                raise
+            continue
+        trajectory, bounds = _in_its_time(tried, flown, law)
+        if all(bound.kept for bound in bounds):
+            return flown, trajectory
+        if not nearest or _least(bounds) > _least(nearest):
+            nearest = bounds
+    late = [bound for bound in nearest if not bound.kept]
+    raise LateError(
+        "\n  ".join(("no plan is found that keeps its bounds in seconds; the nearest:", *(each.text for each in late))),
+        conjuncts=tuple(str(bound.formula) for bound in late),
+    )
+
+
+Found = TypeVar("Found")
+
+
+def given_up_in_time(
+    spec: MissionSpec, dropped: tuple[DroppedTask, ...], planned: Callable[[Numbers], Found]
+) -> tuple[tuple[DroppedTask, ...], Found]:
+    """What is planned with the soft tasks of least weight left out for which there is no time.
+
+    Args:
+        spec: The mission.
+        dropped: What is left out anyhow.
+        planned: Plans without some tasks.
+
+    Returns:
+        What is left out, in the order of the file, and what was planned.
+
+    Raises:
+        LateError: No plan keeps the bounds that must be kept, or of the first choices none.
+        NoPlanError: As ``planned`` raises it.
+    """
+    gone = frozenset(task.number for task in dropped)
+    try:
+        return dropped, planned(gone)
+    except LateError as error:
+        late = error
+    soft = {
+        number: Fraction(task.weight)
+        for number, task in enumerate(spec.tasks)
+        if task.weight is not None and number not in gone
+    }
+    choices = sorted(
+        (chosen for size in range(1, len(soft) + 1) for chosen in combinations(sorted(soft), size)),
+        key=lambda chosen: (sum(soft[number] for number in chosen), len(chosen), sorted(-number for number in chosen)),
+    )
+    for chosen in choices[:_MOST_CHOICES]:
+        try:
+            found = planned(gone | frozenset(chosen))
+        except LateError:
+            continue
+        reason = "; ".join(line.strip() for line in str(late).splitlines()[1:])
+        more = (DroppedTask(n, task_text(spec.tasks[n]), float(soft[n]), f"there is no time: {reason}") for n in chosen)
+        return tuple(sorted((*dropped, *more), key=lambda task: task.number)), found
+    raise late
+
+
+def _in_its_time(steering: Steering, flown: Steered, law: Law) -> tuple[Trajectory, list[TimeBound]]:
+    """A path as it is flown after the shortest wait with which all bounds are kept; at once where none will do."""
+    at_once = _bounds(steering, flown, law.fastest)
+    if law.later is not None and _least(at_once) < FOLLOWED_S:
+        for place_s in _places(steering, flown):
+            waits = _after_a_wait(steering, flown, law.later, place_s, at_once)
+            if waits is not None:
+                return waits
+    return law.fastest, at_once
+
+
+def _after_a_wait(
+    steering: Steering, flown: Steered, later: Waiting, place_s: float, at_once: list[TimeBound]
+) -> tuple[Trajectory, list[TimeBound]] | None:
+    """The flight that waits at a place of its curve until all bounds are kept; None where no wait there will do."""
+    wait_s, least_s = 0.0, _least(at_once)
+    for _ in range(_MOST_WAITS):
+        if least_s == -math.inf:
+            return None
+        wait_s += math.ceil((FOLLOWED_S - least_s) * 1000.0) / 1000.0
+        trajectory = later(wait=(place_s, wait_s))
+        bounds = _bounds(steering, flown, trajectory)
+        if _least(bounds) >= FOLLOWED_S:
+            return trajectory, bounds
+        if _least(bounds) <= least_s:
+            return None
+        least_s = _least(bounds)
+    return None
+
+
+def _places(steering: Steering, flown: Steered) -> list[float]:
+    """Where to wait: where the flight begins, and before it may come into a region of which the bounds speak."""
+    names = frozenset[str]().union(*map(propositions, steering.specification.timed))
+    labelling, certificate = steering.planner.labelling, flown.certificate
+    met = [names & frozenset[str]().union(*map(labelling.label, possible)) for possible in certificate.possible]
+    middles = 0.5 * (certificate.knots_s[:-1] + certificate.knots_s[1:])
+    before = [k for k, (here, ahead) in enumerate(pairwise(met)) if ahead - here]
+    return [0.0, *(float(middles[k]) for k in before[:_MOST_PLACES])]
+
+
+def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory) -> list[TimeBound]:
+    asked, locator = steering.specification.timed, steering.search.maps.locator
+    return list(bounds_of(asked, trajectory, flown.certificate, locator, steering.planner.labelling))
+
+
+def _least(bounds: list[TimeBound]) -> float:
+    return min(bound.margin_s for bound in bounds)
+
+
+def _ways(steering: Steering) -> Iterator[Steering]:
+    """The best run, and then those that visit what is due first before what is due later, or at any time."""
+    yield steering
+    asked = steering.specification
+    for order in dict.fromkeys(_orders(steering)) if steering.free else ():
+        urgent = replace(asked, formula=conjunction(asked.formula, *order))
+        try:
+            found = steering.search.best(urgent)
+        except (NoPlanError, AutomatonSizeError, SearchSizeError):
+            continue
+        yield replace(steering, specification=urgent, found=found, index=0)
+
+
+def _orders(steering: Steering) -> Iterator[tuple[Formula, ...]]:
+    """What is to come before what: by their deadlines; then each thing that is due before all others."""
+    asked, labelling = steering.specification, steering.planner.labelling
+    begun = labelling.label(steering.search.maps.triangle)
+    due = {place: bound for each in asked.timed for place, bound in _deadlines(each)}
+    visited = [node.operands[0] for node in conjuncts(asked.formula) if _is_visit(node)]
+    places = [place for place in dict.fromkeys((*due, *visited)) if place.name not in begun]
+    times = {place: due.get(place, math.inf) for place in places}
+    sooner = [(a, b) for a in places for b in places if times[a] < times[b]]
+    if sooner:
+        yield tuple(until(negation(b), a) for a, b in sooner)
+    for first in (place for place in places if place in due):
+        if len(places) > 1:
+            yield tuple(until(negation(other), first) for other in places if other is not first)
+
+
+def _deadlines(formula: Formula) -> Iterator[tuple[Formula, float]]:
+    """The propositions that are to come within bounds of the beginning, with when they are due."""
+    if formula.operator in (Operator.EVENTUALLY, Operator.UNTIL) and formula.bounds is not None:
+        goal = formula.operands[-1]
+        yield from ((each, float(formula.bounds[1])) for each in conjuncts(goal) if _is_place(each))
+
+
+def _is_visit(formula: Formula) -> bool:
+    return formula.operator is Operator.EVENTUALLY and _is_place(formula.operands[0])
+
+
+def _is_place(formula: Formula) -> bool:
+    return formula.operator is Operator.PROPOSITION
