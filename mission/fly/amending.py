@@ -1,6 +1,7 @@
 """Changes of the mission in flight: read, held for where the old plan would do what they forbid, planned, answered."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Final, Protocol, TypeAlias
@@ -83,6 +84,8 @@ class Amending:
         self._reading: tuple[Amendment, Future[_Read]] | None = None
         self._session, self._watch, self._replanning, self._amendments = session, watch, replanning, amendments
         self._mission, self._laps_before = mission, 0
+        # So all that is made once is there before the first change comes.
+        replanning.replanner.beside(partial(_rehearse, mission))
 
     def turn(self, now_s: float) -> None:
         """Take the next change, once nothing else is planned; those that come before the flight wait for it."""
@@ -187,6 +190,13 @@ def _read(change: Amendment, mission: MissionSpec, place_m: Point) -> _Read:
     else:
         wanted = amended(mission, change.lines, place_m)
     return wanted, None if asks_the_same(wanted, mission) else Prohibitions.of(wanted)
+
+
+def _rehearse(mission: MissionSpec) -> None:
+    """Read a mission as if it were changed; what is wrong with it shows when it is."""
+    with suppress(MissionError):
+        amended(mission, (), mission.start.position_m)
+        Prohibitions.of(mission)
 
 
 def _counts(change: Amendment) -> bool:
