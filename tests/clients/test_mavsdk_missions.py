@@ -5,16 +5,15 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests.clients.environments import VERSIONS
+from tests.support.usual_cases import sampled
 
 if TYPE_CHECKING:
     from tests.clients.conftest import Play
 
-pytestmark = [
-    pytest.mark.timeout(400),  # the first test of a machine installs the clients
-    pytest.mark.parametrize("version", VERSIONS),
-]
+pytestmark = pytest.mark.timeout(400)  # the first test of a machine installs the clients
 
 
+@sampled("version", VERSIONS, [3])
 def test_a_mission(play: "Play", version: int) -> None:
     facts = play(version, "px4", "fly_mission")
     assert not {topic: value for topic, value in facts.items() if topic.endswith(": failed")}
@@ -23,6 +22,7 @@ def test_a_mission(play: "Play", version: int) -> None:
     assert facts["disarmed"] is False
 
 
+@sampled("version", VERSIONS, [4])
 def test_a_raw_mission(play: "Play", version: int) -> None:
     facts = play(version, "ardupilot", "fly_raw_mission")
     assert not {topic: value for topic, value in facts.items() if topic.endswith(": failed")}

@@ -50,7 +50,7 @@ def moments(*usual: tuple[str, float]) -> pytest.MarkDecorator:
     return sampled(("flavour", "share"), product(Flavour, (0.05, 0.2, 0.4, 0.6, 0.8)), usual)
 
 
-@moments(("ardupilot", 0.2), ("px4", 0.4))
+@moments(("px4", 0.4))
 def test_each_region_is_visited_as_often_as_there_are_laps(rounds: FlightPlan, flavour: str, share: float) -> None:
     _, entered = replanned(rounds, flavour, share_of_laps(rounds, share))
     assert entered.count("north") == 2

@@ -21,6 +21,7 @@ from mission.report.reading import read_record
 from mission.report.record import RECORD_FILE, FlightRecord
 from tests.support.commands import ROOT
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
+from tests.support.usual_cases import PX4
 
 SPEED = 15.0
 
@@ -73,9 +74,9 @@ def is_running(process_id: int) -> bool:
     return True
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+@PX4
 def test_a_flight_over_udp_is_the_same_at_any_speed(tmp_path: Path, flavour: str) -> None:
-    for speed in (8.0, 500.0):
+    for speed in (15.0, 500.0):
         flight = TwoProcesses(tmp_path, flavour, speed=speed)
         result = flight.run()
         assert result.achieved, result.reason

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mission.errors import LinkError, VehicleError
-from mission.fly import FlightOptions, StopRequest
+from mission.fly import FlightOptions, FlightResult, StopRequest
 from mission.fly.preflight import Checks, NoGoError
 from mission.link.ending import Ending
 from mission.monitor.stage import Stage
@@ -14,6 +14,7 @@ from mission.plan import FlightPlan
 from tests.support.scripted_flight import Flight
 from tests.support.scripted_vehicle import BRAKE, RTL, Script, ScriptedVehicle
 from tests.support.small_missions import SMALL, at_a_place, plan_of
+from tests.support.usual_cases import sampled
 
 METRES_PER_DEGREE = 111_194.93  # along a meridian of the scripted vehicle's sphere
 
@@ -23,10 +24,15 @@ def plan() -> FlightPlan:
     return plan_of(SMALL)
 
 
-@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
-def test_a_mission_is_achieved_by_what_was_reported(plan: FlightPlan, flavour: str) -> None:
-    flight = Flight(ScriptedVehicle(flavour), plan)
-    result = flight.run()
+@pytest.fixture(scope="module", params=["ardupilot", "px4"])
+def usual(request: pytest.FixtureRequest, plan: FlightPlan) -> tuple[Flight, FlightResult]:
+    """The small mission, flown once by each flavour without a fault."""
+    flight = Flight(ScriptedVehicle(request.param), plan)
+    return flight, flight.run()
+
+
+def test_a_mission_is_achieved_by_what_was_reported(usual: tuple[Flight, FlightResult]) -> None:
+    flight, result = usual
     assert result.achieved
     assert result.exit_code == 0
     assert result.ending is Ending.LANDED
@@ -34,7 +40,7 @@ def test_a_mission_is_achieved_by_what_was_reported(plan: FlightPlan, flavour: s
     assert any("goal" in letter for letter in result.word)
     assert result.word[-1] == {"home"}
     record = flight.record
-    assert record.vehicle["autopilot"] == ("PX4" if flavour == "px4" else "ArduPilot")
+    assert record.vehicle["autopilot"] == ("PX4" if flight.vehicle.px4 else "ArduPilot")
     assert record.verdict is not None
     assert record.verdict["achieved"] is True
     assert len(record.track.t_s) > 500
@@ -42,9 +48,10 @@ def test_a_mission_is_achieved_by_what_was_reported(plan: FlightPlan, flavour: s
     assert record.track.position_m[0][:2] == pytest.approx((9.0, 8.0), abs=0.01)  # anchored at the start
 
 
-def test_setpoints_of_the_trajectory_are_told_from_those_before_and_after(plan: FlightPlan) -> None:
-    flight = Flight(ScriptedVehicle("px4"), plan)
-    flight.run()
+def test_setpoints_of_the_trajectory_are_told_from_those_before_and_after(
+    plan: FlightPlan, usual: tuple[Flight, FlightResult]
+) -> None:
+    flight, _ = usual
     times = flight.record.setpoints.trajectory_s
     on_it = times[~np.isnan(times)]
     assert on_it[0] < 0.1
@@ -54,9 +61,8 @@ def test_setpoints_of_the_trajectory_are_told_from_those_before_and_after(plan: 
     assert np.isnan(times)[-1]
 
 
-def test_progress_goes_from_waiting_to_the_end(plan: FlightPlan) -> None:
-    flight = Flight(ScriptedVehicle("ardupilot"), plan)
-    flight.run()
+def test_progress_goes_from_waiting_to_the_end(plan: FlightPlan, usual: tuple[Flight, FlightResult]) -> None:
+    flight, _ = usual
     stages = [p.stage for p in flight.progress]
     assert stages == sorted(stages, key=list(Stage).index)
     assert any("position" in p.waiting_for for p in flight.progress)
@@ -70,7 +76,7 @@ def test_progress_goes_from_waiting_to_the_end(plan: FlightPlan) -> None:
     assert flight.progress[-1].done == flight.progress[-1].total
 
 
-@pytest.mark.parametrize("start_m", [(9.0, 8.0), (20.0, 15.0)])
+@sampled("start_m", [(9.0, 8.0), (20.0, 15.0)], [(20.0, 15.0)])
 def test_a_mission_with_a_place_is_planned_anew_from_where_the_vehicle_stands(start_m: tuple[float, float]) -> None:
     vehicle = ScriptedVehicle("ardupilot")
     # The estimator's origin is at 47 N 8 E and the vehicle stands 3 m north and 2 m west of it.

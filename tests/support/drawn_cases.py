@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, Phase, settings
 
 EVERY: Final = 100
 """Of a test that says nothing of their number, in long campaigns."""
-USUAL: Final = 30
+USUAL: Final = 15
 """And in each run of the suite."""
 FEW: Final = 8
 """Where a test asks for no more, all are tried in each run."""

@@ -1,6 +1,7 @@
 """Position, velocity and acceleration of a trajectory belong together."""
 
 import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -66,6 +67,11 @@ def test_trajectories_survive_json() -> None:
 
 def lapping(seed: int, laps: int | None = 3) -> Trajectory:
     """A way to a lap, the lap, and a way back."""
+    return Trajectory(legs_of(seed), 15.0, 1, laps)
+
+
+@cache
+def legs_of(seed: int) -> tuple[Leg, ...]:
     rng = np.random.default_rng(seed)
     seam, legs = rng.normal(size=2), []
     for begin, end in ((rng.normal(size=2) * 9.0, seam), (seam, seam), (seam, rng.normal(size=2) * 9.0)):
@@ -74,7 +80,7 @@ def lapping(seed: int, laps: int | None = 3) -> Trajectory:
         curve = FourierCurve(Extension.ODD, duration_s, begin, (end - begin) / duration_s, waves)
         law = time_law(curve, Limits(6.0, 2.0, 4.0))
         legs.append(Leg(curve, law))
-    return Trajectory(tuple(legs), 15.0, 1, laps)
+    return tuple(legs)
 
 
 @pytest.mark.parametrize("seed", range(3))

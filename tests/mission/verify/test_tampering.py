@@ -34,7 +34,10 @@ LEFT_AS_IT_IS: Final = {
 """What may pass, with the reason why no claim is touched; entry and alteration."""
 
 TURNS: Final = {"laps": 0, "corridor": 0, "lanes": 1}
-"""The plans whose entries are altered in each run of the suite, and with which alteration one begins."""
+"""The plans whose entries are altered in each run of the suite, and with which alteration one begins.
+
+They stand in the order of how long it takes to check them, the quickest last.
+"""
 
 Place = tuple[str | int, ...]
 GONE: Final = object()
@@ -122,12 +125,9 @@ def kinds(name: str) -> dict[str, list[tuple[Place, Any]]]:
 
 @cache
 def share_of(name: str) -> frozenset[str]:
-    """The kinds of entries that are tried on this plan in each run of the suite: those of several plans in turn."""
-    having: dict[str, list[str]] = {}
-    for plan in TURNS:
-        for kind in kinds(plan):
-            having.setdefault(kind, []).append(plan)
-    return frozenset(kind for number, (kind, have) in enumerate(having.items()) if have[number % len(have)] == name)
+    """The kinds of entries that are tried on this plan in each run of the suite: those that no later one has."""
+    last_of = {kind: plan for plan in TURNS for kind in kinds(plan)}
+    return frozenset(kind for kind, plan in last_of.items() if plan == name)
 
 
 def tried(

@@ -106,7 +106,7 @@ def campaign(flavour: Flavour, seed: int, size: int) -> None:
     assert grown < 1 << 18, f"{grown} bytes more"
 
 
-@pytest.mark.parametrize("size", [25_000, pytest.param(60_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("size", [10_000, pytest.param(60_000, marks=pytest.mark.long)])
 @pytest.mark.parametrize("flavour", Flavour)
 def test_a_skirmish(flavour: Flavour, size: int) -> None:
     campaign(flavour, seed=1, size=size)

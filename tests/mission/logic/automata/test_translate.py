@@ -44,7 +44,7 @@ def check(formula: Formula, random: Random, words: int) -> None:
         assert not have_common_word(positive, negative), f"a word satisfies {formula} and its negation"
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_formulas_on_random_words(seed: int) -> None:
     random = Random(seed)  # noqa: S311 - no secrets here
     for _ in range(60):
