@@ -127,6 +127,7 @@ def test_one_under_the_vehicle_stops_it_until_it_is_told_to_go_on(small: FlightP
 
 @ARDUPILOT
 def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan, flavour: str) -> None:
+    higher = SMALL.replace("altitude_m: 6", "altitude_m: 40")  # it would be far from its setpoints at once
     flight, said = flown(
         small,
         flavour,
@@ -135,9 +136,12 @@ def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan
         (3.5, "drop gaol"),
         (4.0, "laps 2"),
         (4.5, GO_ON),
+        (5.0, higher),
+        (5.5, ""),
     )
     answers = [answer for _, answer in said.answers]
-    assert [answer.accepted for answer in answers] == [False] * 5
+    assert [answer.accepted for answer in answers] == [False] * 7
+    assert answers[5].words == "a flight keeps its altitude, 6 m"
     assert "nothing waits" in answers[4].words
     assert "no laps are flown" in answers[3].words
     assert "pond" in answers[0].words
@@ -146,18 +150,6 @@ def test_what_cannot_be_met_is_refused_and_the_old_task_stands(small: FlightPlan
     assert "there is no region `gaol`" in answers[2].words
     assert len(flight.result.plans) == 1
     assert flight.result.achieved, flight.result.reason
-
-
-def test_a_file_is_no_change_of_altitude_and_not_empty(small: FlightPlan) -> None:
-    """At another altitude it would be far from its setpoints at once."""
-    higher = SMALL.replace("altitude_m: 6", "altitude_m: 40")
-    flight, said = flown(small, "ardupilot", (1.0, higher), (2.0, ""))
-    (_, altitude), (_, nothing) = said.answers
-    assert not altitude.accepted
-    assert altitude.words == "a flight keeps its altitude, 6 m"
-    assert not nothing.accepted
-    assert flight.result.achieved, flight.result.reason
-    assert len(flight.result.plans) == 1
 
 
 @pytest.mark.usefixtures("every_setpoint")

@@ -2,6 +2,7 @@
 
 import io
 import struct
+from functools import cache
 from itertools import groupby
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from mission.fly import FlightOptions, fly
 from mission.link.framing import split
-from mission.plan import FlightPlan, plan_to_json
+from mission.plan import plan_to_json
 from mission.report.reading import Record, parse_record
 from mission.report.record import FlightRecord
 from mission.verify.flown.judging import Judged, judged
@@ -36,11 +37,12 @@ class HeardVehicle(LockstepVehicle):
         return heard
 
 
-def flown(plan: FlightPlan, flavour: str) -> tuple[Record, bytes, bytes]:
-    """The record, the log of who heard the vehicle, and the vehicle's own."""
+@cache
+def flown(text: str, flavour: str) -> tuple[Record, bytes, bytes]:
+    """The record of the flight of a mission, the log of who heard the vehicle, and the vehicle's own."""
     vehicle, sink = HeardVehicle(flavour), io.BytesIO()
     record = FlightRecord(sink, mission="heard")
-    fly(plan, vehicle, vehicle, record, options=FlightOptions(land_when_stopped=True))
+    fly(plan_of(text), vehicle, vehicle, record, options=FlightOptions(land_when_stopped=True))
     (own,) = vehicle.endpoint.recorder.logs
     return parse_record(sink.getvalue()), bytes(vehicle.log), bytes(own.data)
 
@@ -54,7 +56,7 @@ def word_of(found: Judged) -> list[list[str]]:
 )
 def test_all_logs_say_what_was_known_in_flight(text: str, flavour: str, tmp_path: Path) -> None:
     plan = plan_of(text)
-    record, *logs = flown(plan, flavour)
+    record, *logs = flown(text, flavour)
     assert record.verdict is not None
     tracks = [track_of_record(record)]
     for log in logs:
@@ -91,7 +93,7 @@ def test_the_folder_of_a_flight_is_enough(tmp_path: Path, capsys: pytest.Capture
 
 def test_a_record_of_a_flight_that_was_cut_leaves_the_rest_open() -> None:
     plan = plan_of(SMALL)
-    record, *_ = flown(plan, "ardupilot")
+    record, *_ = flown(SMALL, "px4")
     half = len(record.track.t_s) // 2
     assert judged(plan.spec, track_of_record(record)).achieved
     stages = [event for event in record.events if event.text == "stage" and event.t_s < record.track.t_s[half]]

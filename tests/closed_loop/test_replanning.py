@@ -16,8 +16,9 @@ from mission.verify.flown.judging import judged
 from mission.verify.logs.flight_record import track_of_record
 from tests.support.replanned import Replanned
 from tests.support.small_missions import PHOTOGRAPHED, ROUNDS, SMALL, plan_of
-from tests.support.usual_cases import ARDUPILOT, PX4
+from tests.support.usual_cases import ARDUPILOT
 
+GUST = "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20"
 REPLANNED = "flight:\n  replan: true\n"
 
 
@@ -35,9 +36,14 @@ def test_a_mission_says_whether_it_is_replanned(small: FlightPlan) -> None:
     assert not parse_mission(SMALL.encode()).flight.replan
 
 
-@PX4
-def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour: str, tmp_path: Path) -> None:
-    flown = Replanned(small, flavour, "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20")
+@pytest.fixture(scope="module")
+def pushed(small: FlightPlan) -> Replanned:
+    """A flight that is pushed out of its tube."""
+    return Replanned(small, "px4", GUST)
+
+
+def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, pushed: Replanned, tmp_path: Path) -> None:
+    flown = pushed
     assert flown.result.achieved, flown.result.reason
     assert flown.result.ending is Ending.LANDED
     assert len(flown.result.plans) > 1
@@ -60,10 +66,8 @@ def test_pushed_out_of_its_tube_it_goes_on_from_there(small: FlightPlan, flavour
     assert {"planned", "planned 2", "flown"} <= named
 
 
-def test_the_same_seed_gives_the_same_flight(small: FlightPlan) -> None:
-    gust = "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20"
-    one, other = (Replanned(small, "ardupilot", gust) for _ in range(2))
-    assert one.sink.getvalue() == other.sink.getvalue()
+def test_the_same_seed_gives_the_same_flight(small: FlightPlan, pushed: Replanned) -> None:
+    assert Replanned(small, "px4", GUST).sink.getvalue() == pushed.sink.getvalue()
 
 
 @ARDUPILOT
@@ -110,8 +114,7 @@ class Gone(SynchronousReplanner):
 
 
 def test_without_its_planner_it_flies_the_old_plan_on_while_that_is_safe(small: FlightPlan) -> None:
-    gust = "gust, since: takeoff, at_s: 12, for_s: 3, north_m_s: 20"
-    flown = Replanned(small, "ardupilot", gust, replanner=lambda vehicle: Gone(vehicle.now_s))
+    flown = Replanned(small, "ardupilot", GUST, replanner=lambda vehicle: Gone(vehicle.now_s))
     assert flown.result.achieved, flown.result.reason
     assert len(flown.result.plans) == 1
     assert flown.events("no plan")[0]["reason"] == Gone.trouble

@@ -1,12 +1,12 @@
 """The same monitor serves the flight and the record: what was known at each moment is known from the record again."""
 
 import io
+from functools import cache
 
 import pytest
 
 from mission.fly import FlightOptions, Progress, StopRequest, fly
 from mission.monitor.verdict import Verdict
-from mission.plan import FlightPlan
 from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
 from mission.report.replay import judged_again, replay
@@ -15,8 +15,9 @@ from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
 
-def flown(plan: FlightPlan, stop_after_s: float | None = None) -> tuple[list[Progress], bytes]:
-    """What was shown in flight, and the record; given up at a time on the trajectory."""
+@cache
+def flown(text: str, stop_after_s: float | None = None) -> tuple[list[Progress], bytes]:
+    """What was shown in a flight of a mission, and the record; given up at a time on the trajectory."""
     vehicle, sink = LockstepVehicle(vehicle_of("ardupilot", seed=2)), io.BytesIO()
     moments: list[Progress] = []
     requests = [] if stop_after_s is None else [StopRequest("enough")]
@@ -26,7 +27,7 @@ def flown(plan: FlightPlan, stop_after_s: float | None = None) -> tuple[list[Pro
         return requests.pop() if requests and late else None
 
     fly(
-        plan,
+        plan_of(text),
         vehicle,
         vehicle,
         FlightRecord(sink, mission="replayed"),
@@ -42,7 +43,7 @@ def flown(plan: FlightPlan, stop_after_s: float | None = None) -> tuple[list[Pro
 )
 def test_the_record_is_judged_as_the_flight_was(text: str, stop_after_s: float | None) -> None:
     plan = plan_of(text)
-    moments, data = flown(plan, stop_after_s)
+    moments, data = flown(text, stop_after_s)
     record = parse_record(data)
     shown = iter([moment for moment in moments if moment.t_s is not None])
     moment, compared = next(shown), 0
@@ -79,7 +80,7 @@ def test_the_record_is_judged_as_the_flight_was(text: str, stop_after_s: float |
 
 def test_a_record_that_is_cut_tells_what_was_known_up_to_there() -> None:
     plan = plan_of(SMALL)
-    _, data = flown(plan)
+    _, data = flown(SMALL, None)
     half = parse_record(data[: len(data) // 2])
     assert half.cut
     judged = summary(plan, half)["flown"]["judged"]

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from itertools import combinations, pairwise, product
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -22,7 +21,6 @@ from mission.geometry.arrays import FloatArray
 from mission.logic.automata.translate import translate
 from mission.logic.formula.parser import parse_formula
 from mission.plan import FlightPlan
-from mission.report.figures import PICTURES, save_all
 from mission.report.figures.automaton import automaton, automaton_of_formula, states_along
 from mission.report.figures.automaton_layout import DISC_PT
 from mission.report.figures.canvas import plain, text_size_em, to_png
@@ -293,19 +291,6 @@ def test_the_tube_holds_exactly_what_is_within_its_half_width_on_each_axis() -> 
         reach = np.abs(dense - point).max(axis=1).min()
         if abs(reach - 0.25) > 1e-3:
             assert tube.contains(shapely.Point(point)) == (reach < 0.25)
-
-
-def test_the_same_plan_and_flight_give_the_same_bytes(tmp_path: Path) -> None:
-    plan, record = plan_of(PAPER_TOUR), record_of(plan_of(PAPER_TOUR))
-    drawn = save_all(plan, record, tmp_path / "a")
-    save_all(plan, record, tmp_path / "b")
-    covering = {"11_coverage.png"}
-    assert {entry.picture.file for entry in PICTURES} - {picture.file for picture in drawn} == covering
-    assert len(drawn) == 9
-    for picture in drawn:
-        data = (tmp_path / "a" / picture.file).read_bytes()
-        assert data == (tmp_path / "b" / picture.file).read_bytes()
-        assert b"tEXt" not in data
 
 
 def test_drawing_leaves_the_caller_s_style_alone() -> None:

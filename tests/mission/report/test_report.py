@@ -4,14 +4,17 @@ import base64
 import itertools
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from mission.monitor.attitude import horizontal_acceleration, tilt
+from mission.report.figures import PICTURES, save_all
 from mission.report.page import page
 from mission.report.reading import Track, Visit, parse_record
 from mission.report.report import write_report
@@ -136,28 +139,47 @@ def test_the_word_is_condensed_by_labels() -> None:
     assert [(v.t_s, t) for v, t in condensed(visits)] == [(0.0, [1, 2]), (2.0, [3]), (3.0, [-1]), (4.0, [2])]
 
 
-def test_the_folder_holds_page_numbers_and_pictures(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Mapping[str, Any]]:
+    """The folder of a report with all its pictures, and its numbers."""
+    folder = tmp_path_factory.mktemp("reported") / "flight"
     plan, record = plan_of(PAPER_TOUR), record_of(plan_of(PAPER_TOUR))
-    numbers = write_report(plan, record, tmp_path / "flight", mission_text="name: paper # <i>\n")
-    written = json.loads((tmp_path / "flight" / "summary.json").read_text(encoding="utf-8"))
+    return folder, write_report(plan, record, folder, mission_text="name: paper # <i>\n")
+
+
+def test_the_same_plan_and_flight_give_the_same_bytes(reported: tuple[Path, Mapping[str, Any]], tmp_path: Path) -> None:
+    folder, _ = reported
+    drawn = save_all(plan_of(PAPER_TOUR), record_of(plan_of(PAPER_TOUR)), tmp_path)
+    covering = {"11_coverage.png"}
+    assert {entry.picture.file for entry in PICTURES} - {picture.file for picture in drawn} == covering
+    assert len(drawn) == 9
+    for picture in drawn:
+        data = (tmp_path / picture.file).read_bytes()
+        assert data == (folder / picture.file).read_bytes()
+        assert b"tEXt" not in data
+
+
+def test_the_folder_holds_page_numbers_and_pictures(reported: tuple[Path, Mapping[str, Any]]) -> None:
+    plan, (folder, numbers) = plan_of(PAPER_TOUR), reported
+    written = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert written == numbers
     assert written["planned"]["run"] == [0, 8, 11, 12, 4, 5, 7, 3, 1, 5, 4, 12, 10]
     assert written["planned"]["controls"] == [1, 3, 3, 1, 1, 3, 1, 2, 2, 2, 3, 2, 0]
     assert written["planned"]["length_m"] == plan.path.length_m
     assert [letter["labels"] for letter in written["flown"]["word"]] == [["S2"], [], ["S1"], [], ["R"]]
-    html = Page((tmp_path / "flight" / "report.html").read_text(encoding="utf-8"))
+    html = Page((folder / "report.html").read_text(encoding="utf-8"))
     pictures = [value for name, value in html.attributes if name == "src"]
     assert len(pictures) == 9
     for picture in pictures:
         kind, data = str(picture).split(",")
         assert kind == "data:image/png;base64"
         assert base64.b64decode(data).startswith(b"\x89PNG")
-    assert len(list((tmp_path / "flight").glob("*.png"))) == 9
+    assert len(list(folder.glob("*.png"))) == 9
     text = " ".join(html.words)
     for words in ("The specification was achieved.", plan.spec.formula, "Smallest distance to K1", "name: paper # <i>"):
         assert words in text
     assert f"{written['flown']['largest_error_m']:.3f} m" in text
-    assert list(tmp_path.rglob(".*")) == []
+    assert list(folder.parent.rglob(".*")) == []
 
 
 def test_what_a_vehicle_or_a_file_says_is_text_and_nothing_else() -> None:
