@@ -8,7 +8,7 @@ from shapely import LineString, Point, Polygon
 
 from mission.fly import FlightOptions
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
-from mission.fly.replanner import SynchronousReplanner
+from mission.fly.replanner import PlanRequest, SynchronousReplanner
 from mission.plan import FlightPlan
 from mission.spec.model import MissionSpec
 from tests.support.commands import ran
@@ -92,6 +92,34 @@ def test_a_restricted_region_ahead_is_flown_around(
     assert told.code == 0, told.out + told.err
     assert "part      2 of 2" in told.out
     assert "from popped" in told.out
+
+
+class Slower(SynchronousReplanner):
+    """A planner that takes longer than it did."""
+
+    def ask(self, request: PlanRequest) -> None:
+        """Plan."""
+        usual_s, self.takes_s = self.takes_s, 2.0
+        super().ask(request)
+        self.takes_s = usual_s
+
+
+@ARDUPILOT
+def test_where_the_plan_is_late_the_vehicle_comes_to_rest_before_what_is_restricted(
+    small: FlightPlan, flavour: str
+) -> None:
+    said = Said((1.0, RESTRICT_AHEAD))
+    flight = Replanned(
+        small, flavour, at_step=said.look, amendments=said, replanner=lambda vehicle: Slower(vehicle.now_s)
+    )
+    assert flight.result.achieved, flight.result.reason
+    [(_, answer)] = said.answers
+    assert answer.accepted, answer.words
+    assert [event["reason"] for event in flight.events("asked again")] == ["the plan came too late"]
+    assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
+    [leg] = flight.events("leg")
+    before = [row for row in flight.lines if row["kind"] == "telemetry" and said.taken_s[0] < row["t_s"] < leg["t_s"]]
+    assert max(abs(each) for each in before[-1]["velocity_m_s"]) < 0.3
 
 
 @pytest.mark.usefixtures("every_setpoint")
