@@ -267,7 +267,7 @@ def _rolling(
     def since(values: FloatArray) -> FloatArray:
         return np.concatenate((values[:1], values))
 
-    accelerations, jerks = (np.full(len(places), each) for each in limits[1:])
+    accelerations, jerks = (np.full(len(places), _SPARE * each) for each in limits[1:])
     lower = ceilings_of(grid), accelerations, jerks
     _slow_at_rests(lower[0], firm, _SPARE * limits.jerk_m_s3, ends)
     if ends[1] > 0.0:
