@@ -146,6 +146,8 @@ class Machine(State):
             self._task = ReturnTask(estimate, settings, goal=self.way_home())
         elif mode is Mode.TAKEOFF:
             height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
+            if self.armed and self._takeoff_height_m is None:
+                self._say(Severity.INFO, f"Using default takeoff altitude: {height:.1f} m")
             self._task = TakeoffTask(estimate, settings, down_m=self._home_ned_m[2] - height)
         elif self.modes[mode].manual or mode in KEEPING_PLACE:
             self._task = HandTask(estimate, settings, self.pilot, keeps_place=mode in KEEPING_PLACE)

@@ -87,7 +87,7 @@ class Autopilot(Machine):
         if self.flavour is Flavour.PX4:
             if not self._estimate.status.position_ok or self.home is None or not height < inf:
                 return Outcome.TEMPORARILY_REJECTED
-            self._takeoff_height_m = height
+            self._takeoff_height_m = height_m
             self._choose(Mode.TAKEOFF)
             self._enter(Mode.TAKEOFF)
             return Outcome.ACCEPTED

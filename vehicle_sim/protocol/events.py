@@ -98,6 +98,7 @@ class EventService:
 
     def heard(self, severity: int, text: str) -> str:
         """Send the event that says `text`, if there is one, and return the text as PX4 sends it."""
+        text = text.removesuffix("\t")
         found = event_list().find(text) if self._speaks else None
         if found is None:
             return text

@@ -111,6 +111,17 @@ def test_texts_are_events_too_and_end_in_a_tab() -> None:
     assert not events["commander_takeoff_detected"]
 
 
+def test_a_take_off_without_a_height_names_the_one_that_it_uses() -> None:
+    station = px4()
+    station.wait_for_position()
+    station.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+    assert station.command(mavlink.MAV_CMD_NAV_TAKEOFF, *(float("nan"),) * 7) == mavlink.MAV_RESULT_ACCEPTED
+    station.run(0.1)
+    assert "Using default takeoff altitude: 2.5 m\t" in station.texts()
+    named_events = {named(event): arguments(event) for event in station.of("EVENT")}
+    assert list(named_events["navigator_takeoff_default_alt"]) == [2.5]
+
+
 @pytest.mark.parametrize("mode", MODES[Flavour.PX4])
 def test_a_refusal_of_each_mode_is_an_event(mode: Mode) -> None:
     text = mode_refused(Flavour.PX4, MODES[Flavour.PX4][mode].name, "").text
