@@ -13,6 +13,7 @@ from mission.errors import MissionError, SpecError
 from mission.fly.amendments import GO_ON, Amendment, AmendmentAnswer
 from mission.fly.cause import Cause
 from mission.fly.prohibitions import Prohibitions
+from mission.fly.replanner import Replanner
 from mission.fly.replanning import Replanning
 from mission.fly.watch import FlightWatch
 from mission.geometry.arrays import FloatArray
@@ -20,7 +21,7 @@ from mission.geometry.sweep import SweptSquare
 from mission.link.guidance import Guidance
 from mission.link.session import Session
 from mission.monitor.stage import Stage
-from mission.spec.amendment import amended, asking_for, asks_the_same
+from mission.spec.amendment import amended, amended_text, asking_for, asks_the_same
 from mission.spec.areas import boundary_ground, region_ground
 from mission.spec.loader import parse_mission
 from mission.spec.model import UNTIL_STOPPED, BoundaryDomain, MissionSpec, Point, RegionKind
@@ -97,7 +98,9 @@ class Amending:
                 return
             self._reading = (
                 change,
-                self._replanning.replanner.beside(partial(_read, change, self._mission, self._watch.place_m)),
+                self._replanning.replanner.beside(
+                    partial(_read, change, self._mission, self._watch.place_m, self._replanning.replanner)
+                ),
             )
         change, read = self._reading
         if not read.done():
@@ -179,15 +182,19 @@ class Amending:
 _Read: TypeAlias = tuple[MissionSpec, Prohibitions | None]
 
 
-def _read(change: Amendment, mission: MissionSpec, place_m: Point) -> _Read:
+def _read(change: Amendment, mission: MissionSpec, place_m: Point, replanner: Replanner) -> _Read:
     """The mission as it is from now on, and what it forbids where it asks for something else.
+
+    Whoever plans reads it at the same time.
 
     Raises:
         MissionError: It has faults.
     """
     if not change.lines:
+        replanner.foresee(change.mission.encode(errors="replace"))
         wanted = parse_mission(change.mission.encode(errors="replace"))
     else:
+        replanner.foresee(amended_text(mission, change.lines, place_m))
         wanted = amended(mission, change.lines, place_m)
     return wanted, None if asks_the_same(wanted, mission) else Prohibitions.of(wanted)
 

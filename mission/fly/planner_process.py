@@ -59,7 +59,7 @@ class PlannerProcess:
     def __init__(self) -> None:
         """Start nothing yet."""
         self.takes_s, self.trouble = _TAKES_S, ""
-        self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | None] = queue.SimpleQueue()
+        self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | bytes | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
         self._process: Popen[bytes] | None = None
@@ -71,6 +71,11 @@ class PlannerProcess:
             self._thread = threading.Thread(target=self._serve, daemon=True)
             self._thread.start()
         self._requests.put(plan)
+
+    def foresee(self, mission: bytes) -> None:
+        """Let the process read a mission file that may have to be planned soon: its triangles are there then."""
+        if self._thread is not None:
+            self._requests.put(mission)
 
     def ask(self, request: PlanRequest) -> None:
         """Begin to plan."""
@@ -117,6 +122,9 @@ class PlannerProcess:
         known: FlightPlan | None = None
         made: FlightPlan | None = None
         while (request := self._requests.get()) is not None:
+            if isinstance(request, bytes):
+                _send(to_it, json.dumps({"foreseen": request.decode()}))
+                continue
             asked = [request] if isinstance(request, PlanRequest) else [_rehearsed(request)] * _REHEARSALS
             for each in asked:
                 began_s = time.monotonic()
@@ -218,6 +226,10 @@ def serve(asks: IO[bytes], answers: IO[bytes]) -> None:
     with contextlib.suppress(EOFError, OSError):
         while True:
             data = json.loads(_received(asks))
+            if "foreseen" in data:
+                with contextlib.suppress(Exception):  # which whoever asks for it is told
+                    parse_mission(data["foreseen"].encode(), read=lambda _: b"")
+                continue
             if data["its_own"]:
                 plan = made
             elif data["plan"]:

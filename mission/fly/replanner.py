@@ -76,6 +76,10 @@ class Replanner(Protocol):
         """Get ready to replan a flight, soon."""
         ...
 
+    def foresee(self, mission: bytes) -> None:
+        """Read a mission file that may have to be planned soon."""
+        ...
+
     def ask(self, request: PlanRequest) -> None:
         """Begin to plan."""
         ...
@@ -101,6 +105,9 @@ class SynchronousReplanner:
         self._answer: tuple[float, PlanAnswer] | None = None
 
     def prepare(self, plan: FlightPlan) -> None:
+        """There is nothing to do."""
+
+    def foresee(self, mission: bytes) -> None:
         """There is nothing to do."""
 
     def ask(self, request: PlanRequest) -> None:

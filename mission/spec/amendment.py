@@ -37,18 +37,27 @@ def amended(spec: MissionSpec, lines: Sequence[str], place_m: Point) -> MissionS
     Raises:
         SpecError: A line is none of these, or the mission would have faults.
     """
+    text = "" if spec.automaton is None else spec.automaton.text
+    return parse_mission(amended_text(spec, lines, place_m), read=lambda _: text.encode())
+
+
+def amended_text(spec: MissionSpec, lines: Sequence[str], place_m: Point) -> bytes:
+    """The same as a file, which may have faults.
+
+    Raises:
+        SpecError: A line is no change.
+    """
     if len(lines) > MOST_LINES or sum(map(len, lines)) > MOST_CHARACTERS:
         raise SpecError((Fault(0, 0, "", f"these are more than {MOST_LINES} lines, or too long ones"),))
     document = document_of(spec)
     document["start"]["position_m"] = list(place_m)
-    text = "" if spec.automaton is None else spec.automaton.text
     for number, line in enumerate(lines, 1):
         word, _, rest = line.strip().partition(" ")
         change = _CHANGES.get(word)
         if change is None:
             raise _fault(number, f"`{word}` is no change of a mission")
         change(document, rest.strip(), number)
-    return parse_mission(json.dumps(document).encode(), read=lambda _: text.encode())
+    return json.dumps(document).encode()
 
 
 def asking_for(spec: MissionSpec, other: MissionSpec) -> MissionSpec:

@@ -47,6 +47,8 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
     planner = PlannerProcess()
     try:
         planner.prepare(plan)
+        for foreseen in (SMALL, "no mission: ["):
+            planner.foresee(foreseen.encode())
         told, refusal, stopped = (asked_of(planner, each) for each in (request, refused, too_fast))
         assert told.number == request.number
         assert told.text == answered(request).text
