@@ -69,6 +69,8 @@ def bounds_of(
     certificate: Certificate,
     locator: Locator,
     labelling: Labelling,
+    *,
+    later_s: float = 0.0,
 ) -> tuple[TimeBound, ...]:
     """What becomes of formulas with bounds on every flight within the tube.
 
@@ -78,25 +80,29 @@ def bounds_of(
         certificate: Of it, as far as it repeats or stays.
         locator: The domain.
         labelling: Its labels.
+        later_s: By how much later all of it is flown, for the vehicle waits where it begins.
     """
     if not formulas:
         return ()
-    flown = _behaviour(trajectory, certificate, locator, labelling)
+    flown = _behaviour(trajectory, certificate, locator, labelling, Fraction(later_s))
     return tuple(TimeBound(formula, margin_s(flown, formula)) for formula in formulas)
 
 
-def _behaviour(trajectory: Trajectory, certificate: Certificate, locator: Locator, labelling: Labelling) -> Behaviour:
-    times = [Fraction(t_s) for t_s in trajectory.time_at(certificate.knots_s).tolist()]
+def _behaviour(
+    trajectory: Trajectory, certificate: Certificate, locator: Locator, labelling: Labelling, later_s: Fraction
+) -> Behaviour:
+    times = [later_s + Fraction(t_s) for t_s in trajectory.time_at(certificate.knots_s).tolist()]
+    times[0] = Fraction(0)
     letters = [_letters(labelling, possible) for possible in certificate.possible]
     if trajectory.lap is not None:
         lap = trajectory.legs[trajectory.lap]
-        loop_s = Fraction(float(trajectory.time_at(trajectory.curve.starts_s[[trajectory.lap]])[0]))
+        loop_s = later_s + Fraction(float(trajectory.time_at(trajectory.curve.starts_s[[trajectory.lap]])[0]))
         return behaviour_of(_pieces(times, letters), loop_s, loop_s + Fraction(lap.duration_s))
     # It lands where it comes to rest, and may drift meanwhile.
     (x, y), half_m = trajectory.curve.position(certificate.knots_s[-1:])[0], certificate.tube_m + certificate.landing_m
     landed = locator.meeting(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
     letters.append(_letters(labelling, landed.tolist()))
-    times[-1] = max(times[-1], Fraction(trajectory.duration_s))
+    times[-1] = max(times[-1], later_s + Fraction(trajectory.duration_s))
     return staying(_pieces([*times, times[-1] + 1], letters))
 
 

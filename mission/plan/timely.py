@@ -14,7 +14,7 @@ from typing import Final, Protocol, TypeVar
 
 from mission.errors import AutomatonSizeError, LateError, NoPlanError, NoRollingStartError, SearchSizeError
 from mission.logic.formula.conjuncts import conjuncts
-from mission.logic.formula.syntax import Formula, Operator, conjunction, negation, propositions, until
+from mission.logic.formula.syntax import LONGEST_S, Formula, Operator, conjunction, negation, propositions, until
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
 from mission.plan.time_bounds import FOLLOWED_S, TimeBound, bounds_of
@@ -137,13 +137,33 @@ def given_up_in_time(
 
 def _in_its_time(steering: Steering, flown: Steered, law: Law) -> tuple[Trajectory, list[TimeBound]]:
     """A path as it is flown after the shortest wait with which all bounds are kept; at once where none will do."""
-    at_once = _bounds(steering, flown, law.fastest)
-    if law.later is not None and _least(at_once) < FOLLOWED_S:
+    at_once = bounds = _bounds(steering, flown, law.fastest)
+    wait_s = 0.0
+    for _ in range(_MOST_WAITS if law.later is not None else 0):
+        short_s = FOLLOWED_S - _least(bounds)
+        if short_s <= 0.0:
+            break
+        wait_s += math.ceil(min(short_s, LONGEST_S) * 1000.0) / 1000.0
+        later = _bounds(steering, flown, law.fastest, wait_s)
+        if any(after.margin_s <= before.margin_s for before, after in _late(at_once, later)):
+            return law.fastest, at_once  # what is late is later after any wait
+        if _least(later) <= _least(bounds):
+            break  # something else is late now
+        bounds = later
+    if law.later is not None and wait_s > 0.0:
+        if _least(bounds) >= FOLLOWED_S:
+            trajectory = law.later(wait=(0.0, wait_s))
+            return trajectory, _bounds(steering, flown, trajectory)
         for place_s in _places(steering, flown):
             waits = _after_a_wait(steering, flown, law.later, place_s, at_once)
             if waits is not None:
                 return waits
     return law.fastest, at_once
+
+
+def _late(before: list[TimeBound], after: list[TimeBound]) -> list[tuple[TimeBound, TimeBound]]:
+    """The bounds that are not kept, as they are and after a wait."""
+    return [each for each in zip(before, after, strict=True) if not each[0].kept]
 
 
 def _after_a_wait(
@@ -166,18 +186,18 @@ def _after_a_wait(
 
 
 def _places(steering: Steering, flown: Steered) -> list[float]:
-    """Where to wait: where the flight begins, and before it may come into a region of which the bounds speak."""
+    """Where to wait on the way: before it may come into a region of which the bounds speak."""
     names = frozenset[str]().union(*map(propositions, steering.specification.timed))
     labelling, certificate = steering.planner.labelling, flown.certificate
     met = [names & frozenset[str]().union(*map(labelling.label, possible)) for possible in certificate.possible]
     middles = 0.5 * (certificate.knots_s[:-1] + certificate.knots_s[1:])
     before = [k for k, (here, ahead) in enumerate(pairwise(met)) if ahead - here]
-    return [0.0, *(float(middles[k]) for k in before[:_MOST_PLACES])]
+    return [float(middles[k]) for k in before[:_MOST_PLACES]]
 
 
-def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory) -> list[TimeBound]:
+def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory, later_s: float = 0.0) -> list[TimeBound]:
     asked, locator = steering.specification.timed, steering.search.maps.locator
-    return list(bounds_of(asked, trajectory, flown.certificate, locator, steering.planner.labelling))
+    return list(bounds_of(asked, trajectory, flown.certificate, locator, steering.planner.labelling, later_s=later_s))
 
 
 def _least(bounds: list[TimeBound]) -> float:
