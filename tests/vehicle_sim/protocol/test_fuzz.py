@@ -20,7 +20,7 @@ _LINKS = ("station", "stream", "companion")
 # What a parser may keep: the statistics of pymavlink's reader, the beginning of a frame, and what was passed on unread.
 _PARSING = frozenset(("_reader", "_rest", "_filling", "_waiting", "unknown"))
 
-_ELSEWHERE = _PARSING | {"_host", "link", "_link"}
+_ELSEWHERE = _PARSING | {"_host", "link", "_link", "_listing"}  # the list that is under way on each link
 
 
 class Campaign:
