@@ -26,6 +26,7 @@ class Drone:
         flights: Opens the stream of what is told of the present flight.
         progress: Opens the stream of a mission's progress, of the plugin `mission` or `mission_raw`.
         types: The module of a plugin by name: where its types and errors are.
+        reports: Opens the stream of reports of arming checks, where the version has that plugin.
     """
 
     action: Any
@@ -42,6 +43,7 @@ class Drone:
     flights: Callable[[], AsyncIterator[Any]]
     progress: Callable[[str], AsyncIterator[Any]]
     types: Callable[[str], Any]
+    reports: Callable[[], AsyncIterator[Any]] | None = None
 
 
 def plain(value: object) -> object:

@@ -49,6 +49,7 @@ async def played(system: System, scenario: str) -> None:
             flights=system.info.flight_information,
             progress=lambda plugin: getattr(system, plugin).mission_progress(),
             types=lambda plugin: importlib.import_module(f"mavsdk.{plugin}"),
+            reports=system.events.health_and_arming_checks,
         )
     )
     tell("done")

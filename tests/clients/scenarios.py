@@ -68,6 +68,8 @@ async def look(drone: Drone) -> None:
     await ready(drone)
     await asyncio.gather(*(told(name, seen(drone.stream(name))) for name in STREAMS))
     await told("origin", drone.telemetry.get_gps_global_origin())
+    if drone.reports is not None:
+        await told("report", seen(drone.reports(), lambda report: bool(report.current_mode_intention.can_arm_or_run)))
     await asyncio.gather(*(told(name, seen(drone.stream(name), within_s=1.0)) for name in ("odometry", "altitude")))
 
 

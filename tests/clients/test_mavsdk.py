@@ -70,6 +70,10 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert facts["imu"]["acceleration_frd"]["down_m_s2"] == pytest.approx(-9.8, abs=0.5)
     assert facts["flight"]["flight_uid"] == facts["flight"]["duration_since_arming_ms"] == 0
     assert facts["flight"]["time_boot_ms"] > 0
+    if version == 3 and is_px4:  # which has made sense of the vehicle's own file of events
+        assert facts["report"]["current_mode_intention"]["mode_name"] == "Hold"
+        problems = {problem["message"] for problem in facts["report"]["all_problems"]}
+        assert problems == {"No offboard signal", "No valid mission available"}
     px4_only = {"odometry", "altitude"}
     assert {name for name in px4_only if name in facts} == (px4_only if is_px4 else set())
 
