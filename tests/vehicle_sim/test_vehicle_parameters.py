@@ -76,6 +76,16 @@ def test_every_setting_depends_on_some_parameter_alone(flavour: Flavour) -> None
         assert len(seen) > 1, name
 
 
+def test_facts_are_told_and_outlast_a_reset_but_nobody_sets_them() -> None:
+    store = default_parameters(Flavour.ARDUPILOT)
+    store.tell("MIS_TOTAL", 7)
+    store.tell("NO_SUCH", 7)
+    with pytest.raises(ParameterError, match="it is 7"):
+        store.set("MIS_TOTAL", 0)
+    store.reset()
+    assert store["MIS_TOTAL"] == 7
+
+
 @pytest.mark.parametrize("value", [nan, inf, -inf])
 def test_bad_values_change_nothing(value: float) -> None:
     store = default_parameters(Flavour.ARDUPILOT)

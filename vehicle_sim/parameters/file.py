@@ -70,12 +70,14 @@ def take_text(store: ParameterStore, text: str) -> None:
 
 
 def as_text(store: ParameterStore) -> str:
-    """Return all parameters as text; `take_text` gives back exactly these values."""
+    """Return all parameters as text, facts as remarks; `take_text` gives back exactly the values of the others."""
     lines = [_TITLE.format(flavour=store.flavour.value)]
     for name in store:
         definition = store.definition(name)
-        fact = "fact: " if definition.read_only else ""
-        line = f"{name:<16} {_number(definition, store.stored(name)):<12} # {fact}{definition.meaning}"
+        number = _number(definition, store.stored(name))
+        line = f"{name:<16} {number:<12} # {definition.meaning}"
+        if definition.read_only:
+            line = f"# {name:<14} {number:<12} # fact: {definition.meaning}"
         lines.append(line.rstrip("# ") if not definition.meaning else line)
     return "\n".join(lines) + "\n"
 

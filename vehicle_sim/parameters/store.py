@@ -181,18 +181,29 @@ class ParameterStore:
         stored, before = definition.stored(value), self._stored[name]
         if definition.read_only and stored != before:
             raise ParameterError(f"{name} is a fact about the vehicle: it is {before:g}")
-        if stored != before:
-            self._stored[name], self._values[name] = stored, definition.obeyed(stored)
-            self.revision += 1
-            for watcher in self._watchers:
-                watcher()
+        self._keep(definition, stored)
         return stored
+
+    def tell(self, name: str, value: float) -> None:
+        """Say what a fact is now, where there is one of this name."""
+        definition = self._definitions.get(name)
+        if definition is not None:
+            self._keep(definition, definition.stored(value))
+
+    def _keep(self, definition: Parameter, stored: float) -> None:
+        if stored == self._stored[definition.name]:
+            return
+        self._stored[definition.name], self._values[definition.name] = stored, definition.obeyed(stored)
+        self.revision += 1
+        for watcher in self._watchers:
+            watcher()
 
     def watch(self, watcher: Callable[[], None]) -> None:
         """Call `watcher` after every change from now on, before the `set` that made it returns."""
         self._watchers.append(watcher)
 
     def reset(self) -> None:
-        """Set every parameter to its default."""
+        """Set every parameter to its default; facts stay."""
         for name, definition in self._definitions.items():
-            self.set(name, definition.default)
+            if not definition.read_only:
+                self.set(name, definition.default)

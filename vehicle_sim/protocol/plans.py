@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 _ALL: Final = mavlink.MAV_MISSION_TYPE_ALL
 _ACCEPTED: Final = mavlink.MAV_MISSION_ACCEPTED
 _INT32: Final = 2**31
+_TOTALS: Final = {PlanKind.MISSION: "MIS_TOTAL", PlanKind.FENCE: "FENCE_TOTAL", PlanKind.RALLY: "RALLY_TOTAL"}
+"""ArduPilot's parameters that tell how many items each plan has."""
 
 
 @dataclass(slots=True)
@@ -198,6 +200,7 @@ class PlanService:
         result = self.keepers[kind](items) if kind in self.keepers else int(_ACCEPTED)
         if result == _ACCEPTED:
             self.store.replace(kind, items, name)
+            self._host.vehicle.parameters.tell(_TOTALS[kind], len(items))
         return result
 
     def _end_upload(self) -> None:

@@ -221,7 +221,12 @@ def test_clear_all_clears_all(flavour: Flavour) -> None:
     station = Station(endpoint_of(flavour))
     upload(station, [item(0), item(1)])
     upload(station, fence(), FENCE)
+
+    store = station.endpoint.vehicle.parameters
+    names = [name for name in ("MIS_TOTAL", "FENCE_TOTAL") if name in store]  # ArduPilot's
+    assert [store[name] for name in names] == [2, 3][: len(names)]
     station.send(mavlink.MAVLink_mission_clear_all_message(1, 1, MISSION))
+    assert [store[name] for name in names] == [0, 3][: len(names)]
     assert (len(download(station)), len(download(station, FENCE))) == (0, 3)
     station.send(mavlink.MAVLink_mission_clear_all_message(1, 1, EVERYTHING))
     assert acknowledgements(station)[-1] == (ACCEPTED, EVERYTHING)

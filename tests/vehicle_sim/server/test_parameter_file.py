@@ -39,6 +39,7 @@ def test_a_person_can_read_it(flavour: Flavour) -> None:
     store = default_parameters(flavour)
     lines = as_text(store).splitlines()
     assert flavour.value in lines[0]
+    lines[1:] = [line.removeprefix("# ") for line in lines[1:]]  # facts are remarks
     assert [line.split()[0] for line in lines[1:]] == list(store.names)
     for line, name in zip(lines[1:], store.names, strict=True):
         assert float(line.split()[1]) == pytest.approx(store[name])
