@@ -32,13 +32,13 @@ class BoundNow:
     at_s: float | None
     will: bool | None = None
 
-    def text(self, now_s: float) -> str:
-        """It in words, at a time since the trajectory began."""
+    def text(self, now_s: float | None = None) -> str:
+        """It in words, at a time since the trajectory began; afterwards, where there is none."""
         if self.met is not None:
             return f"{self.formula} {'met' if self.met else 'missed'}" + (
                 "" if self.at_s is None else f" at {self.at_s:.1f} s"
             )
-        if self.at_s is None:
+        if self.at_s is None or now_s is None:
             return f"{self.formula} open"
         return f"{self.formula} open, {max(0.0, self.at_s - now_s):.0f} s {'to go' if self.will else 'left'}"
 

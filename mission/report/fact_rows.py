@@ -65,6 +65,7 @@ def certificate_rows(certificate: Mapping[str, Any], planned: Mapping[str, Any])
         ),
         ("Word that it surely spells", word or "(empty)"),
         *([("Way back from the laps", certificate["way_back"])] if certificate["way_back"] else []),
+        *(("In time, in the tube", text) for text in certificate["in_time"]),
     ]
 
 
@@ -76,6 +77,7 @@ def flown_rows(numbers: Mapping[str, Any]) -> list[Row]:
     rows = [
         ("Continuations of the word flown", _continuations(flown["judged"]["so_far"], achieved, numbers["planned"])),
         ("Progress of the automaton", _progress(flown["judged"], achieved)),
+        *(("In time, as it was flown", text) for text in flown["judged"].get("in_time", ())),
         *([] if by_field else _following(flown, certificate)),
         *(
             (f"Smallest distance to {name}", _against_clearance(distance, numbers["planned"]["clearances_m"].get(name)))

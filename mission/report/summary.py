@@ -84,6 +84,7 @@ def _certificate(plan: FlightPlan) -> dict[str, Any]:
         "clearance_m": certificate.clearance_m,
         "word": [sorted(letter) for letter in certificate.word],
         "way_back": None if plan.homeward is None else plan.homeward.certificate.reason,
+        "in_time": [bound.text for bound in plan.bounds],
     }
 
 
@@ -146,6 +147,7 @@ def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "total": progress.total,
         "awaited": list(progress.awaited),
         "laps": legs.laps,
+        "in_time": [bound.text() for bound in monitor.bounds],
         "violations": [{"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in legs.violations],
     }
 

@@ -85,6 +85,15 @@ def doing(now: Progress, plan: FlightPlan) -> str:
 
 def still(now: Progress, plan: FlightPlan) -> str:
     """What the flight must still do, in words."""
+    missed = [bound.text(now.since_s) for bound in now.bounds if bound.met is False]
+    if missed:
+        return f"in vain: {'; '.join(missed)}"
+    left = [bound.text(now.since_s) for bound in now.bounds if bound.met is None]
+    return "; ".join((_of_the_word(now, plan), *left))
+
+
+def _of_the_word(now: Progress, plan: FlightPlan) -> str:
+    """What the word must still have."""
     if now.verdict is Verdict.TRUE:
         return "nothing more: whatever follows, the mission is satisfied"
     if now.verdict is Verdict.FALSE:

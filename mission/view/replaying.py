@@ -134,6 +134,8 @@ class _View:
             place_m=place_m,
             heading_rad=heading_rad,
             word=monitor.word,
+            bounds=monitor.bounds,
+            since_s=t_s - monitor.visits[0].entered_s if monitor.visits else 0.0,
         )
 
 

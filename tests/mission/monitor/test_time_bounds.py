@@ -20,6 +20,7 @@ def test_a_deadline_is_open_then_met() -> None:
     seen = watch("F[0,60] far")
     seen.enter(100.0, HOME)
     assert [bound.text(5.0) for bound in seen.now(105.0)] == ["F[0,60] far open, 55 s left"]
+    assert [bound.text() for bound in seen.now(105.0)] == ["F[0,60] far open"]
     seen.enter(110.0, NONE)
     assert [bound.text(20.0) for bound in seen.now(120.0)] == ["F[0,60] far open, 40 s left"]
     seen.enter(130.5, FAR)

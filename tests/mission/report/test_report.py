@@ -21,6 +21,7 @@ from mission.report.report import write_report
 from mission.report.summary import condensed, summary
 from mission.report.tracking import distances_m, tracking_of
 from tests.support.drawn_plans import PAPER_TOUR, SURVEY_TOUR, Tour, flight_of, plan_of, record_of
+from tests.support.timed_missions import timed_plan
 
 
 class Page(HTMLParser):
@@ -212,6 +213,23 @@ def test_what_could_have_come_is_told_from_what_came(achieved: bool, words: str)
     assert said[said.index("Progress of the automaton") + 1] == ("2 of 3" if achieved else "2 of 3; it waits for home")
     end = "At the end 2 of 3 steps of the automaton were done" + ("." if achieved else ", and it waited for home.")
     assert any(end in text for text in said)
+
+
+def test_bounds_in_seconds_are_told_as_they_are_proved() -> None:
+    plan = timed_plan("F G home & F[0,60] far & G[0,12] !gate")
+    said = Page(page(plan, None, summary(plan, None), ())).words
+    told = [said[k + 1] for k, each in enumerate(said) if each == "In time, in the tube"]
+    assert told == [bound.text for bound in plan.bounds]
+
+
+def test_bounds_in_seconds_are_told_as_they_were_flown() -> None:
+    plan = plan_of(PAPER_TOUR)
+    record = replace(record_of(plan), verdict={"achieved": False, "reason": ""})
+    numbers = summary(plan, record)
+    assert numbers["flown"]["judged"]["in_time"] == []
+    numbers["flown"]["judged"]["in_time"] = ["F[0,60] far missed at 60.0 s"]
+    said = Page(page(plan, record, numbers, ())).words
+    assert said[said.index("In time, as it was flown") + 1] == "F[0,60] far missed at 60.0 s"
 
 
 def test_what_would_turn_the_page_round_is_told_by_its_code() -> None:

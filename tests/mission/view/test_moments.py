@@ -8,6 +8,7 @@ from typing import Any
 from mission.fly.requests import Request
 from mission.fly.result import Progress
 from mission.monitor.stage import Stage
+from mission.monitor.time_bounds import BoundNow
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 from mission.report.interactive.of_flight import scene_of
@@ -47,6 +48,13 @@ def test_words_say_where_the_vehicle_is_and_what_it_must_still_do() -> None:
     assert still(home, PLAN) == "break no rule up to the end (2 of 2 steps are done)"
     assert still(replace(home, verdict=Verdict.TRUE), PLAN).startswith("nothing more")
     assert still(replace(home, verdict=Verdict.FALSE), PLAN).startswith("in vain")
+
+
+def test_what_is_left_to_do_in_time_is_said_and_what_was_missed() -> None:
+    flown = at(bounds=(BoundNow("F[0,60] S1", met=None, at_s=60.0, will=False),), since_s=20.0)
+    assert still(flown, PLAN).endswith("; F[0,60] S1 open, 40 s left")
+    late = replace(flown, bounds=(BoundNow("F[0,60] S1", met=False, at_s=60.0),))
+    assert still(late, PLAN) == "in vain: F[0,60] S1 missed at 60.0 s"
     waits = at(stage=Stage.READY, waiting_for="no position yet")
     assert doing(waits, PLAN) == "waiting for position and health: no position yet"
 
