@@ -6,40 +6,20 @@ ArduPilot `GCS_Common.cpp`, `GCS_MAVLink_Copter.cpp`, `mode.h`; PX4 `mavlink_mai
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum, IntFlag, auto
+from enum import Enum, auto
 from typing import Final
 
 from vehicle_sim.autopilot import MODES, Mode, Outcome
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.data_files import data_file
 from vehicle_sim.protocol.dialect import mavlink
-from vehicle_sim.protocol.late_messages import AvailableModesMonitor, ComponentMetadata, CurrentMode
+from vehicle_sim.protocol.late_messages import ComponentMetadata, CurrentMode
 
 _CUSTOM = mavlink.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 _STABILIZED = mavlink.MAV_MODE_FLAG_STABILIZE_ENABLED
 _GUIDED = mavlink.MAV_MODE_FLAG_GUIDED_ENABLED
 _AUTO = mavlink.MAV_MODE_FLAG_AUTO_ENABLED
 _STICKS = mavlink.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
-
-
-class Capability(IntFlag):
-    """MAV_PROTOCOL_CAPABILITY; pymavlink has renamed some of them over time."""
-
-    MISSION_FLOAT = 1
-    PARAM_FLOAT = 2
-    MISSION_INT = 4
-    COMMAND_INT = 8
-    PARAM_ENCODE_BYTEWISE = 16
-    FTP = 32
-    SET_ATTITUDE_TARGET = 64
-    SET_POSITION_TARGET_LOCAL_NED = 128
-    SET_POSITION_TARGET_GLOBAL_INT = 256
-    TERRAIN = 512
-    FLIGHT_TERMINATION = 2048
-    COMPASS_CALIBRATION = 4096
-    MAVLINK2 = 8192
-    MISSION_FENCE = 16384
-    MISSION_RALLY = 32768
 
 
 class Rates(Enum):
@@ -84,7 +64,7 @@ class FlavourTable:
 
     flavour: Flavour
     autopilot: int
-    capabilities: Capability
+    capabilities: int
     software_version: int
     git_hash: bytes
     custom_modes: Mapping[Mode, int]
@@ -119,11 +99,19 @@ def _px4_mode(main: int, sub: int = 0) -> int:
     return main << 16 | sub << 24
 
 
+_NUMBERS: Final = {kind.msgname: number for number, kind in mavlink.mavlink_map.items()}
+
+
+def _capabilities(flavour: Flavour) -> int:
+    """Return MAV_PROTOCOL_CAPABILITY as a file has it by names; pymavlink has renamed some of them over time."""
+    file = data_file("capabilities")
+    return sum(file["bits"][name] for name in file[flavour.value])
+
+
 def _rates(name: str) -> dict[Rates, dict[int, float]]:
     """Return the rates in Hz that a file holds for each purpose of a link, by the names of the messages."""
-    numbers = {kind.msgname: number for number, kind in mavlink.mavlink_map.items()}
     return {
-        Rates[purpose]: {numbers[message]: hertz for message, hertz in rates.items()}
+        Rates[purpose]: {_NUMBERS[message]: hertz for message, hertz in rates.items()}
         for purpose, rates in data_file(name).items()
     }
 
@@ -135,22 +123,7 @@ def _messages(*names: str) -> tuple[int, ...]:
 _ARDUPILOT: Final = FlavourTable(
     flavour=Flavour.ARDUPILOT,
     autopilot=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA,
-    capabilities=(
-        Capability.MISSION_FLOAT
-        | Capability.PARAM_FLOAT
-        | Capability.MISSION_INT
-        | Capability.COMMAND_INT
-        | Capability.FTP
-        | Capability.SET_ATTITUDE_TARGET
-        | Capability.SET_POSITION_TARGET_LOCAL_NED
-        | Capability.SET_POSITION_TARGET_GLOBAL_INT
-        | Capability.TERRAIN
-        | Capability.COMPASS_CALIBRATION
-        | Capability.MAVLINK2
-        | Capability.MISSION_FENCE
-        | Capability.MISSION_RALLY
-        | Capability.FLIGHT_TERMINATION
-    ),
+    capabilities=_capabilities(Flavour.ARDUPILOT),
     software_version=0x04070000,
     git_hash=b"90700977",
     custom_modes={
@@ -197,26 +170,8 @@ _ARDUPILOT: Final = FlavourTable(
         for rates, number in ((Rates.ONBOARD, 1), (Rates.GROUND_STATION, 2))
     },
     stream_groups={
-        mavlink.MAV_DATA_STREAM_RAW_SENSORS: _messages("RAW_IMU", "SCALED_PRESSURE"),
-        mavlink.MAV_DATA_STREAM_EXTENDED_STATUS: _messages(
-            "SYS_STATUS",
-            "POWER_STATUS",
-            "MEMINFO",
-            "MISSION_CURRENT",
-            "GPS_RAW_INT",
-            "NAV_CONTROLLER_OUTPUT",
-            "FENCE_STATUS",
-            "POSITION_TARGET_GLOBAL_INT",
-        ),
-        mavlink.MAV_DATA_STREAM_RC_CHANNELS: _messages("SERVO_OUTPUT_RAW", "RC_CHANNELS"),
-        mavlink.MAV_DATA_STREAM_POSITION: _messages("GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"),
-        mavlink.MAV_DATA_STREAM_EXTRA1: _messages("ATTITUDE", "SIMSTATE"),
-        mavlink.MAV_DATA_STREAM_EXTRA2: _messages("VFR_HUD"),
-        mavlink.MAV_DATA_STREAM_EXTRA3: (
-            *_messages("AHRS", "WIND", "SYSTEM_TIME", "TERRAIN_REPORT", "BATTERY_STATUS", "EKF_STATUS_REPORT"),
-            *_messages("VIBRATION"),
-            AvailableModesMonitor.id,
-        ),
+        getattr(mavlink, f"MAV_DATA_STREAM_{group}"): tuple(_NUMBERS[name] for name in messages)
+        for group, messages in data_file("ardupilot_groups").items()
     },
     absent_messages=frozenset(
         _messages("ESTIMATOR_STATUS", "ALTITUDE", "ODOMETRY", "WIND_COV", "ORBIT_EXECUTION_STATUS")
@@ -245,20 +200,7 @@ _BY_ITSELF = _CUSTOM | _STABILIZED | _GUIDED | _AUTO
 _PX4: Final = FlavourTable(
     flavour=Flavour.PX4,
     autopilot=mavlink.MAV_AUTOPILOT_PX4,
-    capabilities=(
-        Capability.MISSION_FLOAT
-        | Capability.PARAM_FLOAT
-        | Capability.MISSION_INT
-        | Capability.COMMAND_INT
-        | Capability.PARAM_ENCODE_BYTEWISE
-        | Capability.FTP
-        | Capability.SET_ATTITUDE_TARGET
-        | Capability.SET_POSITION_TARGET_LOCAL_NED
-        | Capability.FLIGHT_TERMINATION
-        | Capability.MAVLINK2
-        | Capability.MISSION_FENCE
-        | Capability.MISSION_RALLY
-    ),
+    capabilities=_capabilities(Flavour.PX4),
     software_version=0x011001FF,
     git_hash=bytes.fromhex("94cb201200000000")[::-1],
     custom_modes={
