@@ -198,6 +198,7 @@ class Limits(NamedTuple):
     climb_m_s: float
     descent_m_s: float
     acceleration_m_s2: float
+    braking_m_s2: float
     vertical_acceleration_m_s2: float
     tilt_rad: float
     yaw_rate_rad_s: float

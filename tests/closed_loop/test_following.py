@@ -10,20 +10,12 @@ from mission.fly import FlightResult, fly
 from mission.plan import FlightPlan, plan_mission
 from mission.report.record import FlightRecord
 from mission.spec.loader import load_mission
-from tests.support.lockstep import LockstepVehicle, vehicle_of
+from tests.support.lockstep import LockstepVehicle, as_it_comes
 from tests.support.usual_cases import sampled
-from vehicle_sim.control.controller import PX4_GAINS
 from vehicle_sim.vehicle import VehicleConfig
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-PX4_DRAG_PER_S = 0.95
-"""Of PX4's own simulator."""
-
 _LANDING_S = 40.0
-
-
-def like_px4s_simulator(seed: int, **config: float) -> VehicleConfig:
-    return replace(vehicle_of("px4", seed=seed, drag_per_s=PX4_DRAG_PER_S, **config), gains=PX4_GAINS)
 
 
 def flown(plan: FlightPlan, config: VehicleConfig) -> FlightResult:
@@ -45,7 +37,7 @@ def test_survey_is_flown_within_its_proof_with_drag_like_px4s_simulator(
     In calm air it is not made so by slowing down. Against the wind, the tilt that the mission allows is not enough for
     its speed.
     """
-    result = flown(survey, like_px4s_simulator(5, wind_m_s=wind_m_s, wind_from_deg=250.0))
+    result = flown(survey, as_it_comes("px4", 5, wind_m_s=wind_m_s, wind_from_deg=250.0))
     assert result.achieved, result.reason
     assert result.largest_error_m <= 0.6
     assert result.beyond_tube_s <= 0.1
@@ -59,6 +51,6 @@ def test_what_no_vehicle_can_fly_is_flown_more_slowly() -> None:
     """At 8 m/s that drag alone asks for a lean of 38 degrees, and the mission allows 25."""
     spec = replace(load_mission(MISSIONS / "farm.yaml"), origin=None)
     plan = plan_mission(spec)
-    result = flown(plan, like_px4s_simulator(5, wind_m_s=4.0, wind_from_deg=250.0))
+    result = flown(plan, as_it_comes("px4", 5, wind_m_s=4.0, wind_from_deg=250.0))
     assert result.achieved, result.reason
     assert result.largest_error_m <= plan.certificate.tube_m

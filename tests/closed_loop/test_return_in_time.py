@@ -148,8 +148,8 @@ def test_from_amid_a_field_it_returns_with_what_was_covered() -> None:
 
 @sampled(
     ("flavour", "at_s"),
-    product(Flavour, (30.0, 36.0, 44.0, 51.0)),
-    [(Flavour.ARDUPILOT, 44.0), (Flavour.PX4, 36.0)],
+    product(Flavour, (30.0, 40.0, 44.0, 51.0)),
+    [(Flavour.ARDUPILOT, 44.0), (Flavour.PX4, 40.0)],
 )
 def test_a_return_goes_on_from_its_record(far: FlightPlan, flavour: Flavour, at_s: float) -> None:
     """Killed on the way home, or just before that is begun: home it goes, and to nothing that was given up."""

@@ -14,6 +14,7 @@ LIMITS = Limits(
     climb_m_s=2.5,
     descent_m_s=1.5,
     acceleration_m_s2=4.0,
+    braking_m_s2=3.0,
     vertical_acceleration_m_s2=2.0,
     tilt_rad=0.5,
     yaw_rate_rad_s=1.0,

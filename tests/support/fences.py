@@ -36,8 +36,9 @@ def fenced(vehicle: Vehicle, *areas: Area, **parameters: float) -> Vehicle:
 
 
 def stopping_distance_m(vehicle: Vehicle, speed_m_s: float) -> float:
-    """What the vehicle needs to stop from a speed, by its own limits: reaction, then three quarters of its braking."""
-    return 0.8 * speed_m_s + speed_m_s**2 / (1.5 * vehicle.autopilot.settings.acceleration_m_s2)
+    """What the vehicle needs to stop from a speed, by its own limits: reaction, then braking."""
+    settings = vehicle.autopilot.settings
+    return settings.reaction_s * speed_m_s + speed_m_s**2 / (2.0 * settings.braking_m_s2)
 
 
 class Timeline:

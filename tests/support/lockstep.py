@@ -1,11 +1,12 @@
 """The vehicle in this process: a transport whose waiting is what makes the vehicle's time pass."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.bad_links import BadLinksEndpoint
 from vehicle_sim.protocol.endpoint import Endpoint
-from vehicle_sim.vehicle import Vehicle, VehicleConfig
+from vehicle_sim.vehicle import AS_THEY_COME, Vehicle, VehicleConfig
 
 LINK = "planner"
 
@@ -48,4 +49,10 @@ class LockstepVehicle:
 
 
 def vehicle_of(flavour: str, seed: int = 1, **config: float) -> VehicleConfig:
+    """A vehicle without much drag, whichever autopilot's."""
     return VehicleConfig(flavour=Flavour(flavour), seed=seed, **config)  # type: ignore[arg-type]
+
+
+def as_it_comes(flavour: str, seed: int = 1, **config: float) -> VehicleConfig:
+    """The vehicle that a flavour comes with."""
+    return replace(AS_THEY_COME[Flavour(flavour)], seed=seed, **config)  # type: ignore[arg-type]

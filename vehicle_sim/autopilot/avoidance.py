@@ -11,19 +11,21 @@ from typing import Final
 import numpy as np
 
 from vehicle_sim.autopilot.fence import FenceWatch
-from vehicle_sim.autopilot.tasks import GENTLY, REACTION_S
 from vehicle_sim.parameters import FenceType, FlightSettings
 from vehicle_sim.signals import FREE, Estimate, Setpoint, Vector
 
 _PASSES: Final = 8
+_GENTLY: Final = 0.75
+"""Share of the vertical acceleration that braking counts on."""
+
 _TOLERANCE_M_S: Final = 1e-6
 
 
-def stopping_speed(distance_m: float, acceleration_m_s2: float) -> float:
+def stopping_speed(distance_m: float, acceleration_m_s2: float, reaction_s: float) -> float:
     """Return the speed v with v t + v² / 2 a = `distance_m`, t the time of reaction; 0 where there is no room."""
     if distance_m <= 0.0:
         return 0.0
-    a, t = acceleration_m_s2, REACTION_S
+    a, t = acceleration_m_s2, reaction_s
     return a * (sqrt(t * t + 2.0 * distance_m / a) - t)
 
 
@@ -68,12 +70,12 @@ def within_fence(
             borders = np.vstack((borders, (out_n * rest, out_e * rest)))
     distances = np.hypot(borders[:, 0], borders[:, 1])
     normals = borders / np.where(distances > 0.0, distances, 1.0)[:, None]
-    braking = GENTLY * settings.acceleration_m_s2
-    most = np.array([stopping_speed(distance - rules.margin_m, braking) for distance in distances])
+    braking, reaction_s = settings.braking_m_s2, settings.reaction_s
+    most = np.array([stopping_speed(distance - rules.margin_m, braking, reaction_s) for distance in distances])
     north, east = _slid(np.array((north, east)), normals, most)
     climb = -down
     if FenceType.ALTITUDE in kinds:
         room = rules.ceiling_m - (home_ned_m[2] - here[2]) - rules.margin_m
-        climb = min(climb, stopping_speed(room, GENTLY * settings.vertical_acceleration_m_s2))
+        climb = min(climb, stopping_speed(room, _GENTLY * settings.vertical_acceleration_m_s2, reaction_s))
     slowed = (north, east, -climb)
     return setpoint if slowed == setpoint.velocity_ned_m_s else replace(setpoint, velocity_ned_m_s=slowed)

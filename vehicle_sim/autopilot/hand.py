@@ -10,10 +10,10 @@ count as let go.
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import replace
-from math import cos, inf, isnan, sin
+from math import cos, hypot, inf, isnan, sin
 from typing import Final, NamedTuple
 
-from vehicle_sim.autopilot.tasks import HoldTask, LevelTask, Task, stopping_place
+from vehicle_sim.autopilot.tasks import LevelTask, Task, stopping_place
 from vehicle_sim.parameters import FlightSettings
 from vehicle_sim.parameters.hand import Channel, HandSettings
 from vehicle_sim.signals import Estimate, PartialVector, Setpoint
@@ -29,6 +29,8 @@ class Sticks(NamedTuple):
 
 
 CENTRED: Final = Sticks(0.0, 0.0, 0.0, 0.0)
+_HELD_BELOW_M_S: Final = 0.5
+"""A vehicle that brakes keeps the place where it has become so slow."""
 
 
 _DOWN_US, _MIDDLE_US = 1000.0, 1500.0
@@ -206,8 +208,8 @@ class HandTask(Task):
 
     def __init__(self, estimate: Estimate, settings: FlightSettings, pilot: Pilot, *, keeps_place: bool) -> None:
         """Begin with sticks that are let go."""
-        at_rest = HoldTask(estimate, settings) if keeps_place else LevelTask(estimate)
-        super().__init__(at_rest.setpoint)
+        at_rest = LevelTask(estimate).setpoint
+        super().__init__(replace(at_rest, velocity_ned_m_s=(0.0, 0.0, None)) if keeps_place else at_rest)
         self._settings, self._pilot = settings, pilot
         self._keeps_place = keeps_place
         self._asked = CENTRED
@@ -217,6 +219,10 @@ class HandTask(Task):
         hand = self._pilot.hand
         self.speed_m_s, self.climb_m_s, self.descent_m_s = hand.speed_m_s, hand.climb_m_s, hand.descent_m_s
 
+    @property
+    def _brakes(self) -> bool:
+        return self._keeps_place and self.setpoint.position_ned_m[0] is None
+
     def lifts(self, estimate: Estimate) -> bool:
         """Leave the ground when the pilot asks for a climb."""
         return self._pilot.asked(estimate.time_s).climb > 0.0
@@ -225,7 +231,7 @@ class HandTask(Task):
         """Bring the setpoint up to date with the sticks."""
         asked, before = self._pilot.asked(now_s), self._asked
         self._asked = asked
-        if asked == before == CENTRED:
+        if asked == before == CENTRED and not self._brakes:
             return
         self._take_limits()
         hand, place = self._pilot.hand, self.setpoint.position_ned_m
@@ -253,7 +259,10 @@ class HandTask(Task):
             ahead, aside = _turned(asked, estimate.yaw_rad)
             velocity = (hand.speed_m_s * ahead, hand.speed_m_s * aside, sink)
         elif north is None:
-            north, east, _ = stopping_place(estimate, self._settings)
+            velocity = (0.0, 0.0, sink)
+            if hypot(*estimate.velocity_ned_m_s[:2]) < _HELD_BELOW_M_S:
+                north, east, _ = estimate.position_ned_m
+                velocity = (None, None, sink)
         return replace(setpoint, position_ned_m=(north, east, down), velocity_ned_m_s=velocity)
 
     def _leaning(self, setpoint: Setpoint, estimate: Estimate, down: float | None, sink: float | None) -> Setpoint:

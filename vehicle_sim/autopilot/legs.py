@@ -13,7 +13,7 @@ from typing import Final
 from vehicle_sim.autopilot.mission_items import SpeedAxis
 from vehicle_sim.autopilot.tasks import Task
 from vehicle_sim.parameters import FlightSettings
-from vehicle_sim.signals import Estimate, Setpoint, Vector
+from vehicle_sim.signals import Estimate, PartialVector, Setpoint, Vector
 
 _SHARE: Final = 0.7
 """What the reference uses of the acceleration limits; the rest is for keeping up with it."""
@@ -36,13 +36,13 @@ def course_rad(a: Vector, b: Vector) -> float | None:
     return atan2(east, north) if hypot(north, east) > _NO_COURSE_M else None
 
 
-def arrival_speed(left_m: float, end_m_s: float, braking_m_s2: float) -> float:
+def arrival_speed(left_m: float, end_m_s: float, braking_m_s2: float, gain_per_s: float = _ARRIVAL_PER_S) -> float:
     """Return the speed at `left_m` before a place from which braking leads to `end_m_s` there.
 
     Proportional to the distance near the place, a square root beyond; both pieces join with equal slope.
     """
-    near_m = braking_m_s2 / _ARRIVAL_PER_S**2
-    still = _ARRIVAL_PER_S * left_m if left_m < near_m else sqrt(2.0 * braking_m_s2 * (left_m - 0.5 * near_m))
+    near_m = braking_m_s2 / gain_per_s**2
+    still = gain_per_s * left_m if left_m < near_m else sqrt(2.0 * braking_m_s2 * (left_m - 0.5 * near_m))
     return hypot(still, end_m_s)
 
 
@@ -200,9 +200,10 @@ class CruiseTask(Task):
             speed = 0.0
         elif ahead >= 0.0:
             # The turn begins before the corner, where the arc touches the leg.
-            speed = min(speed, arrival_speed(max(ahead - (self._accept[0] if corner else 0.0), 0.0), corner, braking))
+            left = max(ahead - (self._accept[0] if corner else 0.0), 0.0)
+            speed = min(speed, arrival_speed(left, corner, braking, settings.arrival_per_s))
         else:
-            speed = -min(speed, arrival_speed(-ahead, 0.0, braking))
+            speed = -min(speed, arrival_speed(-ahead, 0.0, braking, settings.arrival_per_s))
         reference.steer(
             (-back * aside[0], -back * aside[1], -back * aside[2]),
             (speed * along[0], speed * along[1], speed * along[2]),
@@ -218,6 +219,32 @@ class CruiseTask(Task):
         if down < 0.0:
             return self._limit(SpeedAxis.UP, self._settings.climb_m_s)
         return self._limit(SpeedAxis.DOWN, self._settings.descent_m_s)
+
+
+class GoTask(CruiseTask):
+    """Fly straight to a place and stay there, until something else is asked for."""
+
+    def __init__(
+        self, estimate: Estimate, settings: FlightSettings, *, goal: Setpoint, speeds: dict[SpeedAxis, float]
+    ) -> None:
+        """Begin where the vehicle is, with its velocity."""
+        here = estimate.position_ned_m
+        north, east, down = (here[i] if value is None else value for i, value in enumerate(goal.position_ned_m))
+        super().__init__(
+            Reference(here, estimate.velocity_ned_m_s),
+            settings,
+            start=here,
+            end=(north, east, down),
+            speeds=speeds,
+            accept_m=-inf,
+            accept_height_m=-inf,
+            yaw_rad=goal.yaw_rad,
+        )
+
+    @property
+    def goal(self) -> PartialVector:
+        """The place where it ends."""
+        return self.end
 
 
 class CircleTask(Task):

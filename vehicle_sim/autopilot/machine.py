@@ -3,14 +3,15 @@
 What may follow what is written in the tables of `modes`. Without a pilot, modes by hand see centred sticks.
 """
 
-from math import cos, inf, sin
+from math import ceil, cos, inf, sin
+from typing import Final
 
 from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REMINDER_PERIOD_S, REMINDERS
 from vehicle_sim.autopilot.avoidance import within_fence
 from vehicle_sim.autopilot.guard import Situation
 from vehicle_sim.autopilot.hand import HandTask
-from vehicle_sim.autopilot.legs import CircleTask, Reference, course_rad
+from vehicle_sim.autopilot.legs import CircleTask, GoTask, Reference, course_rad
 from vehicle_sim.autopilot.mission import Progress
 from vehicle_sim.autopilot.mission_items import SpeedAxis
 from vehicle_sim.autopilot.mission_task import MissionTask
@@ -32,6 +33,9 @@ from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTa
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
 from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, PartialVector, Vector
+
+_ALIGNS_ABOVE_M: Final = 2.5
+"""Height from which the iron in the ground disturbs no compass: EKF3_MAG_FINAL_RESET_ALT."""
 
 
 class Machine(State):
@@ -86,7 +90,7 @@ class Machine(State):
             self.texts.extend(texts.ALIGNED[self.flavour])
         if not self._origin_known and self._estimate.origin is not None:
             self._origin_known = True
-            self.texts.extend(texts.ORIGIN_SET[self.flavour])
+            self.texts.extend(texts.filled(texts.ORIGIN_SET[self.flavour], alt_m=self._estimate.origin.alt_m))
         # Whoever hears of a position, or of one that is predicted, looks for home.
         if self.home is None and self._origin_known:
             self.place_home(self._here())
@@ -144,6 +148,9 @@ class Machine(State):
             self._task = LandTask(estimate, settings, home_down_m=self._home_ned_m[2])
         elif mode is Mode.RETURN:
             self._task = ReturnTask(estimate, settings, goal=self.way_home())
+            up_m, zero_m = -self._task.down_m, 0.0 if estimate.origin is None else estimate.origin.alt_m
+            said, height_m = texts.RETURNS[self.flavour], self._home_ned_m[2] + up_m
+            self.texts.extend(texts.filled(said, alt_m=ceil(zero_m + up_m), height_m=ceil(height_m)))
         elif mode is Mode.TAKEOFF:
             height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
             if self.armed and self._takeoff_height_m is None:
@@ -151,6 +158,9 @@ class Machine(State):
             self._task = TakeoffTask(estimate, settings, down_m=self._home_ned_m[2] - height)
         elif self.modes[mode].manual or mode in KEEPING_PLACE:
             self._task = HandTask(estimate, settings, self.pilot, keeps_place=mode in KEEPING_PLACE)
+        elif mode is Mode.HOLD:
+            goal = HoldTask(estimate, settings, place=self._reached()).setpoint
+            self._task = GoTask(estimate, settings, goal=goal, speeds=self._speeds)
         else:
             self._task = HoldTask(estimate, settings)
         self._refresh()
@@ -180,9 +190,15 @@ class Machine(State):
             return goal
         return goal._replace(height_m=min(goal.height_m, fence.ceiling_m - fence.margin_m))
 
+    def _reached(self) -> PartialVector:
+        """Return the height of a take-off that has just ended, to be kept as it was asked for."""
+        task = self._task
+        ended = isinstance(task, TakeoffTask) and not task.taking_off
+        return (None, None, task.goal[2]) if ended else FREE
+
     def _guided(self) -> GuidedTask:
         px4 = self.flavour is Flavour.PX4
-        task = GuidedTask(self._estimate, self.settings, lifts_off=px4, stops=not px4)
+        task = GuidedTask(self._estimate, self.settings, place=self._reached(), lifts_off=px4, stops=not px4)
         if px4 and self._stream is not None and self._stream_fresh:
             task.take(self._stream, self._stream_s)
         return task
@@ -214,18 +230,29 @@ class Machine(State):
 
     def _fly(self) -> None:
         task = self._task
-        spooled = self._now_s - self._armed_at_s >= self.settings.spool_up_s
+        spooled = self._now_s - self._armed_at_s >= self.settings.lift_off_s
         if not self.flying and spooled and task.lifts(self._estimate):
             self.flying = self._has_flown = True
             self._taken_off_at_s = self._now_s
             self.guard.trust_position(self._now_s)
             self._detector.reset()
             self.texts.extend(texts.TAKEN_OFF[self.flavour])
+        height_m = self._home_ned_m[2] - self._estimate.position_ned_m[2]
+        if self.flying and not self._has_climbed and height_m > _ALIGNS_ABOVE_M:
+            self._has_climbed = True
+            self.texts.extend(texts.CLIMBED[self.flavour])
         if self.flying or task.acts_on_ground:
+            was_landing = task.landing
             task.advance(self._now_s, self._estimate)
+            if isinstance(task, ReturnTask) and task.landing and not was_landing:
+                self.texts.extend(texts.RETURNED[self.flavour])
             if task.finished:
                 task.finished = False
                 self._happen(task.event)
+
+    def hit_ground(self, speed_m_s: float) -> None:
+        """Note that the ground has been met: whoever simulates the flight says how fast."""
+        self.texts.extend(texts.filled(texts.GROUND_HIT[self.flavour], speed_m_s=speed_m_s))
 
     def _watch_ground(self, thrust_m_s2: float) -> None:
         if self.flying and self._detector.landed(self._now_s, self._estimate, thrust_m_s2):

@@ -9,6 +9,7 @@ from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import REFUSALS
 from vehicle_sim.autopilot.attitude_task import Attitude, AttitudeTask
 from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
+from vehicle_sim.autopilot.legs import GoTask
 from vehicle_sim.autopilot.machine import Machine
 from vehicle_sim.autopilot.mission_items import MissionItem, SpeedAxis
 from vehicle_sim.autopilot.mission_task import MissionTask
@@ -37,7 +38,7 @@ class Autopilot(Machine):
             self.pilot.leave()
         self.armed = True
         self._armed_at_s = self._now_s
-        self._has_flown = False
+        self._has_flown = self._has_climbed = False
         self.intended_mode = self.mode
         if self._estimate.status.position_ok and not self._home_locked:
             self.place_home(self._here())
@@ -182,13 +183,13 @@ class Autopilot(Machine):
         mode = Mode.HOLD if self.flavour is Flavour.PX4 else Mode.GUIDED
         if self.flavour is Flavour.ARDUPILOT and self.mode is not mode and not change_mode:
             return Outcome.DENIED
-        kept = self._task.setpoint if isinstance(self._task, (HoldTask, TakeoffTask)) else None
+        kept = self._task if isinstance(self._task, (HoldTask, TakeoffTask, GoTask)) else None
         if self.set_mode(mode) is not Outcome.ACCEPTED:
             return self._refusal
         north, east, down = place_ned_m
         if north is east is None and kept is not None and (down is not None or yaw_rad is not None):
-            place_ned_m = (*kept.position_ned_m[:2], down)
-            yaw_rad = kept.yaw_rad if yaw_rad is None else yaw_rad
+            place_ned_m = (*kept.goal[:2], down)
+            yaw_rad = kept.setpoint.yaw_rad if yaw_rad is None else yaw_rad
         task = HoldTask(self._estimate, self.settings, place=place_ned_m, yaw_rad=yaw_rad)
         if self._is_fenced_off(task.setpoint.position_ned_m):
             if self.flavour is Flavour.ARDUPILOT:
@@ -199,7 +200,7 @@ class Autopilot(Machine):
         if isinstance(self._task, GuidedTask):
             self._task.go_to(task.setpoint)
         else:
-            self._task = task
+            self._task = GoTask(self._estimate, self.settings, goal=task.setpoint, speeds=self._speeds)
         if speed_m_s is not None:
             self.change_speed(speed_m_s)
         self._refresh()

@@ -8,6 +8,7 @@ from dataclasses import replace
 from math import hypot, inf
 from typing import TYPE_CHECKING, Final
 
+from vehicle_sim.autopilot import texts
 from vehicle_sim.autopilot.arming import ON_REQUEST_ALONE, ArmingFault, arming_faults
 from vehicle_sim.autopilot.feasibility import mission_fault
 from vehicle_sim.autopilot.guard import Guard, Situation
@@ -62,7 +63,7 @@ class State:
         self.home: Geodetic | None = None
         self.home_revision = 0
         self.mission = Mission(self.flavour)
-        self.texts: deque[StatusText] = deque(maxlen=_MOST_TEXTS)
+        self.texts: deque[StatusText] = deque(texts.BOOTED[flavour], maxlen=_MOST_TEXTS)
         self.camera_orders: deque[CameraOrder] = deque(maxlen=_MOST_TEXTS)
         self.settings = settings
         self._battery = battery
@@ -80,7 +81,7 @@ class State:
         self.flights = 0
         self._armed_at_s = 0.0
         self._taken_off_at_s = 0.0
-        self._has_flown = False
+        self._has_flown = self._has_climbed = False
         self._landed_at_s = -inf
         self._disarmed_at_s = -inf
         self._reminded_at_s = -inf

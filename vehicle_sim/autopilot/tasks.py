@@ -9,6 +9,8 @@ from enum import Enum, auto
 from math import hypot, inf
 from typing import Final
 
+import numpy as np
+
 from vehicle_sim.autopilot.modes import Event
 from vehicle_sim.autopilot.rally import Destination
 from vehicle_sim.parameters import FlightSettings
@@ -16,18 +18,14 @@ from vehicle_sim.signals import FREE, Estimate, PartialVector, Setpoint, Vector
 
 _REACHED_HEIGHT_M: Final = 0.3
 _SLOW_M_S: Final = 0.5
-GENTLY: Final = 0.75
-"""Share of the horizontal acceleration that braking counts on."""
-REACTION_S: Final = 0.8
-"""Time until braking has set in."""
 
 
 def stopping_place(estimate: Estimate, settings: FlightSettings) -> Vector:
-    """Return where the vehicle comes to rest if it brakes gently from now on."""
+    """Return where the vehicle comes to rest if it brakes from now on."""
     north, east, down = estimate.position_ned_m
     v_north, v_east, v_down = estimate.velocity_ned_m_s
     speed = hypot(v_north, v_east)
-    seconds = speed / (2.0 * GENTLY * settings.acceleration_m_s2) + REACTION_S
+    seconds = speed / (2.0 * settings.braking_m_s2) + settings.reaction_s
     return (north + v_north * seconds, east + v_east * seconds, down + v_down * 0.5)
 
 
@@ -49,6 +47,11 @@ class Task:
         self.climb_m_s: float | None = None
         self.descent_m_s: float | None = None
         self.yaw_rate_rad_s = inf
+
+    @property
+    def goal(self) -> PartialVector:
+        """The place that it leads to."""
+        return self.setpoint.position_ned_m
 
     def lifts(self, estimate: Estimate) -> bool:
         """Whether a vehicle that stands on the ground should leave it now."""
@@ -125,13 +128,14 @@ class GuidedTask(Task):
         *,
         lifts_off: bool,
         stops: bool,
+        place: PartialVector = FREE,
     ) -> None:
-        """Begin by holding the place.
+        """Begin by holding `place`, by default where the vehicle comes to rest.
 
         `lifts_off`: setpoints may lift the vehicle from the ground (PX4). `stops`: velocity is zeroed when
         setpoints with velocity or acceleration end (ArduPilot).
         """
-        super().__init__(HoldTask(estimate, settings).setpoint)
+        super().__init__(HoldTask(estimate, settings, place=place).setpoint)
         self._settings = settings
         self._lifts_off = lifts_off
         self._stops = stops
@@ -195,8 +199,7 @@ class LandTask(Task):
 
     def _sink_m_s(self, estimate: Estimate) -> float:
         height = self._home_down_m - estimate.position_ned_m[2]
-        settings = self._settings
-        return settings.landing_fast_m_s if height > settings.landing_slow_below_m else settings.landing_m_s
+        return float(np.interp(height, self._settings.landing_heights_m, self._settings.landing_m_s))
 
     def _descent(self, yaw_rad: float | None, sink_m_s: float) -> Setpoint:
         return Setpoint(position_ned_m=self._place, velocity_ned_m_s=(None, None, sink_m_s), yaw_rad=yaw_rad)
@@ -230,8 +233,8 @@ class ReturnTask(Task):
         self._land: LandTask | None = None
         self._waiting_since_s = inf
         self._start = stopping_place(estimate, settings)
-        self._down_m = self._cruise_down_m(estimate)
-        place = (self._start[0], self._start[1], self._down_m)
+        self.down_m = self._cruise_down_m(estimate)
+        place = (self._start[0], self._start[1], self.down_m)
         super().__init__(Setpoint(position_ned_m=place, yaw_rad=estimate.yaw_rad))
         self.speed_m_s = settings.return_speed_m_s
 
@@ -258,12 +261,12 @@ class ReturnTask(Task):
         north, east, down = estimate.position_ned_m
         home_n, home_e, home_d = self._home
         yaw = self.setpoint.yaw_rad
-        if self._leg is _Leg.CLIMB and down < self._down_m + _REACHED_HEIGHT_M:
+        if self._leg is _Leg.CLIMB and down < self.down_m + _REACHED_HEIGHT_M:
             self._leg = _Leg.CRUISE
-            self.setpoint = Setpoint(position_ned_m=(home_n, home_e, self._down_m), yaw_rad=yaw)
+            self.setpoint = Setpoint(position_ned_m=(home_n, home_e, self.down_m), yaw_rad=yaw)
         elif self._leg is _Leg.CRUISE and hypot(north - home_n, east - home_e) < self._settings.reached_m:
             self._leg = _Leg.DESCEND
-            lowest = max(self._down_m, home_d - self._settings.return_descent_height_m)
+            lowest = max(self.down_m, home_d - self._settings.return_descent_height_m)
             self.setpoint = Setpoint(position_ned_m=(home_n, home_e, lowest), yaw_rad=yaw)
         elif self._leg is _Leg.DESCEND:
             target = self.setpoint.position_ned_m[2]

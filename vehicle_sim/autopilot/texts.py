@@ -24,18 +24,53 @@ DISARM_REFUSED: Final[Mapping[Flavour, StatusText]] = {
     _AP: StatusText(Severity.WARNING, "Disarm: vehicle is flying"),
     _PX4: StatusText(Severity.CRITICAL, "Disarming denied: not landed"),
 }
+BOOTED: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
+    _AP: (
+        StatusText(Severity.DEBUG, "RCInput: decoding UDP (Pulses)"),
+        StatusText(Severity.INFO, "Calibrating barometer"),
+        StatusText(Severity.INFO, "Barometer 1 calibration complete"),
+        StatusText(Severity.INFO, "ArduPilot Ready"),
+        StatusText(Severity.INFO, "AHRS: DCM active"),
+    ),
+    _PX4: (),
+}
 ALIGNED: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
     _AP: (
         StatusText(Severity.INFO, "EKF3 IMU0 initialised"),
+        StatusText(Severity.INFO, "AHRS: EKF3 active"),
         StatusText(Severity.INFO, "EKF3 IMU0 tilt alignment complete"),
         StatusText(Severity.INFO, "EKF3 IMU0 MAG0 initial yaw alignment complete"),
+        StatusText(Severity.INFO, "GPS 1: probing for u-blox at 230400 baud"),
+        StatusText(Severity.INFO, "GPS 1: detected u-blox"),
     ),
     _PX4: (),
 }
 ORIGIN_SET: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
-    _AP: (StatusText(Severity.INFO, "EKF3 IMU0 origin set"), StatusText(Severity.INFO, "EKF3 IMU0 is using GPS")),
+    _AP: (
+        StatusText(Severity.INFO, "EKF3 IMU0 origin set"),
+        StatusText(Severity.INFO, "Field Elevation Set: {alt_m:.0f}m"),
+        StatusText(Severity.INFO, "EKF3 IMU0 is using GPS"),
+    ),
     _PX4: (),
 }
+CLIMBED: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
+    _AP: (StatusText(Severity.INFO, "EKF3 IMU0 MAG0 in-flight yaw alignment complete"),),
+    _PX4: (),
+}
+RETURNS: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
+    _AP: (),
+    _PX4: (StatusText(Severity.INFO, "RTL: start return at {alt_m:d} m ({height_m:d} m above destination)"),),
+}
+RETURNED: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
+    _AP: (),
+    _PX4: (StatusText(Severity.INFO, "RTL: land at destination"),),
+}
+GROUND_HIT: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
+    _AP: (StatusText(Severity.INFO, "SIM Hit ground at {speed_m_s:.2f} m/s"),),
+    _PX4: (),
+}
+"""Its simulator says so, not the autopilot."""
+
 TAKEN_OFF: Final[Mapping[Flavour, tuple[StatusText, ...]]] = {
     _AP: (),
     _PX4: (StatusText(Severity.INFO, "Takeoff detected"),),
@@ -79,6 +114,11 @@ PX4_BREACHES: Final[Mapping[FenceType, StatusText]] = {
     FenceType.AREAS: StatusText(Severity.CRITICAL, "Geofence: approaching or outside geofence"),
 }
 REPOSITION_OUTSIDE: Final = StatusText(Severity.CRITICAL, "Reposition is outside geofence")
+
+
+def filled(said: tuple[StatusText, ...], **numbers: float) -> list[StatusText]:
+    """Return texts with their numbers."""
+    return [StatusText(severity, text.format(**numbers)) for severity, text in said]
 
 
 def fence_without(what: str) -> StatusText:

@@ -10,6 +10,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -116,19 +117,20 @@ def _config(options: argparse.Namespace) -> "VehicleConfig":
     from vehicle_sim.dynamics.airframe import Dynamics  # noqa: PLC0415
     from vehicle_sim.faults import NO_FAULTS  # noqa: PLC0415
     from vehicle_sim.parameters import Flavour  # noqa: PLC0415
-    from vehicle_sim.vehicle import VehicleConfig  # noqa: PLC0415
+    from vehicle_sim.vehicle import AS_THEY_COME  # noqa: PLC0415
 
     speed_m_s, from_deg = options.wind
+    usual = AS_THEY_COME[Flavour(options.flavour)]
     place = {} if options.home is None else dict(zip(HOME_FIELDS, options.home, strict=True))
-    return VehicleConfig(
+    return replace(
+        usual,
         seed=options.seed,
-        flavour=Flavour(options.flavour),
         dynamics=Dynamics(options.dynamics),
         wind_m_s=speed_m_s,
         wind_from_deg=from_deg,
         gust_m_s=options.gusts,
-        drag_per_s=options.drag,
-        gains=NAMED_GAINS[options.gains],
+        drag_per_s=usual.drag_per_s if options.drag is None else options.drag,
+        gains=usual.gains if options.gains is None else NAMED_GAINS[options.gains],
         faults=NO_FAULTS if options.faults is None else _schedule(options.faults),
         **place,
     )

@@ -139,15 +139,13 @@ def build_parser() -> argparse.ArgumentParser:
     vehicle.add_argument(
         "--drag",
         type=not_negative,
-        default=0.1,
         metavar="PER_S",
-        help="drag over mass, level: 0.4 as ArduCopter's simulator, 0.95 as PX4's (0.1)",
+        help="drag over mass, level (ardupilot 0.41, px4 0.95, as in their own simulators)",
     )
     vehicle.add_argument(
         "--gains",
         choices=("observer", "px4"),
-        default="observer",
-        help="how it follows: with an observer of disturbances, or by PX4's gains, late where drag changes (observer)",
+        help="how it follows: with an observer of disturbances (ardupilot), or late where drag changes, as PX4 (px4)",
     )
     vehicle.add_argument("--faults", metavar="FILE", help="what goes wrong and when: a YAML file, see below")
     vehicle.add_argument(

@@ -40,7 +40,6 @@ _RATE_PER_S: Final = 25.0
 _TILT_RATE_RAD_S: Final = 3.5
 _YAW_PER_S: Final = 2.0
 _YAW_RATE_PER_S: Final = 8.0
-_BRAKING_SHARE: Final = 0.75
 _MOST_DISTURBANCE_M_S2: Final = 4.0
 _MOST_INTEGRAL_M_S2: Final = 8.0
 _VERTICAL_RESERVE: Final = 2.0
@@ -58,6 +57,9 @@ class TrackingGains:
         velocity_per_s: From velocity to acceleration, instead of 2 / tau.
         integral_per_s2: From the integral of the velocity's error to acceleration, level only.
         damping: Share of the measured acceleration that is taken off what is asked for, level only.
+        height_per_s: From height to velocity, instead of `position_per_s`.
+        climb_per_s: From vertical velocity to acceleration, instead of `velocity_per_s`.
+        climb_observer_s: Time constant of the vertical part of the observer, instead of `observer_s`.
     """
 
     tau_s: float = 0.8
@@ -67,10 +69,20 @@ class TrackingGains:
     velocity_per_s: float | None = None
     integral_per_s2: float = 0.0
     damping: float = 0.0
+    height_per_s: float | None = None
+    climb_per_s: float | None = None
+    climb_observer_s: float | None = None
 
 
 PX4_GAINS: Final = TrackingGains(
-    observer_s=None, position_per_s=0.95, velocity_per_s=1.8, integral_per_s2=0.4, damping=0.2
+    observer_s=None,
+    position_per_s=0.95,
+    velocity_per_s=1.8,
+    integral_per_s2=0.4,
+    damping=0.2,
+    height_per_s=1.0,
+    climb_per_s=4.0,
+    climb_observer_s=2.0,
 )
 """Those of PX4 as it comes."""
 
@@ -87,6 +99,11 @@ def approach_speed(distance_m: float, *, gain_per_s: float, braking_m_s2: float)
     if distance_m <= near_m:
         return gain_per_s * distance_m
     return sqrt(2.0 * braking_m_s2 * (distance_m - 0.5 * near_m))
+
+
+def _blend(time_s: float | None, step_s: float) -> float:
+    """Return what one step takes over of a value that is low-passed with this time constant; without one nothing."""
+    return 0.0 if time_s is None else 1.0 - exp(-step_s / time_s)
 
 
 def _clipped(value: float, most: float) -> float:
@@ -121,7 +138,10 @@ class Controller:
         self._integral_per_step = gains.integral_per_s2 * step_s
         self._damping = gains.damping
         self._integral = (0.0, 0.0)
-        self._observe = 0.0 if gains.observer_s is None else 1.0 - exp(-step_s / gains.observer_s)
+        self._height_per_s = gains.height_per_s or self._position_per_s
+        self._climb_per_s = gains.climb_per_s or self._velocity_per_s
+        self._observe = _blend(gains.observer_s, step_s)
+        self._observe_climb = _blend(gains.climb_observer_s or gains.observer_s, step_s)
         self._rotor = 1.0 - exp(-step_s / gains.rotor_s)
         self._idle = True
         self._disturbance = (0.0, 0.0, 0.0)
@@ -178,7 +198,7 @@ class Controller:
         k, most = self._observe, _MOST_DISTURBANCE_M_S2
         d_n += k * (a_n - GRAVITY_M_S2 * tilt_n - d_n)
         d_e += k * (a_e - GRAVITY_M_S2 * tilt_e - d_e)
-        d_d += k * (a_d - GRAVITY_M_S2 + self._thrust_m_s2 - d_d)
+        d_d += self._observe_climb * (a_d - GRAVITY_M_S2 + self._thrust_m_s2 - d_d)
         self._disturbance = (max(-most, min(d_n, most)), max(-most, min(d_e, most)), max(-most, min(d_d, most)))
 
     def _tilt(self, estimate: Estimate, setpoint: Setpoint, guidance: Guidance) -> tuple[float, float]:
@@ -189,10 +209,15 @@ class Controller:
         miss_n = 0.0 if place[0] is None else place[0] - here[0]
         miss_e = 0.0 if place[1] is None else place[1] - here[1]
         distance = hypot(miss_n, miss_e)
-        approach = 0.0
+        approach = brake = 0.0
         if distance > 0.0:
-            braking = _BRAKING_SHARE * limits.acceleration_m_s2
-            approach = approach_speed(distance, gain_per_s=self._position_per_s, braking_m_s2=braking) / distance
+            gain, braking = self._position_per_s, limits.braking_m_s2
+            towards = approach_speed(distance, gain_per_s=gain, braking_m_s2=braking)
+            approach = towards / distance
+            # Along the root the speed is known to fall; where it joins the line this has faded away.
+            closing = (going[0] * miss_n + going[1] * miss_e) / distance
+            if closing > 0.0 and towards < limits.speed_m_s and gain * towards > braking:
+                brake = braking * min(closing / towards, 1.0) * (1.0 - braking / (gain * gain * distance)) / distance
         wanted_n, wanted_e = (speed[0] or 0.0) + approach * miss_n, (speed[1] or 0.0) + approach * miss_e
         size = hypot(wanted_n, wanted_e)
         if size > limits.speed_m_s:
@@ -205,7 +230,7 @@ class Controller:
             most,
         )
         # What is asked for is limited, and what corrects the vehicle's errors comes on top of it, up to the tilt.
-        push_n, push_e = _shortened(push[0] or 0.0, push[1] or 0.0, most)
+        push_n, push_e = _shortened((push[0] or 0.0) - brake * miss_n, (push[1] or 0.0) - brake * miss_e, most)
         u_n, u_e = u_n + push_n, u_e + push_e
         # An axis that nothing is asked of stays level, and drifts with the wind.
         asked_n, asked_e = steered_n or push[0] is not None, steered_e or push[1] is not None
@@ -243,13 +268,13 @@ class Controller:
         if place is not None:
             miss = place - estimate.position_ned_m[2]
             rate = approach_speed(
-                abs(miss), gain_per_s=self._position_per_s, braking_m_s2=limits.vertical_acceleration_m_s2
+                abs(miss), gain_per_s=self._height_per_s, braking_m_s2=limits.vertical_acceleration_m_s2
             )
             wanted += rate if miss > 0.0 else -rate
         wanted = max(-limits.climb_m_s, min(wanted, limits.descent_m_s))
         u = push or 0.0
         if place is not None or speed is not None or push is None:
-            u += self._velocity_per_s * (wanted - estimate.velocity_ned_m_s[2])
+            u += self._climb_per_s * (wanted - estimate.velocity_ned_m_s[2])
         most = _VERTICAL_RESERVE * limits.vertical_acceleration_m_s2
         u = max(-most, min(u, most))
         return max(0.0, GRAVITY_M_S2 - u + self._disturbance[2])

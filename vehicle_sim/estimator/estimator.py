@@ -1,5 +1,6 @@
 """The state estimator: attitude reference and navigation filter, their start, and what they vouch for."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import sqrt
 from typing import Final
@@ -14,6 +15,7 @@ from vehicle_sim.signals import (
     Estimate,
     EstimatorFlag,
     EstimatorStatus,
+    Geodetic,
     GpsReading,
     ImuReading,
     Vector,
@@ -47,6 +49,14 @@ _NOTHING: Final = EstimatorStatus(
 )
 
 
+def _mean(places: Sequence[Geodetic]) -> Geodetic:
+    """Return the middle of places that are close together, counted from the first, whose longitude may be any."""
+    first, count = places[0], len(places)
+    east_deg = sum((place.lon_deg - first.lon_deg + 180.0) % 360.0 - 180.0 for place in places) / count
+    lat_deg, alt_m = sum(place.lat_deg for place in places) / count, sum(place.alt_m for place in places) / count
+    return Geodetic(lat_deg, (first.lon_deg + east_deg + 180.0) % 360.0 - 180.0, alt_m)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EstimatorTuning:
     """When the estimator starts, trusts itself and stops doing so, and what its filter believes of the sensors."""
@@ -61,8 +71,8 @@ class EstimatorTuning:
 class Estimator:
     """Estimates the state of one vehicle from its sensors; `estimate` is the newest.
 
-    There is no local position before the GPS has been good for some seconds: then its fix becomes the origin and the
-    filter starts, and a little later, when it has settled, it vouches for the position.
+    There is no local position before the GPS has been good for some seconds: then the mean of its fixes becomes the
+    origin and the filter starts, and a little later, when it has settled, it vouches for the position.
     """
 
     def __init__(self, tuning: EstimatorTuning, *, step_s: float) -> None:
@@ -73,6 +83,7 @@ class Estimator:
         self.navigation: NavigationFilter | None = None
         self._baro_sum_m, self._baro_count = 0.0, 0
         self._gps_good_since_s: float | None = None
+        self._fixes: list[Geodetic] = []
         self._status = _NOTHING
         self.estimate = Estimate(0.0, None, _ZERO, _ZERO, _ZERO, 0.0, 0.0, 0.0, _ZERO, _NOTHING)
 
@@ -130,7 +141,9 @@ class Estimator:
             return
         if gps.fix_type < _FIX_3D:
             self._gps_good_since_s = None
+            self._fixes.clear()
             return
+        self._fixes.append(gps.position)
         if self._gps_good_since_s is None:
             self._gps_good_since_s = time_s
         enough = time_s - self._gps_good_since_s >= self._tuning.good_gps_s
@@ -139,7 +152,8 @@ class Estimator:
                 self._tuning.navigation,
                 step_s=self._step_s,
                 time_s=time_s,
-                origin=gps,
+                origin=_mean(self._fixes),
+                fixes=len(self._fixes),
                 baro_zero_m=self._baro_sum_m / self._baro_count,
                 attitude_rad=self._attitude.angles_rad,
             )

@@ -33,7 +33,7 @@ from vehicle_sim.estimator.process import (
     from_body,
 )
 from vehicle_sim.geodesy import ned_offset_m
-from vehicle_sim.signals import BaroReading, GpsReading, Vector
+from vehicle_sim.signals import BaroReading, Geodetic, GpsReading, Vector
 
 _ROWS: Final = 7
 _FIX_3D: Final = 3
@@ -110,16 +110,17 @@ class NavigationFilter:
         *,
         step_s: float,
         time_s: float,
-        origin: GpsReading,
+        origin: Geodetic,
+        fixes: int,
         baro_zero_m: float,
         attitude_rad: Vector,
     ) -> None:
         """Start at `time_s` where the vehicle stands.
 
-        `origin` is a fix that tells where, `baro_zero_m` what the barometer shows there, `attitude_rad` are the roll,
-        pitch and yaw at which it was levelled.
+        `origin` is the mean of so many `fixes`, `baro_zero_m` what the barometer shows there, `attitude_rad` are the
+        roll, pitch and yaw at which it was levelled.
         """
-        self.origin: Final = origin.position
+        self.origin: Final = origin
         self.started_s: Final = time_s
         self.position_taken_s = time_s
         self.ratios = [0.0] * len(_GATES)
@@ -143,7 +144,7 @@ class NavigationFilter:
         self._pushed = _UNPUSHED
         self._filter = KalmanFilter(dim_x=STATES, dim_z=_ROWS, dim_u=6)
         self._filter.x = np.zeros((STATES, 1))
-        self._filter.P = first_covariance(tuning, attitude_rad)
+        self._filter.P = first_covariance(tuning, attitude_rad, fixes)
 
     @property
     def covariance(self) -> Matrix:

@@ -77,11 +77,11 @@ def from_body(attitude_rad: Vector) -> Matrix:
     )
 
 
-def first_covariance(tuning: NavigationTuning, attitude_rad: Vector) -> Matrix:
-    """Return the covariance (18, 18) of a vehicle that was levelled at rest and begins with a fix as its origin."""
-    # The origin makes the first fix zero: what the fix was wrong by is now the error of the position, negated.
+def first_covariance(tuning: NavigationTuning, attitude_rad: Vector, fixes: int) -> Matrix:
+    """Return the covariance (18, 18) of a vehicle that was levelled at rest and begins with a mean of `fixes`."""
+    # The origin makes the mean of the fixes zero: what that was wrong by is now the error of the position, negated.
     wander = np.array([tuning.gps_wander_m, tuning.gps_wander_m, tuning.gps_vertical_wander_m]) ** 2
-    noise = np.array([tuning.gps_noise_m, tuning.gps_noise_m, tuning.gps_vertical_noise_m]) ** 2
+    noise = np.array([tuning.gps_noise_m, tuning.gps_noise_m, tuning.gps_vertical_noise_m]) ** 2 / fixes
     covariance = np.zeros((STATES, STATES))
     covariance[P, P] = np.diag(wander + noise)
     covariance[P, G] = covariance[G, P] = -np.diag(wander)

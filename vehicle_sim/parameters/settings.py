@@ -65,7 +65,7 @@ class FlightSettings:
     battery_emergency: Action
     battery_thresholds: BatteryThresholds
     battery_checked: bool
-    spool_up_s: float
+    lift_off_s: float
     disarm_landed_s: float
     disarm_unflown_s: float
     tilt_rad: float
@@ -77,12 +77,14 @@ class FlightSettings:
     climb_m_s: float
     descent_m_s: float
     acceleration_m_s2: float
+    braking_m_s2: float
+    reaction_s: float
+    arrival_per_s: float
     vertical_acceleration_m_s2: float
     takeoff_m_s: float
     takeoff_height_m: float
-    landing_m_s: float
-    landing_fast_m_s: float
-    landing_slow_below_m: float
+    landing_heights_m: tuple[float, ...]
+    landing_m_s: tuple[float, ...]
     return_height_m: float
     return_speed_m_s: float
     return_wait_s: float
@@ -114,6 +116,7 @@ class FlightSettings:
             climb_m_s=self.climb_m_s,
             descent_m_s=self.descent_m_s,
             acceleration_m_s2=self.acceleration_m_s2,
+            braking_m_s2=self.braking_m_s2,
             vertical_acceleration_m_s2=self.vertical_acceleration_m_s2,
             tilt_rad=self.tilt_rad,
             yaw_rate_rad_s=self.yaw_rate_rad_s,
@@ -166,6 +169,14 @@ _CHECK_ALL: Final = 1
 _CHECK_BATTERY: Final = 1 << 8
 _ARMING_DELAY_S: Final = 2.0
 """A constant of ArduCopter's build."""
+_CARRYING: Final = 0.435
+"""Share of the take-off's throttle that carries the weight."""
+
+_AP_CORRECTING: Final = 1.2
+"""What may be asked for on the way to a place: the limit of its planned acceleration, and what corrects errors."""
+
+_AP_BRAKING, _AP_REACTION_S, _AP_ARRIVAL_PER_S = 0.75, 0.8, 0.8
+_PX4_BRAKING, _PX4_REACTION_S = 0.7, 0.3
 _ALLOW_ARMING: Final = 1
 _ALLOW_TAKEOFF: Final = 2
 _BOTH_OR_NONE: Final = 4
@@ -217,24 +228,27 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
             emergency_share=0.0,
         ),
         battery_checked=bool(int(store["ARMING_CHECK"]) & (_CHECK_ALL | _CHECK_BATTERY)),
-        spool_up_s=_ARMING_DELAY_S,
+        # Then the throttle rises, and carries the weight before it is all there.
+        lift_off_s=_ARMING_DELAY_S + store["MOT_SPOOL_TIME"] + _CARRYING * store["TKOFF_SLEW_TIME"],
         disarm_landed_s=_never_unless_positive(store["DISARM_DELAY"]),
         disarm_unflown_s=_never_unless_positive(store["DISARM_DELAY"]),
         tilt_rad=radians(store["ANGLE_MAX"] / 100.0),
         yaw_rate_rad_s=radians(store["ATC_SLEW_YAW"] / 100.0),
         cruise_m_s=cruise_m_s,
         setpoint_speed_m_s=cruise_m_s,
-        setpoint_acceleration_m_s2=store["WPNAV_ACCEL"] / 100.0,
+        setpoint_acceleration_m_s2=_AP_CORRECTING * store["WPNAV_ACCEL"] / 100.0,
         reached_m=store["WPNAV_RADIUS"] / 100.0,
         climb_m_s=climb_m_s,
         descent_m_s=descent_m_s,
         acceleration_m_s2=store["WPNAV_ACCEL"] / 100.0,
+        braking_m_s2=_AP_BRAKING * store["WPNAV_ACCEL"] / 100.0,
+        reaction_s=_AP_REACTION_S,
+        arrival_per_s=_AP_ARRIVAL_PER_S,
         vertical_acceleration_m_s2=store["WPNAV_ACCEL_Z"] / 100.0,
         takeoff_m_s=climb_m_s,
         takeoff_height_m=0.0,
-        landing_m_s=store["LAND_SPEED"] / 100.0,
-        landing_fast_m_s=store["LAND_SPEED_HIGH"] / 100.0 or descent_m_s,
-        landing_slow_below_m=store["LAND_ALT_LOW"] / 100.0,
+        landing_heights_m=(store["LAND_ALT_LOW"] / 100.0,) * 2,
+        landing_m_s=(store["LAND_SPEED"] / 100.0, store["LAND_SPEED_HIGH"] / 100.0 or descent_m_s),
         return_height_m=store["RTL_ALT"] / 100.0,
         return_speed_m_s=store["RTL_SPEED"] / 100.0 or cruise_m_s,
         return_wait_s=store["RTL_LOIT_TIME"] / 1000.0,
@@ -290,7 +304,7 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
             emergency_share=store["BAT_EMERGEN_THR"],
         ),
         battery_checked=True,
-        spool_up_s=store["COM_SPOOLUP_TIME"],
+        lift_off_s=store["COM_SPOOLUP_TIME"] + store["MPC_TKO_RAMP_T"],
         disarm_landed_s=_never_unless_positive(store["COM_DISARM_LAND"]),
         disarm_unflown_s=_never_unless_positive(store["COM_DISARM_PRFLT"]),
         tilt_rad=radians(store["MPC_TILTMAX_AIR"]),
@@ -302,12 +316,14 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         climb_m_s=store["MPC_Z_V_AUTO_UP"],
         descent_m_s=store["MPC_Z_V_AUTO_DN"],
         acceleration_m_s2=store["MPC_ACC_HOR"],
+        braking_m_s2=_PX4_BRAKING * store["MPC_ACC_HOR"],
+        reaction_s=_PX4_REACTION_S,
+        arrival_per_s=store["MPC_XY_TRAJ_P"],
         vertical_acceleration_m_s2=store["MPC_ACC_UP_MAX"],
         takeoff_m_s=store["MPC_TKO_SPEED"],
         takeoff_height_m=store["MIS_TAKEOFF_ALT"],
-        landing_m_s=store["MPC_LAND_SPEED"],
-        landing_fast_m_s=store["MPC_Z_V_AUTO_DN"],
-        landing_slow_below_m=store["MPC_LAND_ALT1"],
+        landing_heights_m=(store["MPC_LAND_ALT3"], store["MPC_LAND_ALT2"], store["MPC_LAND_ALT1"]),
+        landing_m_s=(store["MPC_LAND_CRWL"], store["MPC_LAND_SPEED"], store["MPC_Z_V_AUTO_DN"]),
         return_height_m=store["RTL_RETURN_ALT"],
         return_speed_m_s=store["MPC_XY_CRUISE"],
         return_wait_s=wait_s if wait_s >= 0.0 else inf,

@@ -58,11 +58,11 @@ def test_no_border_is_met_faster_than_it_can_stop(
     for offset in watch.local(ORIGIN).nearest_m(*place[:2]):
         distance = float(np.hypot(*offset))
         towards = (north * offset[0] + east * offset[1]) / max(distance, 1e-9)
-        assert towards <= stopping_speed(distance - MARGIN_M, braking) + 1e-5
+        assert towards <= stopping_speed(distance - MARGIN_M, braking, SETTINGS.reaction_s) + 1e-5
     outwards = hypot(*place[:2])
     if outwards > 1e-6:
         leaving = (north * place[0] + east * place[1]) / outwards
-        assert leaving <= stopping_speed(60.0 - outwards - MARGIN_M, braking) + 1e-5
+        assert leaving <= stopping_speed(60.0 - outwards - MARGIN_M, braking, SETTINGS.reaction_s) + 1e-5
     assert hypot(north, east) <= hypot(*velocity[:2]) + 1e-6
     assert -down <= max(-velocity[2], 0.0)
     assert down >= velocity[2]
@@ -85,10 +85,10 @@ def test_far_from_all_borders_and_in_other_cases_nothing_changes() -> None:
 
 @pytest.mark.parametrize("distance_m", [0.0, -3.0])
 def test_there_is_no_speed_without_room(distance_m: float) -> None:
-    assert stopping_speed(distance_m, 2.0) == 0.0
+    assert stopping_speed(distance_m, 2.0, 0.8) == 0.0
 
 
-@given(distance_m=st.floats(0.01, 500.0), acceleration_m_s2=st.floats(0.1, 10.0))
-def test_the_stopping_speed_uses_the_room_up(distance_m: float, acceleration_m_s2: float) -> None:
-    speed = stopping_speed(distance_m, acceleration_m_s2)
-    assert 0.8 * speed + speed**2 / (2.0 * acceleration_m_s2) == pytest.approx(distance_m, rel=1e-6)
+@given(distance_m=st.floats(0.01, 500.0), acceleration_m_s2=st.floats(0.1, 10.0), reaction_s=st.floats(0.0, 2.0))
+def test_the_stopping_speed_uses_the_room_up(distance_m: float, acceleration_m_s2: float, reaction_s: float) -> None:
+    speed = stopping_speed(distance_m, acceleration_m_s2, reaction_s)
+    assert reaction_s * speed + speed**2 / (2.0 * acceleration_m_s2) == pytest.approx(distance_m, rel=1e-6)

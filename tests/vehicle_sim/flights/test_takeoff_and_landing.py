@@ -44,9 +44,9 @@ def test_ardupilot_takes_off_only_armed_and_guided_and_only_upwards() -> None:
     assert autopilot.takeoff(-1.0) is Outcome.FAILED
     assert autopilot.takeoff(10.0) is Outcome.ACCEPTED
     assert autopilot.takeoff(10.0) is Outcome.ACCEPTED
-    run(vehicle, 1.5)
+    run(vehicle, 3.0)
     assert vehicle.truth.on_ground
-    run(vehicle, 2.0)
+    run(vehicle, 1.5)
     assert not vehicle.truth.on_ground
 
 
