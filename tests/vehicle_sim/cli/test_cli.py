@@ -184,7 +184,8 @@ def test_a_ground_station_sees_it_and_it_ends_with_its_parent() -> None:
         where = f"udpout:127.0.0.1:{station.getsockname()[1]}"
         options = ["--listen", "udpin:127.0.0.1:0", "--ground-station", where, "--exit-with-parent"]
         with running(*options) as (process, _addresses):
-            assert mavlink.MAVLink(None).parse_buffer(station.recv(4096))[0].get_type() == "HEARTBEAT"
+            heard = {mavlink.MAVLink(None).parse_buffer(station.recv(4096))[0].get_type() for _ in range(10)}
+            assert "HEARTBEAT" in heard  # beside what it says as it starts
             assert process.stdin is not None
             process.stdin.close()
             assert process.wait(20.0) == 0
