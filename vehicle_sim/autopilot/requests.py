@@ -220,9 +220,9 @@ class Autopilot(Machine):
 
     def follow(self, place_ned_m: PartialVector) -> None:
         """Go where whoever is followed asks for, in PX4's mode for that; its height stays."""
-        if self.mode is Mode.FOLLOW and self.armed and isinstance(self._task, HoldTask):
-            down = self._task.setpoint.position_ned_m[2]
-            self._task = HoldTask(self._estimate, self.settings, place=(*place_ned_m[:2], down))
+        if self.mode is Mode.FOLLOW and self.armed and isinstance(self._task, GoTask):
+            goal = HoldTask(self._estimate, self.settings, place=(*place_ned_m[:2], self._task.end[2])).setpoint
+            self._task = GoTask(self._estimate, self.settings, goal=goal, speeds=self._speeds)
             self._refresh()
 
     def look_at(self, place: Geodetic | None) -> None:

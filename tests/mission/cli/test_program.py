@@ -117,7 +117,7 @@ def test_a_terminal_that_knows_only_ascii(tmp_path: Path) -> None:
     done = program("plan", str(file), PYTHONIOENCODING="ascii", PYTHONUTF8="0")
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith("?berflug\n")
-    assert program("plan", str(file), "--json", PYTHONIOENCODING="ascii").stdout.startswith('{"name": "\\u00dcberflug"')
+    assert '"name": "\\u00dcberflug"' in program("plan", str(file), "--json", PYTHONIOENCODING="ascii").stdout
 
 
 def test_colours_are_for_terminals_alone() -> None:

@@ -319,8 +319,9 @@ def test_a_key_is_replaced_and_removed_by_who_holds_it() -> None:
     keys = [endpoint.signer.key]
     endpoint.receive("a", frame_of(setup_signing(OTHER), KEY))
     keys.append(endpoint.signer.key)
-    assert endpoint.receive("a", frame_of(plain_message(0), KEY, NOW + 10)) == 0
-    endpoint.receive("a", frame_of(setup_signing(bytes(32), timestamp=0), OTHER, NOW + 20))
+    later = endpoint.signer.timestamp + 10  # each frame that was sent has its own
+    assert endpoint.receive("a", frame_of(plain_message(0), KEY, later)) == 0
+    endpoint.receive("a", frame_of(setup_signing(bytes(32), timestamp=0), OTHER, later))
     assert [*keys, endpoint.signer.key] == [KEY, OTHER, None]
     assert endpoint.receive("a", frame_of(plain_message(0), None)) == 1
 
