@@ -1,6 +1,7 @@
 """Flights of the bundled vehicle judged by their logs: the record of this program, and what a ground station hears."""
 
 import io
+import math
 import struct
 from functools import cache
 from itertools import groupby
@@ -37,6 +38,9 @@ class HeardVehicle(LockstepVehicle):
         return heard
 
 
+_INSTANT_S = 0.1
+
+
 @cache
 def flown(text: str, flavour: str) -> tuple[Record, bytes, bytes]:
     """The record of the flight of a mission, the log of who heard the vehicle, and the vehicle's own."""
@@ -48,7 +52,10 @@ def flown(text: str, flavour: str) -> tuple[Record, bytes, bytes]:
 
 
 def word_of(found: Judged) -> list[list[str]]:
-    return [list(letter.regions or ()) for letter in found.word]
+    """What was spelled for longer than an instant: a correction of the estimate may cross a border to and fro."""
+    until_s = [*(letter.t_s for letter in found.word[1:]), math.inf]
+    lasting = [letter for letter, end_s in zip(found.word, until_s, strict=True) if end_s - letter.t_s > _INSTANT_S]
+    return [list(regions or ()) for regions, _ in groupby(letter.regions for letter in lasting)]
 
 
 @pytest.mark.parametrize(
