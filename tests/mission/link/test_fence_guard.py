@@ -75,8 +75,7 @@ class Link:
             plan_store.PlanItem(i.frame, i.command, 1, i.params, i.latitude_e7, i.longitude_e7, i.height_m)
             for i in THEIRS
         )
-        assert self.vehicle.endpoint._plans.keepers[plan_store.PlanKind.FENCE](items) == 0
-        self.vehicle.endpoint._plans.store.replace(plan_store.PlanKind.FENCE, items)
+        assert self.vehicle.endpoint._plans._keep(plan_store.PlanKind.FENCE, items) == 0
         for name, value in OWNERS[self.flavour].items():
             self.vehicle.vehicle.parameters.set(name, value)
 
