@@ -15,12 +15,12 @@ With the error e = p - p* on an axis (reported less planned, at the time of the 
   drag that comes with speed: PX4 in its own simulator by 2 m. The share is 1 until the vehicle is seen ahead of the
   trajectory, as one with an observer of its own is, and falls then.
 
-Velocity and acceleration are asked for ahead of their time, by ``MOST_LEAD_S`` at most, for a multicopter tilts before
-it accelerates, and setpoints take their time on the link. The lead begins with what tilting takes, grows while the
-velocity is late where the trajectory accelerates or brakes, -e' a* / |a*|^2 per second, and falls where it is early.
-The position is asked for ahead by the delay of the link, which shows in how far the vehicle is behind on the whole,
-since autopilots let no lasting error stand. Both are leads in time, on the path itself, so they take nothing of the
-tube.
+Velocity and acceleration are asked for ahead of their time, for a multicopter tilts before it accelerates, and
+setpoints take their time on the link: by both together and by ``MOST_LEAD_S`` at most, for a push that turns round
+while the vehicle brakes looks like being late, too. The lead begins with what tilting takes, grows while the velocity
+is late where the trajectory accelerates or brakes, -e' a* / |a*|^2 per second, and falls where it is early. The
+position is asked for ahead by the delay of the link, which shows in how far the vehicle is behind on the whole, since
+autopilots let no lasting error stand. Both are leads in time, on the path itself, so they take nothing of the tube.
 
 What is seen shows what was asked for a round trip of the link before. A loop of the gain k with the dead time D stays
 calm while k D is small, so all gains fall by the same factor where D is long (``calm``).
@@ -43,6 +43,7 @@ FADING_S: Final = 30.0
 """T_0: how long an offset lasts that nothing asks for any more."""
 
 _FIRST_LEAD_S: Final = 0.1
+_TILTING_S: Final = 0.2
 MOST_LEAD_S: Final = 0.4
 _DELAY_PER_S: Final = 0.1
 _GENTLE_M2_S4: Final = 0.5
@@ -90,6 +91,7 @@ class Correction:
         self.error_m_s = (0.0, 0.0)
         self.behind_m = 0.0
         self.calm = 1.0
+        self._most_lead_s = _TILTING_S
         self._reach_m = reach_m
         self.drag = DragEstimate()
         self._share = 1.0
@@ -97,6 +99,7 @@ class Correction:
 
     def know_delay(self, dead_s: float) -> None:
         """Reckon with so long a round trip of the link."""
+        self._most_lead_s = min(_TILTING_S + dead_s, MOST_LEAD_S)
         self.calm = min(1.0, _CALM / max(dead_s, _CALM))
 
     def observe(
@@ -141,7 +144,7 @@ class Correction:
         gained = planned.acceleration_m_s2
         late = sum((v - f) * a for v, f, a in zip(planned_m_s[:2], flown_m_s[:2], gained[:2], strict=True))
         sharp = _SHARE_PER_S2 * late / (gained[0] ** 2 + gained[1] ** 2 + _GENTLE_M2_S4)
-        self.lead_s = min(max(self.lead_s + learnt_s * sharp, 0.0), MOST_LEAD_S)
+        self.lead_s = min(max(self.lead_s + learnt_s * sharp, 0.0), self._most_lead_s)
         if attitude_rad is not None:
             self.drag.observe(t_s, flown_m_s, attitude_rad)
         growth = _DRAG_GROWTH_PER_S2 * passed_s

@@ -160,10 +160,23 @@ def test_the_rate_is_the_largest_that_the_lean_allows(
         assert lean(rate) >= 4.5 * 0.92 - 0.2
 
 
+@pytest.mark.parametrize(("delay_s", "most_s"), [(0.0, 0.2), (2.0, MOST_LEAD_S)])
+def test_a_vehicle_that_seems_late_for_ever_is_led_by_no_more_than_tilting_and_the_link_take(
+    delay_s: float, most_s: float
+) -> None:
+    correction = Correction(REACH_M)
+    correction.know_delay(delay_s)
+    for tick in range(1, 3000):
+        planned = Reference(STILL, (2.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+        correction.observe(0.02 * tick, (0.0, 0.0), planned, (1.0, 0.0, 0.0), None)
+    assert correction.lead_s == most_s
+
+
 @pytest.mark.parametrize("delay_s", [0.0, 0.15, 0.3])
 def test_the_lead_becomes_the_delay_by_which_the_velocity_comes(delay_s: float) -> None:
     """A vehicle whose velocity is what was asked for a while ago, on a way that swings; without delay there is none."""
     correction, asked = Correction(REACH_M), [0.0] * 1000
+    correction.know_delay(delay_s)
     for tick in range(1, 12_000):
         t_s = 0.02 * tick
         planned = Reference(STILL, (2.0 * math.sin(t_s), 0.0, 0.0), (2.0 * math.cos(t_s), 0.0, 0.0))
