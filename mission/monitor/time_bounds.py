@@ -62,7 +62,8 @@ class BoundWatch:
         if self._formulas and not (self._letters and self._letters[-1][1] == letter):
             self._renew(t_s)
             self._letters.append((t_s, letter))
-            self._found = [self._judged(*each) for each in zip(self._formulas, self._found, strict=True)]
+            pieces = self._pieces
+            self._found = [_judged(pieces, *each) for each in zip(self._formulas, self._found, strict=True)]
 
     def now(self, t_s: float) -> tuple[BoundNow, ...]:
         """What is known at a time."""
@@ -76,13 +77,11 @@ class BoundWatch:
             stays: Whether the vehicle stays where it is for ever; otherwise it flies laps, and what comes after the
                 last region that is spoken of does not count.
         """
+        if not self._letters:
+            return None
+        pieces = self._pieces
         for formula, found in zip(self._formulas, self._found, strict=True):
-            if not self._letters:
-                continue
-            if stays:
-                kept = satisfied(staying(self._pieces), formula)
-            else:
-                kept = unbroken(self._pieces, formula, self._pieces[-1].span[0][0])
+            kept = satisfied(staying(pieces), formula) if stays else unbroken(pieces, formula, pieces[-1].span[0][0])
             if not kept:
                 return found if found.met is False else BoundNow(str(formula), met=False, at_s=None)
         return None
@@ -99,21 +98,21 @@ class BoundWatch:
             for each in self._found
         ]
 
-    def _judged(self, formula: Formula, before: BoundNow) -> BoundNow:
-        """A formula after the last label was entered."""
-        if before.met is not None:
-            return before
-        pieces = self._pieces
-        now_s = pieces[-1].span[0][0]
-        verdict = satisfied(so_far(pieces, now_s), formula)
-        if verdict is not None:
-            return BoundNow(before.formula, verdict, float(now_s))
-        at_s = settled_s(pieces, formula, from_s=now_s) if len(pieces) <= _MOST_PIECES else None
-        return BoundNow(before.formula, None, at_s, None if at_s is None else satisfied(staying(pieces), formula))
-
     @property
     def _pieces(self) -> list[Piece]:
         began_s = Fraction(self._letters[0][0])
         times = [Fraction(t_s) - began_s for t_s, _ in self._letters]
         spans = zip(times, [*times[1:], times[-1] + 1], self._letters, strict=True)
         return [Piece(from_to(begin, end), letter, letter) for begin, end, (_, letter) in spans]
+
+
+def _judged(pieces: Sequence[Piece], formula: Formula, before: BoundNow) -> BoundNow:
+    """A formula after the last label was entered."""
+    if before.met is not None:
+        return before
+    now_s = pieces[-1].span[0][0]
+    verdict = satisfied(so_far(pieces, now_s), formula)
+    if verdict is not None:
+        return BoundNow(before.formula, verdict, float(now_s))
+    at_s = settled_s(pieces, formula, from_s=now_s) if len(pieces) <= _MOST_PIECES else None
+    return BoundNow(before.formula, None, at_s, None if at_s is None else satisfied(staying(pieces), formula))

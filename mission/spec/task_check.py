@@ -27,17 +27,16 @@ def task_findings(number: int, task: dict[str, Any], kinds: Mapping[str, str]) -
         elif entered and kinds[name] == "restricted":
             message = f"the task asks to enter `{name}`, which is restricted and so never entered"
             findings.append(Finding(path, message, "name another region, or make it one to survey"))
-    findings += _bound_findings(number, task)
-    key = next(key for key in task if key in set(TaskKind))
-    if isinstance(task[key], dict) and len(named) > 1 and named[0][1] == named[1][1]:
+    kind = next(kind for kind in TaskKind if kind in task)
+    findings += _bound_findings(number, task, kind)
+    if isinstance(task[kind], dict) and len(named) > 1 and named[0][1] == named[1][1]:
         message = f"the task relates `{shortened(named[0][1])}` to itself"
         findings.append(Finding(named[1][0], message, "name two different regions"))
     return findings
 
 
-def _bound_findings(number: int, task: dict[str, Any]) -> list[Finding]:
+def _bound_findings(number: int, task: dict[str, Any], kind: TaskKind) -> list[Finding]:
     """A bound in seconds that the kind of task has not."""
-    kind = next(kind for kind in TaskKind if kind in task)
     value, allowed = task[kind], BOUND_KEYS.get(kind, "")
     if kind is TaskKind.AVOID and not (isinstance(value, dict) and "until" in value):
         allowed = ""

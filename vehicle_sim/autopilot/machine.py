@@ -32,7 +32,7 @@ from vehicle_sim.autopilot.state import State
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask, stopping_place
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
-from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, PartialVector, Vector
+from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, PartialVector, Setpoint, Vector
 
 _ALIGNS_ABOVE_M: Final = 2.5
 """Height from which the iron in the ground disturbs no compass: EKF3_MAG_FINAL_RESET_ALT."""
@@ -159,11 +159,14 @@ class Machine(State):
         elif self.modes[mode].manual or mode in KEEPING_PLACE:
             self._task = HandTask(estimate, settings, self.pilot, keeps_place=mode in KEEPING_PLACE)
         elif mode is Mode.HOLD:
-            goal = HoldTask(estimate, settings, place=self._reached()).setpoint
-            self._task = GoTask(estimate, settings, goal=goal, speeds=self._speeds)
+            self._task = self._going(HoldTask(estimate, settings, place=self._reached()).setpoint)
         else:
             self._task = HoldTask(estimate, settings)
         self._refresh()
+
+    def _going(self, goal: Setpoint) -> GoTask:
+        """Return the task of going somewhere and staying there, as PX4 does."""
+        return GoTask(self._estimate, self.settings, goal=goal, speeds=self._speeds)
 
     def _circling(self, centre: PartialVector, radius_m: float, *, clockwise: bool) -> CircleTask:
         """Return the task of circling round a place; where none is given, ahead of where the vehicle comes to rest."""

@@ -200,7 +200,7 @@ class Autopilot(Machine):
         if isinstance(self._task, GuidedTask):
             self._task.go_to(task.setpoint)
         else:
-            self._task = GoTask(self._estimate, self.settings, goal=task.setpoint, speeds=self._speeds)
+            self._task = self._going(task.setpoint)
         if speed_m_s is not None:
             self.change_speed(speed_m_s)
         self._refresh()
@@ -221,8 +221,8 @@ class Autopilot(Machine):
     def follow(self, place_ned_m: PartialVector) -> None:
         """Go where whoever is followed asks for, in PX4's mode for that; its height stays."""
         if self.mode is Mode.FOLLOW and self.armed and isinstance(self._task, GoTask):
-            goal = HoldTask(self._estimate, self.settings, place=(*place_ned_m[:2], self._task.end[2])).setpoint
-            self._task = GoTask(self._estimate, self.settings, goal=goal, speeds=self._speeds)
+            place = (*place_ned_m[:2], self._task.goal[2])
+            self._task = self._going(HoldTask(self._estimate, self.settings, place=place).setpoint)
             self._refresh()
 
     def look_at(self, place: Geodetic | None) -> None:

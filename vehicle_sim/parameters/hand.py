@@ -173,18 +173,19 @@ def hand_settings(store: ParameterStore) -> HandSettings:
 
 def _ardupilot_channel(store: ParameterStore, stick: str, sense: float) -> Channel:
     number = int(store[f"RCMAP_{stick}"])
-    least_us, most_us = store[f"RC{number}_MIN"], store[f"RC{number}_MAX"]
-    middle_us = (least_us + most_us) / 2.0 if stick == "THROTTLE" else store[f"RC{number}_TRIM"]
-    return Channel(number, least_us, middle_us, most_us, -sense if store[f"RC{number}_REVERSED"] else sense)
+    return _channel(store, number, stick, -sense if store[f"RC{number}_REVERSED"] else sense)
 
 
 def _px4_channel(store: ParameterStore, stick: str) -> Channel:
     number = int(store[f"RC_MAP_{stick}"])
-    if not number:
-        return _NO_CHANNEL
+    return _channel(store, number, stick, store[f"RC{number}_REV"]) if number else _NO_CHANNEL
+
+
+def _channel(store: ParameterStore, number: int, stick: str, sense: float) -> Channel:
+    """Return a channel by what both autopilots call alike; the throttle has no middle of its own."""
     least_us, most_us = store[f"RC{number}_MIN"], store[f"RC{number}_MAX"]
     middle_us = (least_us + most_us) / 2.0 if stick == "THROTTLE" else store[f"RC{number}_TRIM"]
-    return Channel(number, least_us, middle_us, most_us, store[f"RC{number}_REV"])
+    return Channel(number, least_us, middle_us, most_us, sense)
 
 
 def _px4_positions(store: ParameterStore, switch: int) -> tuple[float, ...]:

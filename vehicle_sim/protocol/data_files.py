@@ -1,5 +1,6 @@
 """Tables that are data: files of JSON beside this one, in the folder `data`."""
 
+from functools import cache
 from json import loads
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,8 @@ def source(name: str) -> bytes:
     return (Path(__file__).with_name("data") / f"{name}.json").read_bytes()
 
 
+@cache
 def data_file(name: str) -> dict[str, Any]:
-    """Return what is in a file."""
+    """Return what is in a file, which nobody changes: it is read once."""
     content: dict[str, Any] = loads(source(name))
     return content

@@ -24,6 +24,7 @@ from fractions import Fraction
 from typing import Final
 
 from mission.errors import FormulaSyntaxError
+from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.spellings import (
     COMMANDS,
     INFIX_LETTERS,
@@ -124,7 +125,7 @@ def parse_timed_formula(text: str, propositions: frozenset[str] | None = None) -
         FormulaSyntaxError: As there, or a conjunct has bounds and ``X``, which counts triangles and not seconds, too.
     """
     formula, column = _parsed(text, propositions)
-    for part in formula.operands if formula.operator is Operator.AND else (formula,):
+    for part in conjuncts(formula):
         if part.timed and any(node.operator is Operator.NEXT for node in postorder(part)):
             hint = "say it without X, or in a conjunct of its own"
             message = "X counts triangles and bounds count seconds: they do not stand in one conjunct"

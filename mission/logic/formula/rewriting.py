@@ -12,6 +12,7 @@ from typing import Final
 from mission.logic.formula.implication import Implications
 from mission.logic.formula.syntax import (
     CONSTANTS,
+    DUAL,
     FALSE,
     TRUE,
     Formula,
@@ -29,19 +30,6 @@ from mission.logic.formula.syntax import (
     weak_until,
 )
 
-_DUAL: Final = {
-    Operator.TRUE: Operator.FALSE,
-    Operator.FALSE: Operator.TRUE,
-    Operator.AND: Operator.OR,
-    Operator.OR: Operator.AND,
-    Operator.NEXT: Operator.NEXT,
-    Operator.EVENTUALLY: Operator.ALWAYS,
-    Operator.ALWAYS: Operator.EVENTUALLY,
-    Operator.UNTIL: Operator.RELEASE,
-    Operator.RELEASE: Operator.UNTIL,
-    Operator.WEAK_UNTIL: Operator.STRONG_RELEASE,
-    Operator.STRONG_RELEASE: Operator.WEAK_UNTIL,
-}
 _UNARY: Final = {Operator.AND: Operator.ALWAYS, Operator.OR: Operator.EVENTUALLY}
 
 
@@ -100,7 +88,7 @@ class Rewriter:
                 if not sign:
                     right, not_right = not_right, right
                 return self.disjunction([self.conjunction([left, right]), self.conjunction([not_left, not_right])])
-        return self.build(operator if sign else _DUAL[operator], parts)
+        return self.build(operator if sign else DUAL[operator], parts)
 
     def build(self, operator: Operator, parts: list[Formula]) -> Formula:  # noqa: PLR0911 - one return for each rule
         """``operator`` on operands that are simplified already."""
@@ -326,7 +314,7 @@ class Rewriter:
         return [joined if part is awaited else part for part in rest]
 
     def _merge(self, operator: Operator, kind: Operator, group: list[Formula]) -> Formula:
-        if kind is _DUAL[_UNARY[operator]]:
+        if kind is DUAL[_UNARY[operator]]:
             # F G a & F G b is F G (a & b), and G F a | G F b is G F (a | b).
             inner = self._joined(operator, [part.operands[0].operands[0] for part in group])
             return self.build(kind, [self.build(_UNARY[operator], [inner])])
@@ -366,7 +354,7 @@ def _merge_key(operator: Operator, part: Formula) -> tuple[Operator, Formula | N
     unary = _UNARY[operator]
     if part.operator in (unary, Operator.NEXT):
         return part.operator, None
-    if part.operator is _DUAL[unary] and part.operands[0].operator is unary:
+    if part.operator is DUAL[unary] and part.operands[0].operator is unary:
         return part.operator, TRUE
     joins = {
         # a U c & b U c is (a & b) U c, and c U a | c U b is c U (a | b); R, M and W likewise.

@@ -63,6 +63,21 @@ TEMPORAL: Final = frozenset(
     }
 )
 
+DUAL: Final = {
+    Operator.TRUE: Operator.FALSE,
+    Operator.FALSE: Operator.TRUE,
+    Operator.AND: Operator.OR,
+    Operator.OR: Operator.AND,
+    Operator.NEXT: Operator.NEXT,
+    Operator.EVENTUALLY: Operator.ALWAYS,
+    Operator.ALWAYS: Operator.EVENTUALLY,
+    Operator.UNTIL: Operator.RELEASE,
+    Operator.RELEASE: Operator.UNTIL,
+    Operator.WEAK_UNTIL: Operator.STRONG_RELEASE,
+    Operator.STRONG_RELEASE: Operator.WEAK_UNTIL,
+}
+"""What an operator becomes where its operands and itself are denied."""
+
 BOUNDABLE: Final = TEMPORAL - {Operator.NEXT}
 """Operators that may carry bounds in seconds: ``F[0,120] a``."""
 

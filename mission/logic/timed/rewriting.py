@@ -5,6 +5,7 @@ from typing import Final
 
 from mission.logic.formula.syntax import (
     CHAINS,
+    DUAL,
     FALSE,
     LONGEST_S,
     TRUE,
@@ -21,17 +22,6 @@ from mission.logic.formula.syntax import (
 )
 
 _EXISTENTIAL: Final = frozenset({Operator.EVENTUALLY, Operator.UNTIL})
-_DUAL: Final = {
-    Operator.AND: Operator.OR,
-    Operator.OR: Operator.AND,
-    Operator.NEXT: Operator.NEXT,
-    Operator.EVENTUALLY: Operator.ALWAYS,
-    Operator.ALWAYS: Operator.EVENTUALLY,
-    Operator.UNTIL: Operator.RELEASE,
-    Operator.RELEASE: Operator.UNTIL,
-    Operator.WEAK_UNTIL: Operator.STRONG_RELEASE,
-    Operator.STRONG_RELEASE: Operator.WEAK_UNTIL,
-}
 
 
 def positive(formula: Formula) -> Formula:
@@ -42,7 +32,7 @@ def positive(formula: Formula) -> Formula:
         asserted, denied = tuple(side[0] for side in sides), tuple(side[1] for side in sides)
         match node.operator:
             case Operator.TRUE | Operator.FALSE:
-                found[node] = (node, FALSE if node is TRUE else TRUE)
+                found[node] = (node, Formula(DUAL[node.operator]))
             case Operator.PROPOSITION:
                 found[node] = (node, negation(node))
             case Operator.NOT:
@@ -57,7 +47,7 @@ def positive(formula: Formula) -> Formula:
             case _:
                 found[node] = (
                     _made(node.operator, asserted, node.bounds),
-                    _made(_DUAL[node.operator], denied, node.bounds),
+                    _made(DUAL[node.operator], denied, node.bounds),
                 )
     return found[formula][0]
 
