@@ -10,7 +10,8 @@ from mission.logic.automata.conversion import with_accepting_states
 from mission.logic.automata.stutter import tells_repeats_apart
 from mission.logic.automata.translate import translate
 from mission.logic.formula.conjuncts import conjuncts
-from mission.logic.formula.syntax import Formula, Operator, negation, postorder, propositions
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, negation, postorder, propositions
 from mission.logic.formula.word import Letter
 from mission.plan.missing_letters import violated_by_first
 from mission.spec.model import Flight, Limits, NamedAutomaton, Semantics

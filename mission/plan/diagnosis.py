@@ -20,10 +20,10 @@ from mission.geometry.arrays import BoolArray
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import DEAD, Rabin, everything
 from mission.logic.formula.conjuncts import conjuncts
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import (
     TRUE,
     Formula,
-    Operator,
     always,
     conjunction,
     negation,

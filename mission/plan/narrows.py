@@ -23,7 +23,8 @@ from mission.geometry.location import OUTSIDE, Locator
 from mission.geometry.regions import Labelling
 from mission.geometry.shapes import Area
 from mission.geometry.simplices import Partition
-from mission.logic.formula.syntax import Operator, postorder
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import postorder
 from mission.plan.best_runs import objective_of
 from mission.plan.diagnosis import Cause
 from mission.planning.product import Product

@@ -16,7 +16,8 @@ import shapely
 
 from mission.geometry.location import Locator
 from mission.geometry.regions import Labelling
-from mission.logic.formula.syntax import Formula, Operator, seconds_text
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, seconds_text
 from mission.logic.formula.word import Letter
 from mission.logic.timed.behaviour import Behaviour, Piece, behaviour_of, from_to, staying
 from mission.logic.timed.margins import margin_s

@@ -14,7 +14,8 @@ from typing import Final, Protocol, TypeVar
 
 from mission.errors import AutomatonSizeError, LateError, NoPlanError, NoRollingStartError, SearchSizeError
 from mission.logic.formula.conjuncts import conjuncts
-from mission.logic.formula.syntax import LONGEST_S, Formula, Operator, conjunction, negation, propositions, until
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import LONGEST_S, Formula, conjunction, negation, propositions, until
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
 from mission.plan.time_bounds import FOLLOWED_S, TimeBound, bounds_of

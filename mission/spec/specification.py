@@ -19,8 +19,9 @@ from mission.logic.automata.determined import part_of, parts_of
 from mission.logic.automata.refutation import refutation
 from mission.logic.automata.translate import GLANCE, translate, translate_generalised
 from mission.logic.formula.conjuncts import conjuncts, separated
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.parser import parse_timed_formula
-from mission.logic.formula.syntax import TRUE, Formula, Operator, conjunction
+from mission.logic.formula.syntax import TRUE, Formula, conjunction
 from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.logic.timed.rewriting import untimed
 from mission.spec.model import MissionSpec, NamedAutomaton

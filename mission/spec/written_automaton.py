@@ -8,8 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from mission.errors import FormulaSyntaxError
+from mission.logic.formula.operators import TEMPORAL, Operator
 from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import TEMPORAL, Formula, Operator, postorder, proposition_order
+from mission.logic.formula.syntax import Formula, postorder, proposition_order
 from mission.spec.finding import Finding, Path, rather, shortened
 from mission.spec.shape_schema import mapping
 

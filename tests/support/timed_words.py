@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from random import Random
 
-from mission.logic.formula.syntax import Formula, Operator
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula
 from mission.logic.formula.word import Letter
 
 

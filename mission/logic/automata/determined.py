@@ -22,8 +22,9 @@ from mission.logic.automata.rabin import DEAD, IntArray, Pair, Rabin, both, noth
 from mission.logic.automata.translate import MAX_DEPTH, translate_generalised
 from mission.logic.automata.weak import is_obligation, weak_structure
 from mission.logic.formula.conjuncts import separated
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.rewriting import simplified
-from mission.logic.formula.syntax import TRUE, Formula, Operator, negation, proposition_order
+from mission.logic.formula.syntax import TRUE, Formula, negation, proposition_order
 from mission.logic.formula.word import Letter
 
 MAX_STATES: Final = 2_000

@@ -4,13 +4,7 @@ from dataclasses import dataclass
 from functools import reduce
 from operator import and_
 
-from mission.logic.formula.syntax import (
-    Formula,
-    conjunction,
-    disjunction,
-    negation,
-    proposition,
-)
+from mission.logic.formula.syntax import Formula, conjunction, disjunction, negation, proposition
 
 Cube = tuple[int, int]
 """A conjunction of literals: the bits of the propositions that hold, and of those that do not."""

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from typing import Final
 
 from mission.logic.automata.diagrams import Diagram, Diagrams, TooLargeError
-from mission.logic.formula.syntax import Formula, Operator, postorder
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, postorder
 
 MAX_ATOMS: Final = 200
 """Atoms that a formula may have: the depth of a diagram."""

@@ -12,7 +12,8 @@ from operator import or_
 
 from mission.logic.automata.diagrams import Diagram, Diagrams, TooLargeError
 from mission.logic.automata.structure import Moves, Structure
-from mission.logic.formula.syntax import Formula, Operator, postorder
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, postorder
 
 Clause = tuple[int, int]
 Clauses = tuple[Clause, ...]

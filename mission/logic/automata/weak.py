@@ -15,7 +15,8 @@ from mission.logic.automata.components import strong_components
 from mission.logic.automata.diagrams import Diagram, Diagrams
 from mission.logic.automata.progression import Progression
 from mission.logic.automata.structure import Moves, Structure
-from mission.logic.formula.syntax import Formula, Operator, postorder
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, postorder
 
 _SAFETY, _GUARANTEE, _OBLIGATION, _PERSISTENCE = 1, 2, 4, 8
 _ALL = _SAFETY | _GUARANTEE | _OBLIGATION | _PERSISTENCE

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import (
     TRUE,
     Formula,
-    Operator,
     always,
     eventually,
     following,

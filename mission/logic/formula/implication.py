@@ -6,7 +6,8 @@ and ``M`` beside ``U`` and ``R``.
 
 from typing import Final
 
-from mission.logic.formula.syntax import FALSE, TRUE, Formula, Operator, always, eventually
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import FALSE, TRUE, Formula, always, eventually
 
 _BUDGET: Final = 200_000
 _MAX_DEPTH: Final = 100  # of both formulas together; a few calls a level are far below the depth of Python's stack

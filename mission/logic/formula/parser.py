@@ -25,6 +25,7 @@ from typing import Final
 
 from mission.errors import FormulaSyntaxError
 from mission.logic.formula.conjuncts import conjuncts
+from mission.logic.formula.operators import BOUNDABLE, CHAINS, STRENGTH, UNARY, XOR_STRENGTH, Operator
 from mission.logic.formula.spellings import (
     COMMANDS,
     INFIX_LETTERS,
@@ -40,17 +41,11 @@ from mission.logic.formula.spellings import (
     named,
 )
 from mission.logic.formula.syntax import (
-    BOUNDABLE,
-    CHAINS,
     FALSE,
     LONGEST_S,
-    STRENGTH,
     TRUE,
-    UNARY,
-    XOR_STRENGTH,
     Bounds,
     Formula,
-    Operator,
     conjunction,
     disjunction,
     equivalence,

@@ -11,8 +11,9 @@ from itertools import groupby
 from typing import Final
 
 from mission.errors import AutomatonSizeError
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.rewriting import Rewriter
-from mission.logic.formula.syntax import FALSE, TRUE, Formula, Operator, postorder, propositions
+from mission.logic.formula.syntax import FALSE, TRUE, Formula, postorder, propositions
 from mission.logic.formula.word import Letter
 
 MOST_NODES: Final = 2_000

@@ -10,13 +10,11 @@ from collections.abc import Callable
 from typing import Final
 
 from mission.logic.formula.implication import Implications
+from mission.logic.formula.operators import CONSTANTS, DUAL, Operator
 from mission.logic.formula.syntax import (
-    CONSTANTS,
-    DUAL,
     FALSE,
     TRUE,
     Formula,
-    Operator,
     always,
     conjunction,
     disjunction,

@@ -8,7 +8,7 @@ import unicodedata
 from enum import StrEnum
 from typing import Final
 
-from mission.logic.formula.syntax import Operator
+from mission.logic.formula.operators import Operator
 
 
 class Sign(StrEnum):

@@ -2,84 +2,20 @@
 
 Nodes are hash-consed: building the same formula twice gives the same object, so that equality is identity and a formula
 is a directed acyclic graph that shares its common parts. Nothing here recurses, so depth is bounded by memory alone.
-
-Source of the operators: Pnueli, "The temporal logic of programs" (1977); ``W`` (weak until) and ``M`` (strong release)
-as in Manna and Pnueli, "The Temporal Logic of Reactive and Concurrent Systems" (1992).
 """
 
 import re
 from collections.abc import Callable
 from decimal import Decimal
-from enum import StrEnum
 from fractions import Fraction
 from typing import Final, Self, final
 from weakref import WeakValueDictionary
 
-RESERVED: Final = frozenset(
-    {
-        *("true", "false", "not", "next", "always", "globally", "eventually", "finally"),
-        *("and", "or", "xor", "implies", "iff", "until", "release", "releases"),
-    }
-)
-"""Words that are a proposition in double quotes only, in capitals or not: they spell an operator or a constant."""
+from mission.logic.formula.operators import BOUNDABLE, CHAINS, CONSTANTS, RESERVED, STRENGTH, UNARY, Operator
 
 _PLAIN_NAME: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 _ANY_NAME: Final = re.compile(r'[^"\\\x00-\x1f\x7f]{1,200}')
 _SPLIT_NAME: Final = re.compile(r"[FGX]+(?:[A-Za-z][0-9]*)?")
-
-
-class Operator(StrEnum):
-    """What a node is; the value is how it is written."""
-
-    TRUE = "true"
-    FALSE = "false"
-    PROPOSITION = "proposition"
-    NOT = "!"
-    AND = "&"
-    OR = "|"
-    IMPLIES = "->"
-    IFF = "<->"
-    NEXT = "X"
-    EVENTUALLY = "F"
-    ALWAYS = "G"
-    UNTIL = "U"
-    RELEASE = "R"
-    WEAK_UNTIL = "W"
-    STRONG_RELEASE = "M"
-
-
-CONSTANTS: Final = frozenset({Operator.TRUE, Operator.FALSE})
-UNARY: Final = frozenset({Operator.NOT, Operator.NEXT, Operator.EVENTUALLY, Operator.ALWAYS})
-CHAINS: Final = frozenset({Operator.AND, Operator.OR})
-TEMPORAL: Final = frozenset(
-    {
-        Operator.NEXT,
-        Operator.EVENTUALLY,
-        Operator.ALWAYS,
-        Operator.UNTIL,
-        Operator.RELEASE,
-        Operator.WEAK_UNTIL,
-        Operator.STRONG_RELEASE,
-    }
-)
-
-DUAL: Final = {
-    Operator.TRUE: Operator.FALSE,
-    Operator.FALSE: Operator.TRUE,
-    Operator.AND: Operator.OR,
-    Operator.OR: Operator.AND,
-    Operator.NEXT: Operator.NEXT,
-    Operator.EVENTUALLY: Operator.ALWAYS,
-    Operator.ALWAYS: Operator.EVENTUALLY,
-    Operator.UNTIL: Operator.RELEASE,
-    Operator.RELEASE: Operator.UNTIL,
-    Operator.WEAK_UNTIL: Operator.STRONG_RELEASE,
-    Operator.STRONG_RELEASE: Operator.WEAK_UNTIL,
-}
-"""What an operator becomes where its operands and itself are denied."""
-
-BOUNDABLE: Final = TEMPORAL - {Operator.NEXT}
-"""Operators that may carry bounds in seconds: ``F[0,120] a``."""
 
 LONGEST_S: Final = 1_000_000
 """No bound is longer, s."""
@@ -87,23 +23,6 @@ LONGEST_S: Final = 1_000_000
 Bounds = tuple[Fraction, Fraction]
 """The shortest and the longest time to what an operator speaks of, both included, s."""
 
-# How tightly an operator binds; the same number on both sides of one that associates to the right. The order is the
-# one of Spot's grammar, in which exclusive or, that no node stands for, comes between `|` and `&`.
-XOR_STRENGTH: Final = 3
-STRENGTH: Final = {
-    Operator.IMPLIES: 1,
-    Operator.IFF: 1,
-    Operator.OR: 2,
-    Operator.AND: 4,
-    Operator.UNTIL: 5,
-    Operator.RELEASE: 5,
-    Operator.WEAK_UNTIL: 5,
-    Operator.STRONG_RELEASE: 5,
-    Operator.NOT: 6,
-    Operator.NEXT: 6,
-    Operator.EVENTUALLY: 6,
-    Operator.ALWAYS: 6,
-}
 _ATOM_STRENGTH: Final = 7
 
 _SMALLEST_S: Final = Fraction(1, 10**9)

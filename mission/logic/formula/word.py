@@ -6,7 +6,8 @@ over the subformulas, and for each of them and each position of the word a look 
 
 from dataclasses import dataclass
 
-from mission.logic.formula.syntax import Formula, Operator, postorder
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, postorder
 
 Letter = frozenset[str]
 """The propositions that hold at one position; all others do not."""

@@ -19,7 +19,8 @@ from collections.abc import Callable, Sequence
 from math import lcm
 from typing import Final
 
-from mission.logic.formula.syntax import BOUNDABLE, Bounds, Formula, Operator, postorder
+from mission.logic.formula.operators import BOUNDABLE, Operator
+from mission.logic.formula.syntax import Bounds, Formula, postorder
 from mission.logic.timed.behaviour import Behaviour, Known
 from mission.logic.timed.time_sets import (
     AFTER,

@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Final
 
-from mission.logic.formula.syntax import Formula, Operator, postorder, proposition, propositions, rebuilt
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.syntax import Formula, postorder, proposition, propositions, rebuilt
 from mission.logic.timed.behaviour import Behaviour, Piece, so_far, staying
 from mission.logic.timed.judge import satisfied
 from mission.logic.timed.rewriting import positive, tightened

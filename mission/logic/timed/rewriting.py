@@ -3,15 +3,13 @@
 from fractions import Fraction
 from typing import Final
 
+from mission.logic.formula.operators import CHAINS, DUAL, Operator
 from mission.logic.formula.syntax import (
-    CHAINS,
-    DUAL,
     FALSE,
     LONGEST_S,
     TRUE,
     Bounds,
     Formula,
-    Operator,
     always,
     conjunction,
     disjunction,

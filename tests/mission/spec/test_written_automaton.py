@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from mission.errors import SpecError
 from mission.logic.automata.automaton import BuchiAutomaton
 from mission.logic.automata.conversion import with_accepting_states
+from mission.logic.formula.operators import TEMPORAL
 from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import TEMPORAL, postorder
+from mission.logic.formula.syntax import postorder
 from mission.logic.formula.word import LassoWord, satisfies
 from mission.logic.hoa.text import parse_generalised, parse_hoa
 from mission.plan import plan_from_json, plan_mission, plan_to_json

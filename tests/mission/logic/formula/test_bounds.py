@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import FormulaSyntaxError
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.parser import parse_formula, parse_timed_formula
-from mission.logic.formula.syntax import Formula, Operator, always, eventually, proposition, until
+from mission.logic.formula.syntax import Formula, always, eventually, proposition, until
 from tests.support.timed_words import random_timed
 
 A, B = proposition("a"), proposition("b")

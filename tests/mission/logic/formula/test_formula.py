@@ -3,11 +3,11 @@ import pickle
 
 import pytest
 
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import (
     FALSE,
     TRUE,
     Formula,
-    Operator,
     always,
     conjunction,
     disjunction,

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.logic.formula import patterns
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.parser import parse_formula
-from mission.logic.formula.syntax import TRUE, Formula, Operator, postorder, rebuilt
+from mission.logic.formula.syntax import TRUE, Formula, postorder, rebuilt
 from mission.logic.formula.word import LassoWord, satisfies
 from tests.support.drawn_cases import tried
 

@@ -3,9 +3,10 @@ from random import Random
 import pytest
 
 from mission.logic.formula.implication import Implications
+from mission.logic.formula.operators import Operator
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.rewriting import simplified
-from mission.logic.formula.syntax import Operator, postorder
+from mission.logic.formula.syntax import postorder
 from mission.logic.formula.word import satisfies
 from tests.support.formulas import random_formula, random_word
 

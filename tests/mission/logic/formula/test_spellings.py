@@ -3,9 +3,10 @@
 import pytest
 
 from mission.errors import FormulaSyntaxError
+from mission.logic.formula.operators import CONSTANTS, RESERVED, UNARY
 from mission.logic.formula.parser import parse_formula
 from mission.logic.formula.spellings import COMMANDS, SIGNS, WORDS, Meaning, Sign
-from mission.logic.formula.syntax import CONSTANTS, RESERVED, UNARY, always, eventually, negation, proposition
+from mission.logic.formula.syntax import always, eventually, negation, proposition
 
 SPELLED = [
     *SIGNS.items(),
