@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from mission.fly.cause import Cause
-from mission.fly.preflight.known import landing_s, told_of
+from mission.fly.preflight.known import told_of
 from mission.fly.preflight.surroundings import CAPACITY
 from mission.fly.recording import Recording
 from mission.fly.replanner import PlanRequest, Replanner
@@ -28,6 +28,7 @@ from mission.link.session import Session
 from mission.monitor.charge import Charge, Moments, Prospect, Resolve, least_share, margin_s, resolved, share
 from mission.monitor.stage import Stage
 from mission.plan.rest import Rest
+from mission.spec.air_time import landing_s
 from mission.spec.battery import Battery
 from mission.spec.model import Point
 

@@ -184,7 +184,7 @@ class FlightWatch:
             place_m=None if self.altitude_m is None else self.place_m,
             heading_rad=None if session.vehicle.attitude is None else session.vehicle.attitude.angles_rad[2],
             word=self.monitor.word,
-            bounds=self.monitor.bounds,
+            bounds=self.legs.bounds,
             since_s=0.0 if self.began_s is None or newest_s is None else max(0.0, newest_s - self.began_s),
         )
 

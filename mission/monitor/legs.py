@@ -13,11 +13,13 @@ import shapely
 
 from mission.logic.automata.rabin import DEAD
 from mission.logic.formula.word import LassoWord, Letter
+from mission.monitor.air_time import AirWatch
 from mission.monitor.coverage import CoverageWatch, Covered, together
 from mission.monitor.flight import FlightMonitor
 from mission.monitor.laps import laps_text
 from mission.monitor.monitor import Foreseen, Outcome, Violation
 from mission.monitor.stage import Stage
+from mission.monitor.time_bounds import BoundNow
 from mission.plan import FlightPlan
 from mission.plan.photographs import planned_pictures
 from mission.spec.model import Point
@@ -101,6 +103,7 @@ class FlightLegs:
         self.legs = [FlightLeg(plan, -math.inf, 0, laps_asked=plan.trajectory.laps)]
         self._next: list[FlightLeg] = []
         self._last: tuple[float, Point] | None = None
+        self._aloft = AirWatch(plan.spec.flight.longest_s)
 
     @property
     def now(self) -> FlightLeg:
@@ -151,6 +154,7 @@ class FlightLegs:
             self.legs.append(leg)
             leg.judged.report(Stage.FLY, at_s, at_m)
         self._last = (t_s, position_m)
+        self._aloft.report(stage, t_s)
         self.now.judged.report(stage, t_s, position_m)
         if trajectory_s is not None:
             self.now.coverage.report(t_s, trajectory_s, position_m)
@@ -159,6 +163,11 @@ class FlightLegs:
     def word(self) -> tuple[frozenset[str], ...]:
         """The letters that were spelled."""
         return tuple(chain.from_iterable(leg.judged.monitor.word for leg in self.legs))
+
+    @property
+    def bounds(self) -> tuple[BoundNow, ...]:
+        """What is known of what is asked for in seconds: by the plan that is flown, and of the whole flight."""
+        return (*self.now.judged.monitor.bounds, *self._aloft.now)
 
     @property
     def violations(self) -> tuple[Violation, ...]:
@@ -201,6 +210,9 @@ class FlightLegs:
 
     def outcome(self) -> Outcome:
         """The verdict on the flight as if it ended now."""
+        return self._aloft.judged(self._outcome_of_words())
+
+    def _outcome_of_words(self) -> Outcome:
         broken = [leg for leg in self.legs if leg.judged.monitor.violations]
         if not broken and self.now.given_up is not None:
             return self._outcome_of_return(self.now.given_up)

@@ -34,3 +34,9 @@ GUARDED: Final = (Stage.CLIMB, Stage.STREAM, Stage.OFFBOARD, Stage.SETTLE)
 
 WATCHED: Final = (Stage.FLY, Stage.ARRIVE, Stage.HOLD, Stage.LAND, Stage.TOUCH_DOWN)
 """Each position counts, once the trajectory has begun."""
+
+ALOFT: Final = (Stage.TAKE_OFF, *GUARDED, *WATCHED)
+"""What is between arming and landing."""
+
+LANDED: Final = (Stage.DISARM, Stage.DONE)
+"""The vehicle is on the ground again."""

@@ -15,6 +15,7 @@ from mission.logic.automata.combination import union
 from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.syntax import TRUE, Formula
+from mission.plan.air_time import AirTime
 from mission.plan.cautions import cautions, flight_cautions
 from mission.plan.costs import UNIT, transition_weights
 from mission.plan.covering import SHARE_TO_SPARE, CoveredVisit
@@ -116,9 +117,11 @@ class FlightPlan:
         return planned_pictures(self.trajectory, self.photographs)
 
     @cached_property
-    def bounds(self) -> tuple[TimeBound, ...]:
+    def bounds(self) -> tuple[TimeBound | AirTime, ...]:
         """What is asked for in seconds, with the margins of every flight within the tube."""
-        return bounds_of(self.required.timed, self.trajectory, self.certificate, self.locator, self.labelling)
+        aloft = AirTime.of(self.spec.flight, self.trajectory.duration_s)
+        in_place = bounds_of(self.required.timed, self.trajectory, self.certificate, self.locator, self.labelling)
+        return (*in_place, *(() if aloft is None else (aloft,)))
 
     @property
     def specification(self) -> str:

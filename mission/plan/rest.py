@@ -238,7 +238,8 @@ def _asks_the_same(one: MissionSpec, other: MissionSpec) -> bool:
 
 
 def _begun_at(spec: MissionSpec, rest: Rest) -> MissionSpec:
-    return replace(spec, run=0, start=Start(rest.place_m))
+    """A mission that begins where a flight is; how long that may be is watched, and bounds nothing that is left."""
+    return replace(spec, run=0, start=Start(rest.place_m), flight=replace(spec.flight, longest_s=None))
 
 
 def _laps_left(spec: MissionSpec, rest: Rest) -> int:

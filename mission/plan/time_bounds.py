@@ -42,6 +42,11 @@ class TimeBound:
     margin_s: float
 
     @property
+    def short_s(self) -> float:
+        """By how much it fails; not above 0 where it is kept."""
+        return FOLLOWED_S - self.margin_s
+
+    @property
     def kept(self) -> bool:
         """Whether it is kept for certain."""
         return self.margin_s >= FOLLOWED_S
@@ -55,9 +60,8 @@ class TimeBound:
             return f"{self.formula} is kept with {self.margin_s:.2f} s to spare"
         if self.margin_s == -math.inf:
             return f"{self.formula} is not kept, whatever its bounds"
-        short_s = FOLLOWED_S - self.margin_s
-        soonest = f"; the soonest is {_soonest(self.formula, short_s)} s" if _is_deadline(self.formula) else ""
-        return f"{self.formula} fails by {short_s:.2f} s{soonest}"
+        soonest = f"; the soonest is {_soonest(self.formula, self.short_s)} s" if _is_deadline(self.formula) else ""
+        return f"{self.formula} fails by {self.short_s:.2f} s{soonest}"
 
     def to_json(self) -> dict[str, Any]:
         """The bound as JSON values; a margin without end is null."""

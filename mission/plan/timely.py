@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import combinations, pairwise
 from typing import Final, Protocol, TypeVar
 
@@ -16,12 +17,15 @@ from mission.errors import AutomatonSizeError, LateError, NoPlanError, NoRolling
 from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import LONGEST_S, Formula, conjunction, negation, propositions, until
+from mission.plan.air_time import AirTime
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
-from mission.plan.time_bounds import FOLLOWED_S, TimeBound, bounds_of
+from mission.plan.time_bounds import TimeBound, bounds_of
 from mission.spec.model import FIELD, MissionSpec
 from mission.spec.tasks import task_text
 from mission.steering.trajectory import Trajectory
+
+Bound = TimeBound | AirTime
 
 _MOST_WAITS: Final = 6
 _MOST_PLACES: Final = 6
@@ -60,16 +64,15 @@ def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, La
         LateError: None that was tried keeps the bounds.
         NoPlanError: There is no plan.
     """
-    asked = steering.specification.timed
-    if not asked:
+    asked, flight = steering.specification.timed, steering.planner.spec.flight
+    if not asked and flight.longest_s is None:
         flown, law = flown_of(steering)
         return flown, law.fastest
-    flight = steering.planner.spec.flight
     if flight.guidance == FIELD or flight.replan:
         key = "guidance: field" if flight.guidance == FIELD else "replan: true"
         message = f"bounds in seconds are kept by the time law of one trajectory, and a flight with `{key}` leaves it"
         raise NoPlanError(message, conjuncts=tuple(map(str, asked)))
-    nearest: list[TimeBound] = []
+    nearest: list[Bound] = []
     for tried in _ways(steering):
         try:
             flown, law = flown_of(tried)
@@ -80,9 +83,9 @@ def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, La
                 raise
             continue
         trajectory, bounds = _in_its_time(tried, flown, law)
-        if all(bound.kept for bound in bounds):
+        if _are_kept(bounds):
             return flown, trajectory
-        if not nearest or _least(bounds) > _least(nearest):
+        if not nearest or _short_s(bounds) < _short_s(nearest):
             nearest = bounds
     late = [bound for bound in nearest if not bound.kept]
     raise LateError(
@@ -136,54 +139,56 @@ def given_up_in_time(
     raise late
 
 
-def _in_its_time(steering: Steering, flown: Steered, law: Law) -> tuple[Trajectory, list[TimeBound]]:
+def _in_its_time(steering: Steering, flown: Steered, law: Law) -> tuple[Trajectory, list[Bound]]:
     """A path as it is flown after the shortest wait with which all bounds are kept; at once where none will do."""
-    at_once = bounds = _bounds(steering, flown, law.fastest)
-    wait_s = 0.0
-    for _ in range(_MOST_WAITS if law.later is not None else 0):
-        short_s = FOLLOWED_S - _least(bounds)
-        if short_s <= 0.0:
-            break
-        wait_s += math.ceil(min(short_s, LONGEST_S) * 1000.0) / 1000.0
-        later = _bounds(steering, flown, law.fastest, wait_s)
-        if any(after.margin_s <= before.margin_s for before, after in _late(at_once, later)):
-            return law.fastest, at_once  # what is late is later after any wait
-        if _least(later) <= _least(bounds):
-            break  # something else is late now
-        bounds = later
-    if law.later is not None and wait_s > 0.0:
-        if _least(bounds) >= FOLLOWED_S:
-            trajectory = law.later(wait=(0.0, wait_s))
+    at_once, later = _bounds(steering, flown, law.fastest), law.later
+    if later is None or _are_kept(at_once):
+        return law.fastest, at_once
+
+    def begun_after(wait_s: float) -> list[Bound]:
+        return _bounds(steering, flown, law.fastest, wait_s)
+
+    def waited_at(place_s: float, wait_s: float) -> list[Bound]:
+        return _bounds(steering, flown, later(wait=(place_s, wait_s)))
+
+    first = begun_after(_enough_s(at_once))
+    if any(after.margin_s <= before.margin_s for before, after in zip(at_once, first, strict=True) if not before.kept):
+        return law.fastest, at_once  # what is late is later after any wait
+    waits: list[tuple[float, Callable[[float], list[Bound]]]] = [(0.0, begun_after)]
+    waits += [(place_s, partial(waited_at, place_s)) for place_s in _places(steering, flown)]
+    for place_s, after in waits:
+        wait_s = _shortest_wait(after, at_once)
+        if wait_s is not None:
+            trajectory = later(wait=(place_s, wait_s))
             return trajectory, _bounds(steering, flown, trajectory)
-        for place_s in _places(steering, flown):
-            waits = _after_a_wait(steering, flown, law.later, place_s, at_once)
-            if waits is not None:
-                return waits
     return law.fastest, at_once
 
 
-def _late(before: list[TimeBound], after: list[TimeBound]) -> list[tuple[TimeBound, TimeBound]]:
-    """The bounds that are not kept, as they are and after a wait."""
-    return [each for each in zip(before, after, strict=True) if not each[0].kept]
-
-
-def _after_a_wait(
-    steering: Steering, flown: Steered, later: Waiting, place_s: float, at_once: list[TimeBound]
-) -> tuple[Trajectory, list[TimeBound]] | None:
-    """The flight that waits at a place of its curve until all bounds are kept; None where no wait there will do."""
-    wait_s, least_s = 0.0, _least(at_once)
+def _shortest_wait(after: Callable[[float], list[Bound]], at_once: list[Bound]) -> float | None:
+    """The shortest wait after which all bounds are kept; None where none is found, for something else is late then."""
+    wait_s, bounds = 0.0, at_once
     for _ in range(_MOST_WAITS):
-        if least_s == -math.inf:
+        short_s = _short_s(bounds)
+        wait_s += _enough_s(bounds)
+        bounds = after(wait_s)
+        if _are_kept(bounds):
+            return wait_s
+        if _short_s(bounds) >= short_s:
             return None
-        wait_s += math.ceil((FOLLOWED_S - least_s) * 1000.0) / 1000.0
-        trajectory = later(wait=(place_s, wait_s))
-        bounds = _bounds(steering, flown, trajectory)
-        if _least(bounds) >= FOLLOWED_S:
-            return trajectory, bounds
-        if _least(bounds) <= least_s:
-            return None
-        least_s = _least(bounds)
     return None
+
+
+def _enough_s(bounds: list[Bound]) -> float:
+    """By how much all of them would have to be kept better, in whole milliseconds."""
+    return math.ceil(min(_short_s(bounds), LONGEST_S) * 1000.0) / 1000.0
+
+
+def _short_s(bounds: list[Bound]) -> float:
+    return max(bound.short_s for bound in bounds)
+
+
+def _are_kept(bounds: list[Bound]) -> bool:
+    return all(bound.kept for bound in bounds)
 
 
 def _places(steering: Steering, flown: Steered) -> list[float]:
@@ -196,13 +201,12 @@ def _places(steering: Steering, flown: Steered) -> list[float]:
     return [float(middles[k]) for k in before[:_MOST_PLACES]]
 
 
-def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory, later_s: float = 0.0) -> list[TimeBound]:
+def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory, later_s: float = 0.0) -> list[Bound]:
+    """What becomes of all that is asked for in seconds, where all of a trajectory is flown so much later."""
     asked, locator = steering.specification.timed, steering.search.maps.locator
-    return list(bounds_of(asked, trajectory, flown.certificate, locator, steering.planner.labelling, later_s=later_s))
-
-
-def _least(bounds: list[TimeBound]) -> float:
-    return min(bound.margin_s for bound in bounds)
+    in_place = bounds_of(asked, trajectory, flown.certificate, locator, steering.planner.labelling, later_s=later_s)
+    aloft = AirTime.of(steering.planner.spec.flight, later_s + trajectory.duration_s)
+    return [*in_place, *([] if aloft is None else [aloft])]
 
 
 def _ways(steering: Steering) -> Iterator[Steering]:

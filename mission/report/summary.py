@@ -147,7 +147,7 @@ def _judged(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "total": progress.total,
         "awaited": list(progress.awaited),
         "laps": legs.laps,
-        "in_time": [bound.text() for bound in monitor.bounds],
+        "in_time": [bound.text() for bound in legs.bounds],
         "violations": [{"t_s": each.time_s, "what": each.kind.value, "names": each.names} for each in legs.violations],
     }
 

@@ -33,6 +33,8 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
     del flight["heading"]
     if spec.flight.heading is not None:
         flight["heading"] = heading_data(spec.flight.heading)
+    if spec.flight.longest_s is None:
+        del flight["longest_s"]
     document: dict[str, Any] = {
         "name": spec.name,
         "description": spec.description,

@@ -41,6 +41,13 @@ FLIGHT: Final = mapping(
             "type": "boolean",
             "default": False,
         },
+        "longest_s": number(
+            "How long the flight may take from arming to landing, s, taking off and landing reckoned as autopilots do "
+            "it; without it, as long as it takes.",
+            1.0,
+            1.0e6,
+            examples=[600],
+        ),
     },
     examples=[{"speed_m_s": 3.0, "altitude_m": 10.0}],
 )

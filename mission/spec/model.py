@@ -237,6 +237,7 @@ class Flight:
         guidance: What leads the vehicle.
         heading: Where the nose looks; None where the file says nothing of that: it follows the flight as it can.
         replan: Whether a flight that has left the tube of its trajectory goes on by another plan.
+        longest_s: How long it may take from arming to landing; None for as long as it takes.
     """
 
     speed_m_s: float
@@ -249,6 +250,7 @@ class Flight:
     guidance: Literal["trajectory", "field"] = TRAJECTORY
     heading: Heading | None = None
     replan: bool = False
+    longest_s: float | None = None
 
     @property
     def tube_m(self) -> float:

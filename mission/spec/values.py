@@ -70,6 +70,7 @@ def mission_of(data: Data, name: str, automaton: NamedAutomaton | None) -> Missi
             guidance=FIELD if _given(data, "flight", "guidance") == FIELD else TRAJECTORY,
             heading=heading_of(data.get("flight", {}).get("heading")),
             replan=bool(_given(data, "flight", "replan")),
+            longest_s=None if (longest_s := data.get("flight", {}).get("longest_s")) is None else float(longest_s),
         ),
         smoothing=_smoothing(data),
         search=Search(

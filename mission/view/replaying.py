@@ -134,7 +134,7 @@ class _View:
             place_m=place_m,
             heading_rad=heading_rad,
             word=monitor.word,
-            bounds=monitor.bounds,
+            bounds=self._legs.bounds,
             since_s=t_s - monitor.visits[0].entered_s if monitor.visits else 0.0,
         )
 

@@ -11,6 +11,8 @@ from mission.report.reading import parse_record
 from mission.report.record import FlightRecord
 from mission.report.replay import judged_again, replay
 from mission.report.summary import summary
+from mission.spec.air_time import air_s
+from mission.verify.logs.flight_record import track_of_record
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 from tests.support.small_missions import ROUNDS, SMALL, plan_of
 
@@ -36,6 +38,13 @@ def flown(text: str, stop_after_s: float | None = None) -> tuple[list[Progress],
         stop_request=request,
     )
     return moments, sink.getvalue()
+
+
+def test_a_flight_takes_no_longer_from_arming_to_landing_than_is_reckoned() -> None:
+    plan, told = plan_of(SMALL), track_of_record(parse_record(flown(SMALL)[1])).aloft_s
+    assert told is not None
+    takes_s = air_s(plan.spec.flight.altitude_m, plan.trajectory.duration_s)
+    assert takes_s - 20.0 < told[0] == told[1] < takes_s
 
 
 @pytest.mark.parametrize(

@@ -12,20 +12,11 @@ from mission.link.contact import Contact
 from mission.link.identity import LinkOptions
 from mission.link.values import LandedState
 from mission.plan import FlightPlan
+from mission.spec.air_time import air_s
 from mission.spec.model import FIELD
 
 _SAMPLE_S: Final = 0.05
 _MOST_SAMPLES: Final = 200_000
-_CLIMB_M_S, _DESCENT_M_S, _BESIDES_S = 1.5, 0.5, 12.0
-"""How both autopilots take off and land as they come (MPC_TKO_SPEED 1.5, LAND_SPEED 50), and what the rest takes."""
-
-_TOUCHING_DOWN_S: Final = 3.0
-"""To come to rest before, and to be sure of the ground after."""
-
-
-def landing_s(altitude_m: float) -> float:
-    """How long a landing takes from a height, motors stopped at its end."""
-    return altitude_m / _DESCENT_M_S + _TOUCHING_DOWN_S
 
 
 def asked_of(plan: FlightPlan, link: LinkOptions, *, fenced: bool = True) -> Asked:
@@ -43,7 +34,7 @@ def asked_of(plan: FlightPlan, link: LinkOptions, *, fenced: bool = True) -> Ask
         yaw_rate_rad_s=None if spec.flight.heading is None else spec.limits.yaw_rate_rad_s,
         altitude_m=altitude_m,
         reach_m=_largest(position - np.asarray(plan.start_m)),
-        air_s=plan.trajectory.duration_s + altitude_m / _CLIMB_M_S + landing_s(altitude_m) + _BESIDES_S,
+        air_s=air_s(altitude_m, plan.trajectory.duration_s),
         setpoint_s=link.setpoint_s,
         disturbance_m_s2=spec.flight.disturbance_m_s2,
         battery=spec.battery,

@@ -13,6 +13,7 @@ from mission.logic.formula.word import Letter
 from mission.logic.timed.behaviour import Piece, from_to, so_far, staying
 from mission.logic.timed.judge import satisfied
 from mission.logic.timed.margins import margin_s, settled_s, unbroken
+from mission.spec.air_time import longest_text
 from mission.verify.flown.possible import Ground, plain_intervals
 from mission.verify.flown.reach import Reaches
 
@@ -50,6 +51,23 @@ class Timing:
     began_s: tuple[float, float]
     whole: bool
     laps: bool
+
+
+def air_time(longest_s: float | None, aloft_s: tuple[float, float] | None) -> tuple[BoundFlown, ...]:
+    """What became of the time from arming to landing; nothing where nothing is asked for.
+
+    Args:
+        longest_s: How long it may be.
+        aloft_s: How long it was, at least and at most; None where the log does not tell.
+    """
+    if longest_s is None:
+        return ()
+    name = longest_text(longest_s)
+    if aloft_s is None:
+        return (BoundFlown(name, None, None, None),)
+    least_s, most_s = aloft_s
+    met = True if most_s <= longest_s else False if least_s > longest_s else None
+    return (BoundFlown(name, met, longest_s - most_s, None),)
 
 
 def bounds_flown(

@@ -29,7 +29,7 @@ from mission.spec.restricted import restricted_as_drawn
 from mission.spec.specification import Specification, deterministic_of, of_mission
 from mission.spec.tasks import task_formula, task_text, timed_formula
 from mission.verify.flown.covered import CoveredShare, ToCover, covered_shares
-from mission.verify.flown.in_time import BoundFlown, Timing, bounds_flown
+from mission.verify.flown.in_time import BoundFlown, Timing, air_time, bounds_flown
 from mission.verify.flown.nearness import Deviation, Nearness, deviation_of, nearness_of
 from mission.verify.flown.possible import Doubt, Entered, Following, Ground, follow
 from mission.verify.flown.reach import FASTEST_M_S, Reaches
@@ -156,7 +156,8 @@ class _Judge:
         found = self._followed(self._automaton, self._restricted)
         covered = covered_shares(self._reaches, self._to_cover(found), whole=self._whole)
         laps = self._laps(found)
-        bounds = self._in_time(self._required.timed)
+        aloft = air_time(self._spec.flight.longest_s, self._track.aloft_s)
+        bounds = (*self._in_time(self._required.timed), *aloft)
         achieved, reason, at_s = self._decided(found, covered, laps)
         if achieved is not False and not found.violations:
             achieved, reason = _with_bounds(achieved, reason, bounds)

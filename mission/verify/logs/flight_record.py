@@ -1,19 +1,18 @@
 """Flights that this program has recorded itself (record.jsonl)."""
 
+import math
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from mission.monitor.stage import GUARDED, WATCHED, Stage
+from mission.monitor.stage import ALOFT, GUARDED, LANDED, WATCHED, Stage
 from mission.report.reading import LEG, Record, read_record
 from mission.verify.logs.telemetry import Clock, LogError
 from mission.verify.logs.track import Track
 
 KIND: Final = "flight record"
 HEAD: Final = b'{"kind":"header"'
-
-_LANDED: Final = (Stage.DISARM, Stage.DONE)
 
 
 def recorded_track(file: Path) -> Track:
@@ -50,10 +49,23 @@ def track_of_record(record: Record) -> Track:
         position_m=track.position_m[known, :2][first],
         word_from_s=min(begun, default=float(times[-1])),
         begins_whole=bool(begun),
-        ends_whole=bool(stages) and stages[-1] in _LANDED,
+        ends_whole=bool(stages) and stages[-1] in LANDED,
         pictures=tuple((each.t_s, each.number) for each in record.pictures),
         clock=Clock.of(()),
         frame="positions in the mission's domain, as they were recorded",
         left=tuple((float(times[k]), (float(velocity[k, 0]), float(velocity[k, 1]))) for k in left.tolist()),
+        aloft_s=_aloft(record),
         planned_from_m=(float(starts[-1][0]), float(starts[-1][1])) if starts else None,
     )
+
+
+def _aloft(record: Record) -> tuple[float, float] | None:
+    """How long a flight was from arming to landing, by the stages that it entered; None where it has not both."""
+    entered = [
+        (event.t_s, event.values.get("stage"))
+        for event in record.events
+        if event.text == "stage" and math.isfinite(event.t_s)
+    ]
+    armed = [t_s for t_s, stage in entered if stage in ALOFT]
+    landed = [t_s for t_s, stage in entered if stage in LANDED]
+    return (landed[0] - armed[0],) * 2 if armed and landed else None

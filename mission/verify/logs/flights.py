@@ -25,6 +25,7 @@ class Airborne:
         end_s: When it touched down, or the log ends.
         begins_whole: Whether it took off then.
         ends_whole: Whether it touched down then.
+        armed_s: When its motors were armed; None where the log does not tell.
     """
 
     told: Telemetry
@@ -32,6 +33,7 @@ class Airborne:
     end_s: float
     begins_whole: bool
     ends_whole: bool
+    armed_s: float | None = None
 
     @property
     def duration_s(self) -> float:
@@ -89,7 +91,9 @@ def _flights(boot: Telemetry) -> list[Airborne]:
             if not airborne:
                 low_begin, low_end = _low_ends(boot)
                 begins, ends = begins or low_begin, ends or low_end
-            found.append(Airborne(boot, max(begin, first_s), min(end, last_s), begins, ends))
+            # Where it was armed as the log begins, nothing tells since when.
+            armed_s = begin_s if boot.armed and begin_s > boot.armed[0][0] else None
+            found.append(Airborne(boot, max(begin, first_s), min(end, last_s), begins, ends, armed_s))
     return found
 
 

@@ -21,6 +21,7 @@ _GLOBE_DEG: Final = (90.0, 180.0)
 _LEFT_M: Final = 2.0
 """So far from where it took off a vehicle is on its way, and not at the mercy of the wind."""
 
+_HEARTBEAT_S: Final = 1.0
 _MOVED_M: Final = 0.5
 """An origin that is told anew so far away is another one."""
 
@@ -43,6 +44,7 @@ class Track:
             north: its autopilot brought it to rest, and held it.
         moves_from_s: By when its trajectory had begun, for it had left the place of take-off; None where
             ``word_from_s`` tells when that was.
+        aloft_s: How long it was from arming to landing, at least and at most; None where the log does not tell.
     """
 
     t_s: FloatArray
@@ -56,6 +58,7 @@ class Track:
     planned_from_m: Point | None = None
     left: tuple[tuple[float, Point], ...] = ()
     moves_from_s: float | None = None
+    aloft_s: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "t_s", frozen_floats(self.t_s))
@@ -106,7 +109,16 @@ def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
         clock=Clock.of(told.clock),
         frame=name,
         moves_from_s=float(times[int(np.argmax(left))] if left.any() else times[-1]),
+        aloft_s=_aloft(flight),
     )
+
+
+def _aloft(flight: Airborne) -> tuple[float, float] | None:
+    """How long a flight was from arming to landing, each of which is told up to a heartbeat later."""
+    if flight.armed_s is None or not flight.ends_whole or not (flight.told.airborne or flight.told.active):
+        return None
+    told_s = flight.end_s - flight.armed_s
+    return max(told_s - _HEARTBEAT_S, 0.0), told_s + _HEARTBEAT_S
 
 
 def _is_local_better(local: FloatArray, world: FloatArray, origin: LatLon | None) -> bool:

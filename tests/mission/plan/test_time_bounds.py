@@ -64,7 +64,7 @@ def test_flights_in_the_tube_keep_their_bounds_and_tightened_by_the_margin(aside
     exact = [Fraction(t_s) for t_s in times.tolist()]
     spans = zip(exact, [*exact[1:], exact[-1] + 1], letters, strict=True)
     flown = staying([Piece(from_to(begin, end), letter, letter) for begin, end, letter in spans])
-    assert all(satisfied(flown, bound.formula) for bound in plan.bounds)
+    assert all(satisfied(flown, formula) for formula in plan.required.timed)
 
 
 def test_what_would_come_too_soon_is_waited_for_where_the_flight_begins() -> None:

@@ -8,8 +8,9 @@ import pytest
 from mission.spec.model import MissionSpec
 from mission.spec.specification import of_mission
 from mission.verify.flown.judging import Judged, judged
-from mission.verify.logs.telemetry import Clock
-from mission.verify.logs.track import Track
+from mission.verify.logs.flights import flights_of
+from mission.verify.logs.telemetry import Clock, Log, Telemetry
+from mission.verify.logs.track import Track, track_of
 from tests.support.timed_missions import timed, timed_plan
 
 FORMULA = "F G home & F[0,60] far & G[0,12] !gate"
@@ -87,3 +88,43 @@ def test_laps_keep_a_bound_between_visits(every_s: int, kept: bool) -> None:  # 
     verdict = judged(spec, flown, plan=replace(plan, required=of_mission(spec, plan.labelling.letters)))
     assert verdict.achieved is kept
     assert {bound.met for bound in verdict.bounds} == {kept}
+
+
+@pytest.mark.parametrize(
+    ("aloft_s", "met", "achieved"),
+    [
+        ((58.0, 60.0), True, True),
+        ((59.5, 60.5), None, None),
+        ((60.5, 62.5), False, False),
+        (None, None, None),
+    ],
+)
+def test_the_time_from_arming_to_landing_is_judged_as_far_as_the_log_tells_it(
+    aloft_s: tuple[float, float] | None,
+    met: bool | None,  # noqa: FBT001 - what is expected
+    achieved: bool | None,  # noqa: FBT001 - likewise
+) -> None:
+    spec = timed("F G home")
+    spec = replace(spec, flight=replace(spec.flight, longest_s=60.0))
+    verdict, bounds = found(spec, replace(track(), aloft_s=aloft_s))
+    assert bounds == {"flight.longest_s: 60": met}
+    assert verdict.achieved is achieved
+
+
+@pytest.mark.parametrize(
+    ("armed", "airborne", "aloft_s"),
+    [
+        ([(0.0, False), (10.0, True), (70.0, False)], [(0.0, False), (14.0, True), (65.0, False)], (54.0, 56.0)),
+        ([(9.0, True), (70.0, False)], [(0.0, False), (14.0, True), (65.0, False)], None),
+        ([(0.0, False), (10.0, True)], [(0.0, False), (14.0, True)], None),
+        ([], [(0.0, False), (14.0, True), (65.0, False)], None),
+    ],
+)
+def test_a_log_tells_the_time_from_arming_to_landing_where_it_has_both(
+    armed: list[tuple[float, bool]], airborne: list[tuple[float, bool]], aloft_s: tuple[float, float] | None
+) -> None:
+    told = Telemetry(armed=armed, airborne=airborne)
+    for t_s in range(8, 70):
+        told.local.extend((float(t_s), 0.0, 0.0, -5.0))
+    (flight,) = flights_of(Log("", (told,)))
+    assert track_of(flight, None, (9.0, 15.0)).aloft_s == aloft_s
