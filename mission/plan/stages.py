@@ -30,7 +30,7 @@ from mission.plan.tasks import dropped_tasks
 from mission.plan.timely import Law, given_up_in_time, in_time
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
-from mission.spec.domain import build_domain, restricted_triangles
+from mission.spec.domain import as_drawn, build_domain, restricted_triangles
 from mission.spec.model import Cost, MissionSpec, Point
 from mission.spec.specification import Specification, of_mission
 from mission.steering.trajectory import Trajectory
@@ -161,7 +161,7 @@ def _index(spec: MissionSpec, found: BestRuns, run: int | None) -> int:
 
 def _map_of(spec: MissionSpec) -> tuple[object, ...]:
     """All that the triangles of a mission, and their labels, follow from."""
-    return spec.domain, [(each.name, each.kind, each.shape, each.clearance_m) for each in spec.regions]
+    return spec.domain, [as_drawn(each) for each in spec.regions]
 
 
 def _flown(steering: Steering, beginning: Beginning) -> tuple[Steered, Law]:

@@ -76,7 +76,7 @@ def examine_domain(
         start_m: Where the flight begins; None where that is unknown.
         tube: What the proof adds to its path.
     """
-    outlines, found_before, mesh = drawn_map(domain, tuple(regions))
+    outlines, found_before, mesh = drawn_map(domain, tuple(map(as_drawn, regions)))
     findings = list(found_before)
     if mesh is None:
         return None, None, findings
@@ -105,11 +105,17 @@ def examine_domain(
     return partition, None if findings else label_triangles(partition.size, members), findings
 
 
+def as_drawn(region: Region) -> Region:
+    """A region as it is on the map, whatever is done there."""
+    return Region(region.name, region.kind, region.shape, clearance_m=region.clearance_m)
+
+
 @lru_cache(maxsize=_REMEMBERED)
 def drawn_map(domain: Domain, regions: tuple[Region, ...]) -> tuple[Outlines, tuple[Finding, ...], FacedMesh | None]:
     """The outlines of a domain with regions, what is wrong with them, and the mesh; None where there is none.
 
-    A mission is checked when it is read, and meshed for that; the same mesh serves for what is planned then.
+    A mission is checked when it is read, and meshed for that, before it is known what is done in its regions; the same
+    mesh serves for what is planned then.
     """
     outlines, findings = sound_outlines(domain, regions)
     if any(finding.path[0] == "domain" for finding in findings):

@@ -1,5 +1,6 @@
 """Domains whose mesh refines itself: outlines as people have them, without a point that was placed for the mesh."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from mission.errors import SpecError
 from mission.plan import plan_from_json, plan_mission, plan_to_json
 from mission.spec.document import document_of
-from mission.spec.domain import build_domain, joined_m
+from mission.spec.domain import build_domain, drawn_map, joined_m
 from mission.spec.loader import load_mission, parse_mission
 from tests.support.proofs import untrue
 
@@ -105,3 +106,12 @@ def test_faults_of_the_geometry_are_told_beside_a_needless_key() -> None:
     with pytest.raises(SpecError) as refused:
         parse_mission(text)
     assert [fault.path for fault in refused.value.faults] == ["domain.points", "regions.bog.at"]
+
+
+def test_what_is_done_in_a_region_draws_no_other_map() -> None:
+    drawn_map.cache_clear()
+    spec = parse_mission(site("park: {kind: survey, loiter_s: 5, polygon: [[20, 20], [40, 20], [40, 40]]}"))
+    slower = [replace(region, loiter_s=9.0) for region in spec.regions]
+    build_domain(spec)
+    build_domain(replace(spec, regions=tuple(slower)))
+    assert drawn_map.cache_info().misses == 1
