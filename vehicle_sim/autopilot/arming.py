@@ -5,7 +5,7 @@ from enum import Enum, auto
 from typing import Final, NamedTuple
 
 from vehicle_sim.autopilot.hand import Pilot
-from vehicle_sim.autopilot.modes import KEEPING_PLACE, Mode, ModeRule
+from vehicle_sim.autopilot.modes import BY_ATTITUDE, DIRECT, KEEPING_PLACE, Mode, ModeRule, is_by_hand
 from vehicle_sim.battery import BatteryLevel
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import Estimate
@@ -28,10 +28,11 @@ class ArmingReason(Enum):
     NO_RADIO = auto()
     RADIO_LOST = auto()
     THROTTLE_HIGH = auto()
+    NO_STICKS = auto()
 
 
 class ArmingFault(NamedTuple):
-    """One check that failed: its reason, and the text that the ground station shows (without prefix)."""
+    """One check that failed: its reason, and the text that the ground station shows (without prefix; empty: none)."""
 
     reason: ArmingReason
     text: str
@@ -66,6 +67,7 @@ _TEXTS: Final[Mapping[Flavour, Mapping[ArmingReason, str]]] = {
         ArmingReason.FENCE_BLIND: "Geofence RTL requires valid home",
         ArmingReason.OUTSIDE_FENCE: "Geofence: approaching or outside geofence",
         ArmingReason.NO_MISSION: "No valid mission available",
+        ArmingReason.NO_STICKS: "",
     },
 }
 
@@ -120,6 +122,7 @@ def arming_faults(
         # ArduPilot arms in AUTO, where that is allowed at all, with whatever mission there is.
         ArmingReason.NO_MISSION: flavour is Flavour.PX4 and mode is Mode.AUTO and not mission_flyable,
         **(_radio_faults(mode, pilot, now_s) if pilot.hand.radio_checked else {}),
+        ArmingReason.NO_STICKS: lacks_sticks(flavour, mode, rule, pilot, now_s),
         ArmingReason.MODE: not rule.armable,
     }
     texts = _TEXTS[flavour]
@@ -131,7 +134,7 @@ def arming_faults(
 def _radio_faults(mode: Mode, pilot: Pilot, now_s: float) -> dict[ArmingReason, bool]:
     """Return what ArduPilot asks of the radio; where sticks do not climb, it does not matter where the throttle is."""
     throttle, zone = pilot.throttle(now_s), pilot.hand.climb_dead_zone
-    high = (mode in _DIRECT and throttle > _DOWN) or (mode in _CLIMBING and throttle > zone)
+    high = (mode in DIRECT and throttle > _DOWN) or (mode in _CLIMBING and throttle > zone)
     return {
         ArmingReason.NO_RADIO: pilot.heard_s is None,
         ArmingReason.RADIO_LOST: pilot.is_low(now_s),
@@ -139,9 +142,29 @@ def _radio_faults(mode: Mode, pilot: Pilot, now_s: float) -> dict[ArmingReason, 
     }
 
 
+def lacks_sticks(flavour: Flavour, mode: Mode, rule: ModeRule, pilot: Pilot, now_s: float) -> bool:
+    """Whether PX4 misses the sticks of a mode that is flown by them; ArduPilot asks for a radio in every mode."""
+    return flavour is Flavour.PX4 and is_by_hand(mode, rule) and not pilot.counts(now_s)
+
+
+def stick_denial(flavour: Flavour, mode: Mode, rule: ModeRule, pilot: Pilot, now_s: float, *, by_sticks: bool) -> str:
+    """Return why sticks, as they stand, do not arm or let nobody arm, as it is said; empty if they do."""
+    if flavour is Flavour.ARDUPILOT:
+        return f"Arm: {rule.name} mode not armable" if by_sticks and mode in BY_ATTITUDE else ""
+    if not is_by_hand(mode, rule):
+        return "Arming denied: switch to manual mode first" if by_sticks else ""
+    if not pilot.counts(now_s):
+        return ""
+    throttle = pilot.standing(now_s).climb
+    if mode in DIRECT:
+        return "Arming denied: high throttle" if throttle >= _PX4_LOW else ""
+    return "Arming denied: throttle above center" if throttle > _PX4_ABOVE else ""
+
+
+_PX4_LOW: Final = -0.8
+_PX4_ABOVE: Final = 0.2
 _DOWN: Final = -0.94
 """A throttle up to here counts as down: RC3_DZ is 30 of 1000 microseconds."""
 
-_DIRECT: Final = frozenset({Mode.STABILIZE, Mode.ACRO})
 _CLIMBING: Final = KEEPING_PLACE | {Mode.ALT_HOLD}
-"""Modes in which the throttle is thrust, and in which it is a climb rate."""
+"""Modes in which the throttle is a climb rate."""

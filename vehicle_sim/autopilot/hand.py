@@ -45,6 +45,7 @@ class Pilot:
         hand: What full stick means, and which sticks count; whoever changes the settings changes it.
         sticks: How those of the joystick stood when they were last heard.
         switched: The position from 0 that the mode switch has been put to; whoever has seen to it sets it to None.
+        arming: Whether the sticks have asked to be armed, or to be disarmed; None once somebody has seen to it.
     """
 
     def __init__(self, hand: HandSettings) -> None:
@@ -52,6 +53,8 @@ class Pilot:
         self.hand = hand
         self.sticks = CENTRED
         self.switched: int | None = None
+        self.arming: bool | None = None
+        self._gesture: tuple[int, float] = (0, 0.0)
         self._joystick_s: float | None = None
         self._radio_s: float | None = None
         self._radio_first = True
@@ -97,10 +100,11 @@ class Pilot:
         self._radio_s = now_s
 
     def listen(self, now_s: float, *, landed: bool) -> None:
-        """Note what the radio receives now, and whether the mode switch has been moved."""
+        """Note what the radio receives now, whether the mode switch has been moved, and whether the sticks arm."""
         self._landed = landed
         if self._grounded:
             self._hear(now_s)
+        self._watch_gesture(now_s)
         pulse_us = self.pulse_us(self.hand.switch, now_s) if self.hand.radio else None
         if pulse_us is None:
             return
@@ -113,6 +117,21 @@ class Pilot:
             self._moved = (position, now_s)
         elif now_s - self._moved[1] >= _SETTLED_S:
             self.switched = self._position = position
+
+    def _watch_gesture(self, now_s: float) -> None:
+        """Note which gesture has been held for long enough, once."""
+        gesture, (direction, since_s) = self.hand.gesture, self._gesture
+        if not gesture.arms:
+            return
+        sticks, held = self.standing(now_s), 0
+        if abs(sticks.turn) > gesture.turn and max(abs(sticks.forward), abs(sticks.right)) <= gesture.centred:
+            down = (sticks.climb if self.hand.joystick else self.throttle(now_s)) <= gesture.throttle
+            held = (1 if sticks.turn > 0.0 else -1) if down else 0
+        if held != direction:
+            self._gesture = (held, now_s)
+        elif held and now_s - since_s >= gesture.hold_s:
+            self._gesture = (held, inf)
+            self.arming = held > 0 if held > 0 or gesture.disarms else None
 
     def leave(self) -> None:
         """Note that the sticks are given back: they are as unknown as before."""

@@ -76,9 +76,11 @@ class Machine(State):
             self._protect(situation, fresh)
         if self.armed:
             self._fly()
-        elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (faults := self.prearm_faults):
+        elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (
+            told := [fault.text for fault in self.prearm_faults if fault.text]
+        ):
             self._reminded_at_s = self._now_s
-            self._say(Severity.CRITICAL, REMINDERS[self.flavour].format(text=faults[0].text))
+            self._say(Severity.CRITICAL, REMINDERS[self.flavour].format(text=told[0]))
         self._watch_ground(thrust_m_s2)
         self._refresh()
 

@@ -201,6 +201,15 @@ BY_ATTITUDE: Final = frozenset((Mode.GUIDED, Mode.GUIDED_NOGPS))
 KEEPING_PLACE: Final = frozenset((Mode.POSITION, Mode.POSHOLD))
 """The modes by hand in which a stick that is let go stops the vehicle where it is."""
 
+DIRECT: Final = frozenset((Mode.MANUAL, Mode.STABILIZE, Mode.ACRO))
+"""The modes in which the throttle is thrust."""
+
+
+def is_by_hand(mode: Mode, rule: ModeRule) -> bool:
+    """Whether a mode is flown by sticks."""
+    return rule.manual or not KEEPING_PLACE.isdisjoint((mode, rule.like))
+
+
 TRANSITIONS: Final[Mapping[Flavour, Mapping[tuple[Mode, Event], Mode]]] = {
     # ArduPilot takes off inside GUIDED and stays there.
     Flavour.ARDUPILOT: {(Mode.GUIDED, Event.TAKEN_OFF): Mode.GUIDED},

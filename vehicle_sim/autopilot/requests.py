@@ -6,14 +6,14 @@ Requests answer at once with an `Outcome`; what they set going is done by the ma
 from math import inf, pi
 
 from vehicle_sim.autopilot import texts
-from vehicle_sim.autopilot.arming import REFUSALS
+from vehicle_sim.autopilot.arming import REFUSALS, lacks_sticks, stick_denial
 from vehicle_sim.autopilot.attitude_task import Attitude, AttitudeTask
 from vehicle_sim.autopilot.geofence import Area, FencePlan, LocalFence
 from vehicle_sim.autopilot.legs import GoTask
 from vehicle_sim.autopilot.machine import Machine
 from vehicle_sim.autopilot.mission_items import MissionItem, SpeedAxis
 from vehicle_sim.autopilot.mission_task import MissionTask
-from vehicle_sim.autopilot.modes import BY_ATTITUDE, HOLDING, Mode, Outcome, Severity
+from vehicle_sim.autopilot.modes import BY_ATTITUDE, DIRECT, HOLDING, Mode, Outcome, Severity
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, TakeoffTask
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import Geodetic, PartialVector, Setpoint
@@ -22,10 +22,14 @@ from vehicle_sim.signals import Geodetic, PartialVector, Setpoint
 class Autopilot(Machine):
     """Modes, arming, tasks and failsafes of one vehicle, as seen from its links."""
 
-    def arm(self, *, force: bool = False) -> Outcome:
+    def arm(self, *, force: bool = False, by_sticks: bool = False) -> Outcome:
         """Arm; `force` skips the checks of position, battery and mode, never those of attitude."""
         if self.armed:
             return Outcome.ACCEPTED
+        denial = stick_denial(self.flavour, self.mode, self.rule, self.pilot, self._now_s, by_sticks=by_sticks)
+        if denial and not force:
+            self._say(Severity.CRITICAL, denial)
+            return self._refusal
         # Its settings, its areas or home may have changed since it was looked at last.
         self.guard.look_at_fence(self._situation())
         faults = self.arming_faults
@@ -42,18 +46,19 @@ class Autopilot(Machine):
         self.intended_mode = self.mode
         if self._estimate.status.position_ok and not self._home_locked:
             self.place_home(self._here())
-        self.texts.append(texts.ARMED[self.flavour])
+        self.texts.append((texts.ARMED_BY_STICKS if by_sticks else texts.ARMED)[self.flavour])
         self._begin(self.mode)
         return Outcome.ACCEPTED
 
-    def disarm(self, *, force: bool = False) -> Outcome:
-        """Stop the motors; in the air only by `force`."""
+    def disarm(self, *, force: bool = False, by_sticks: bool = False) -> Outcome:
+        """Stop the motors; in the air only by `force`, or by sticks whose throttle is thrust."""
         if not self.armed:
             return Outcome.ACCEPTED
-        if self.flying and not force:
-            self.texts.append(texts.DISARM_REFUSED[self.flavour])
+        if self.flying and not force and not (by_sticks and self.mode in DIRECT):
+            if not by_sticks:
+                self.texts.append(texts.DISARM_REFUSED[self.flavour])
             return self._refusal
-        self._disarm(texts.DISARMED[self.flavour])
+        self._disarm((texts.DISARMED_BY_STICKS if by_sticks else texts.DISARMED)[self.flavour])
         return Outcome.ACCEPTED
 
     def set_mode(self, mode: Mode) -> Outcome:
@@ -71,7 +76,10 @@ class Autopilot(Machine):
         if mode is self.mode:
             self._choose(mode)
             return Outcome.ACCEPTED
-        if reason := "init failed" if self._is_closed(mode) else self._obstacle(mode) if self.armed else "":
+        closed = self._is_closed(mode) or (
+            self.armed and lacks_sticks(self.flavour, mode, self.modes[mode], self.pilot, self._now_s)
+        )
+        if reason := "init failed" if closed else self._obstacle(mode) if self.armed else "":
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
             streamless = self.flavour is Flavour.PX4 and mode is Mode.GUIDED and self._estimate.status.position_ok
             return Outcome.ACCEPTED if streamless else self._refusal

@@ -12,9 +12,17 @@ ARMED: Final[Mapping[Flavour, StatusText]] = {
     _AP: StatusText(Severity.INFO, "Arming motors"),
     _PX4: StatusText(Severity.INFO, "Armed by external command"),
 }
+ARMED_BY_STICKS: Final[Mapping[Flavour, StatusText]] = {
+    _AP: ARMED[_AP],
+    _PX4: StatusText(Severity.INFO, "Armed by Stick gesture"),
+}
 DISARMED: Final[Mapping[Flavour, StatusText]] = {
     _AP: StatusText(Severity.INFO, "Disarming motors"),
     _PX4: StatusText(Severity.INFO, "Disarmed by external command"),
+}
+DISARMED_BY_STICKS: Final[Mapping[Flavour, StatusText]] = {
+    _AP: DISARMED[_AP],
+    _PX4: StatusText(Severity.INFO, "Disarmed by Stick gesture"),
 }
 DISARMED_BY_LANDING: Final[Mapping[Flavour, StatusText]] = {
     _AP: StatusText(Severity.INFO, "Disarming motors"),

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntFlag
-from math import radians
+from math import inf, radians
 from typing import Final, NamedTuple
 
 from vehicle_sim.parameters.actions import Action
@@ -17,6 +17,7 @@ _CHECK_ALL, _CHECK_RADIO = 1, 1 << 6
 _SWITCH_US: Final = (1230.0, 1360.0, 1490.0, 1620.0, 1749.0)
 """The greatest pulse of each position of ArduPilot's mode switch but the last (`RC_Channel.cpp`)."""
 _POSITIONS: Final = 6
+_DISARMS_TOO: Final = 2
 
 
 class Stickless(IntFlag):
@@ -56,6 +57,26 @@ class Channel(NamedTuple):
         return self.middle_us + abs(share) * (end_us - self.middle_us)
 
 
+class Gesture(NamedTuple):
+    """How sticks arm and disarm: throttle down and full turn, to the right or to the left.
+
+    Attributes:
+        hold_s: For how long.
+        turn: Share of the turning stick's way that counts as full.
+        throttle: Up to here the throttle is down, -1 to 1.
+        centred: How far the other two sticks may be off their middle.
+        arms: Whether the one to the right does.
+        disarms: Whether the one to the left does.
+    """
+
+    hold_s: float
+    turn: float
+    throttle: float
+    centred: float
+    arms: bool
+    disarms: bool
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandSettings:
     """How far full stick goes, and which sticks count at all; metres, seconds, radians.
@@ -70,6 +91,7 @@ class HandSettings:
         switch_us: The greatest pulse of each of its positions but the last.
         switch_modes: The mode at each position, as the parameters number it.
         radio_checked: Whether arming waits for a radio.
+        gesture: How sticks arm and disarm.
         timeout_s: Sticks that are silent for so long count no more.
         dead_zone: Share of the stick's way that counts as centred.
         climb_dead_zone: The same of the stick that climbs.
@@ -92,6 +114,7 @@ class HandSettings:
     switch_us: tuple[float, ...]
     switch_modes: tuple[int, ...]
     radio_checked: bool
+    gesture: Gesture
     timeout_s: float
     dead_zone: float
     climb_dead_zone: float
@@ -109,6 +132,7 @@ def hand_settings(store: ParameterStore) -> HandSettings:
     """Return the settings that the parameters of `store` amount to now."""
     if store.flavour is Flavour.PX4:
         sources, switch = int(store["COM_RC_IN_MODE"]), int(store["RC_MAP_FLTMODE"])
+        gesture = bool(store["MAN_ARM_GESTURE"])
         return HandSettings(
             joystick=sources in _JOYSTICK_COUNTS,
             radio=sources in _RADIO_COUNTS,
@@ -124,6 +148,7 @@ def hand_settings(store: ParameterStore) -> HandSettings:
             switch_us=_px4_positions(store, switch),
             switch_modes=tuple(int(store[f"COM_FLTMODE{number}"]) for number in range(1, _POSITIONS + 1)),
             radio_checked=False,
+            gesture=Gesture(1.0, 0.9, -0.8, 0.1, gesture, gesture),
             timeout_s=store["COM_RC_LOSS_T"],
             dead_zone=store["MAN_DEADZONE"],
             climb_dead_zone=store["MAN_DEADZONE"],
@@ -139,6 +164,7 @@ def hand_settings(store: ParameterStore) -> HandSettings:
     climb_m_s, roll = store["PILOT_SPEED_UP"] / 100.0, int(store["RCMAP_ROLL"])
     options, checks = int(store["FS_OPTIONS"]), int(store["ARMING_CHECK"])
     loss = _ARDUPILOT_LOSS.get(int(store["FS_THR_ENABLE"]), Action.NOTHING)
+    rudder = int(store["ARMING_RUDDER"])
     return HandSettings(
         joystick=False,
         radio=True,
@@ -155,8 +181,10 @@ def hand_settings(store: ParameterStore) -> HandSettings:
         switch_us=_SWITCH_US,
         switch_modes=tuple(int(store[f"FLTMODE{number}"]) for number in range(1, _POSITIONS + 1)),
         radio_checked=bool(loss) and bool(checks & (_CHECK_ALL | _CHECK_RADIO)),
+        # Full is 40 of 45 degrees; down is what RC3_DZ covers, 30 of 1000 microseconds.
+        gesture=Gesture(3.0, 40.0 / 45.0, -0.94, inf, rudder > 0, rudder == _DISARMS_TOO),
         # Below 0 an override counts until it is taken back.
-        timeout_s=store["RC_OVERRIDE_TIME"] if store["RC_OVERRIDE_TIME"] >= 0.0 else float("inf"),
+        timeout_s=store["RC_OVERRIDE_TIME"] if store["RC_OVERRIDE_TIME"] >= 0.0 else inf,
         dead_zone=store[f"RC{roll}_DZ"] / _HALF_THROTTLE,
         climb_dead_zone=store["THR_DZ"] / _HALF_THROTTLE,
         speed_m_s=store["LOIT_SPEED"] / 100.0,

@@ -10,6 +10,7 @@ from enum import Enum, auto
 from typing import Final
 
 from vehicle_sim.autopilot import MODES, Mode, Outcome
+from vehicle_sim.autopilot.modes import is_by_hand
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.data_files import data_file
 from vehicle_sim.protocol.dialect import mavlink
@@ -220,10 +221,7 @@ _PX4: Final = FlavourTable(
         Mode.FOLLOW: _px4_mode(4, 8),
         Mode.PRECISION_LAND: _px4_mode(4, 9),
     },
-    base_modes={
-        mode: _BY_HAND if rule.manual or Mode.POSITION in (mode, rule.like) else _BY_ITSELF
-        for mode, rule in MODES[Flavour.PX4].items()
-    },
+    base_modes={mode: _BY_HAND if is_by_hand(mode, rule) else _BY_ITSELF for mode, rule in MODES[Flavour.PX4].items()},
     default_rates_hz={Rates.SILENT: {}, **_rates("px4_rates")},
     stream_parameters={},
     stream_groups={},

@@ -51,14 +51,18 @@ class StickService:
         }
 
     def advance(self) -> None:
-        """Change the mode where the mode switch has been moved."""
-        pilot = self._host.vehicle.autopilot.pilot
-        if pilot.switched is None:
-            return
-        mode = self._modes.get(pilot.hand.switch_modes[pilot.switched])
-        pilot.switched = None
-        if mode is not None:
-            self._host.vehicle.autopilot.set_mode(mode)
+        """Change the mode where the mode switch has been moved; arm and disarm where the sticks ask for it."""
+        autopilot = self._host.vehicle.autopilot
+        pilot = autopilot.pilot
+        if pilot.switched is not None:
+            mode = self._modes.get(pilot.hand.switch_modes[pilot.switched])
+            pilot.switched = None
+            if mode is not None:
+                autopilot.set_mode(mode)
+        if pilot.arming is not None:
+            change = autopilot.arm if pilot.arming else autopilot.disarm
+            pilot.arming = None
+            change(by_sticks=True)
 
     def _is_pilot(self, sender: Sender) -> bool:
         return self._host.vehicle.autopilot.settings.ground_system_id in (None, sender.system_id)

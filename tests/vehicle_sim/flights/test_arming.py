@@ -4,6 +4,7 @@ import pytest
 
 from tests.support.bare_vehicle import booted, hovering, mode_of, offboard, run, said, wait_until
 from vehicle_sim.autopilot import ArmingReason, LandedState, Mode, Outcome
+from vehicle_sim.autopilot.hand import CENTRED
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.vehicle import Vehicle, VehicleConfig
 
@@ -60,10 +61,14 @@ def test_modes_of_the_way_down_cannot_be_armed_in(mode: Mode) -> None:
 def test_px4_goes_back_to_the_mode_that_it_was_flown_in_and_can_be_armed_again(before: Mode, way_down: Mode) -> None:
     vehicle = hovering(PX4, height_m=3.0)
     stream = offboard(vehicle) if before is Mode.GUIDED else None
+    vehicle.parameters.set("COM_RC_LOSS_T", 35)
+    vehicle.autopilot.pilot.move(CENTRED, vehicle.time_s)
     assert vehicle.autopilot.set_mode(before) is Outcome.ACCEPTED
+    vehicle.parameters.set("COM_RCL_EXCEPT", 7)
     assert vehicle.autopilot.set_mode(way_down) is Outcome.ACCEPTED
     wait_until(vehicle, lambda v: not v.autopilot.armed, within_s=90.0)
     assert mode_of(vehicle) is before
+    vehicle.autopilot.pilot.move(CENTRED, vehicle.time_s)
     run(vehicle, 1.0, stream)
     assert vehicle.autopilot.prearm_faults == ()
     assert vehicle.autopilot.arm() is Outcome.ACCEPTED

@@ -8,6 +8,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.autopilot import Mode
+from vehicle_sim.autopilot.modes import HOLDING
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.signals import GRAVITY_M_S2, Vector
 
@@ -254,7 +255,7 @@ def test_a_setpoint_ends_the_attitude(flavour: Flavour) -> None:
 @BOTH
 def test_it_is_not_flown_in_other_modes_or_by_others(flavour: Flavour) -> None:
     station = guided(flavour)
-    station.set_mode(Mode.POSITION)
+    station.set_mode(HOLDING[flavour])
     before = station.endpoint.vehicle.autopilot.target
     ask(station, quaternion(pitch=-0.3), 1.0)
     station.send(mavlink.MAVLink_set_attitude_target_message(0, 9, 1, NO_RATES, quaternion(roll=0.3), 0, 0, 0, 0.5))

@@ -86,8 +86,8 @@ def test_parameters_and_plans_outlast_it_and_so_does_where_the_vehicle_stands(fl
     vehicle = station.endpoint.vehicle
     name, value = ("MPC_XY_CRUISE", 4.0) if flavour is Flavour.PX4 else ("WPNAV_SPEED", 450.0)
     vehicle.parameters.set(name, value)
-    station.set_mode(Mode.POSITION)
     station.send(mavlink.MAVLink_manual_control_message(1, 1000, 0, 500, 0, 0))
+    station.set_mode(Mode.POSITION)
     station.run(0.5)
     station.set_mode(Mode.LAND)
     station.wait_until(lambda: not vehicle.autopilot.armed, within_s=60.0)

@@ -39,6 +39,7 @@ def by_hand(flavour: Flavour, mode: Mode) -> Station:
     station.run(3.0)
     name, value = SPEED[flavour]
     station.endpoint.vehicle.parameters.set(name, value)
+    hold_sticks(station, 0.1)  # PX4 wants to hear them first
     assert station.set_mode(mode) == mavlink.MAV_RESULT_ACCEPTED
     return station
 
