@@ -13,6 +13,7 @@ collected between answers, not while somebody waits for one.
 import contextlib
 import gc
 import json
+import math
 import queue
 import signal
 import sys
@@ -30,6 +31,7 @@ from mission.errors import MissionError, SpecError
 from mission.fly.replanner import PlanAnswer, PlanRequest, answered
 from mission.plan import FlightPlan, plan_from_json, plan_to_json
 from mission.plan.rest import Rest
+from mission.plan.stages import foresee
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
 from mission.spec.model import MissionSpec
@@ -40,6 +42,7 @@ _TAKES_S: Final = 1.0
 """Until it is known how long an answer takes."""
 
 _ENDS_WITHIN_S: Final = 2.0
+_PREPARES_WITHIN_S: Final = 5.0
 _REHEARSALS: Final = 2
 _SLOWER: Final = 0.99
 _FORGETS: Final = 0.9
@@ -61,6 +64,7 @@ class PlannerProcess:
         self.takes_s, self.trouble = _TAKES_S, ""
         self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | bytes | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
+        self._foreseen_s, self._prepared = -math.inf, threading.Event()
         self._thread: threading.Thread | None = None
         self._process: Popen[bytes] | None = None
         self._workers = ThreadPoolExecutor(max_workers=1)
@@ -73,9 +77,17 @@ class PlannerProcess:
         self._requests.put(plan)
 
     def foresee(self, mission: bytes) -> None:
-        """Let the process read a mission file that may have to be planned soon: its triangles are there then."""
+        """Let the process prepare for a mission file: what does not depend on where it is begun is there then."""
         if self._thread is not None:
+            self._prepared.clear()
+            self._foreseen_s = time.monotonic()
             self._requests.put(mission)
+
+    @property
+    def ready(self) -> bool:
+        """Whether that is done, or nobody should wait for it any longer."""
+        late = time.monotonic() - self._foreseen_s > _PREPARES_WITHIN_S
+        return late or self._prepared.is_set() or bool(self.trouble)
 
     def ask(self, request: PlanRequest) -> None:
         """Begin to plan."""
@@ -124,6 +136,8 @@ class PlannerProcess:
         while (request := self._requests.get()) is not None:
             if isinstance(request, bytes):
                 _send(to_it, json.dumps({"foreseen": request.decode()}))
+                _received(from_it)
+                self._prepared.set()
                 continue
             asked = [request] if isinstance(request, PlanRequest) else [_rehearsed(request)] * _REHEARSALS
             for each in asked:
@@ -228,7 +242,8 @@ def serve(asks: IO[bytes], answers: IO[bytes]) -> None:
             data = json.loads(_received(asks))
             if "foreseen" in data:
                 with contextlib.suppress(Exception):  # which whoever asks for it is told
-                    parse_mission(data["foreseen"].encode(), read=lambda _: b"")
+                    foresee(parse_mission(data["foreseen"].encode(), read=lambda _: b""))
+                _send(answers, "")
                 continue
             if data["its_own"]:
                 plan = made

@@ -72,12 +72,17 @@ class Replanner(Protocol):
         """Why no answer will come any more, in plain words; empty while one may."""
         ...
 
+    @property
+    def ready(self) -> bool:
+        """Whether what was foreseen last is prepared; a plan that is asked for before takes longer by that."""
+        ...
+
     def prepare(self, plan: FlightPlan) -> None:
         """Get ready to replan a flight, soon."""
         ...
 
     def foresee(self, mission: bytes) -> None:
-        """Read a mission file that may have to be planned soon."""
+        """Prepare for a mission file that may have to be planned soon, wherever it is begun."""
         ...
 
     def ask(self, request: PlanRequest) -> None:
@@ -106,6 +111,11 @@ class SynchronousReplanner:
 
     def prepare(self, plan: FlightPlan) -> None:
         """There is nothing to do."""
+
+    @property
+    def ready(self) -> bool:
+        """There is nothing to wait for."""
+        return True
 
     def foresee(self, mission: bytes) -> None:
         """There is nothing to do."""

@@ -26,8 +26,6 @@ from mission.link.course import Course, Reference
 from mission.link.guidance import Guidance
 from mission.link.halting import taken_up
 from mission.link.session import Session
-from mission.logic.automata.rabin import DEAD
-from mission.logic.formula.word import LassoWord
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
 from mission.plan.rest import Rest
@@ -40,6 +38,7 @@ _AHEAD_S: Final = 0.03
 
 _MORE: Final = 1.15
 _SOONEST_S: Final = 0.05
+_LATER_S: Final = 0.2
 _ROLLS_M_S: Final = 0.1
 """Who is slower than that, and not at rest, comes to rest first: no path leads on from next to no motion."""
 
@@ -128,7 +127,8 @@ class Replanning:
             self._laps = guidance.course.laps
             return ""
         if self._asked is None:
-            self._ask(self._cause, guidance, vehicle_s, now_s)
+            if self.replanner.ready or not self._may_wait(self._cause, guidance, vehicle_s):
+                self._ask(self._cause, guidance, vehicle_s, now_s)
             return ""
         if self._asked.plan is None and (why := self._hear(self._asked, guidance, vehicle_s, now_s)):
             return why
@@ -219,6 +219,11 @@ class Replanning:
         if not (cause.holds or cause.waits):
             return True
         return cause.spares is not None and cause.spares(places_m)
+
+    def _may_wait(self, cause: Cause, guidance: Guidance, vehicle_s: float) -> bool:
+        """Whether the vehicle may go on as it does until a little later, and come to rest then."""
+        stop = along(guidance, vehicle_s + _LATER_S, vehicle_s)
+        return self._watch.tracking.excess_s <= 0.0 and self._spares(cause, way_of(guidance, stop, vehicle_s))
 
     def _entry(self, cause: Cause, approach: Approach, begun: bool) -> Entry:  # noqa: FBT001 - as it comes
         watch, leg = self._watch, self._watch.legs.now
@@ -355,14 +360,11 @@ class Replanning:
 
     def _still_leads_on(self, guidance: Guidance, vehicle_s: float) -> bool:
         """Whether the plan that is flown still leads to where it was to, although the vehicle is off it."""
-        leg, (from_s, _), course = self._watch.legs.now, guidance.pace_at(vehicle_s), guidance.course_at(vehicle_s)
+        (from_s, _), course = guidance.pace_at(vehicle_s), guidance.course_at(vehicle_s)
         until_s = min(course.duration_s, from_s + _FORESEEN_S)
         times = np.linspace(from_s, until_s, 2 + int((until_s - from_s) / _FORESEEN_STEP_S))
         ahead = course.trajectory.state(times)[0].tolist()
-        foreseen = leg.judged.monitor.foreseen((self._watch.place_m, *((x, y) for x, y in ahead)))
-        if not leg.is_clear(self._watch.place_m) or foreseen.state == DEAD or not foreseen.word:
-            return False
-        return leg.plan.run.recurrent or leg.plan.required.satisfied_by(LassoWord(foreseen.word, foreseen.word[-1:]))
+        return self._watch.legs.now.leads_on((self._watch.place_m, *((x, y) for x, y in ahead)))
 
     def hold(self, guidance: Guidance, vehicle_s: float) -> None:
         """Slow the plan that is flown to rest, unless the vehicle waits already."""

@@ -6,6 +6,7 @@ time. Between the reports before and after that, the vehicle is taken to have mo
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain, groupby
 
@@ -89,6 +90,13 @@ class FlightLeg:
             return False
         dead = plan.deterministic.targets[state, plan.labelling.letter_of[touched]] == DEAD
         return not bool((plan.restricted[touched] | dead).any())
+
+    def leads_on(self, places_m: Sequence[Point]) -> bool:
+        """Whether a way, from where the vehicle is to where the plan ends, does what is left of the mission."""
+        foreseen = self.judged.monitor.foreseen(places_m)
+        if not self.is_clear(places_m[0]) or foreseen.state == DEAD or not foreseen.word:
+            return False
+        return self.plan.run.recurrent or self.plan.required.satisfied_by(LassoWord(foreseen.word, foreseen.word[-1:]))
 
 
 class FlightLegs:

@@ -1,6 +1,7 @@
 """Crossing points on a mission's map, with room for the tube, without, or on its own mesh."""
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -62,17 +63,26 @@ class CrossingMaps:
             automaton: What is searched with. What it never reads is kept out of like what is restricted.
             unfit: Letters that are kept out of as well.
         """
-        never = (automaton.whole.targets == DEAD).all(axis=0)
-        never[list(unfit)] = True
-        never[self.labelling.letter_of[self.triangle]] = False
+        blocked = self._blocked(automaton, unfit)
         for room, own in ((True, False), (False, False), (False, True)):
-            key = (room, own, never.tobytes())
+            key = (room, own, blocked.tobytes())
             if key not in self._made:
-                blocked = self.restricted | never[self.labelling.letter_of]
                 self._made[key] = self._crossings(blocked, room=room, own=own, copies=_copies(automaton))
             made = self._made[key]
             if made is not None:
                 yield made
+
+    def foresee(self, automaton: Conjunction) -> None:
+        """Make the mesh that serves wherever the flight begins."""
+        with suppress(GeometryError):  # which whoever asks for crossing points goes without
+            self._outline_mesh(self._blocked(automaton, frozenset()), self.spec.flight.tube_m)
+
+    def _blocked(self, automaton: Conjunction, unfit: frozenset[int]) -> BoolArray:
+        never = (automaton.whole.targets == DEAD).all(axis=0)
+        never[list(unfit)] = True
+        never[self.labelling.letter_of[self.triangle]] = False
+        blocked: BoolArray = self.restricted | never[self.labelling.letter_of]
+        return blocked
 
     @property
     def near_m(self) -> float:

@@ -32,7 +32,7 @@ from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import as_drawn, build_domain, restricted_triangles
 from mission.spec.model import Cost, MissionSpec, Point
-from mission.spec.specification import Specification, of_mission
+from mission.spec.specification import Specification, deterministic_of, of_mission
 from mission.steering.trajectory import Trajectory
 
 
@@ -52,6 +52,20 @@ def plan_mission(spec: MissionSpec, *, start_m: Point | None = None, run: int | 
         NoPlanError: If no run, or no smoothing with a proof, exists.
     """
     return planned(spec, Beginning(spec.start.position_m if start_m is None else start_m), run)
+
+
+def foresee(spec: MissionSpec) -> None:
+    """Make what is remembered of a mission wherever it is begun: its triangles, those of its outlines, its automata.
+
+    Raises:
+        MissionError: As in ``plan_mission``.
+    """
+    partition, labelling = build_domain(spec)
+    locator, restricted, start = Locator(partition), restricted_triangles(spec, labelling), spec.start.position_m
+    required = of_mission(spec, labelling.letters)
+    automaton = deterministic_of(required.formula, required.given, labelling.letters)
+    maps = CrossingMaps(spec, labelling, restricted, locator, start, _start_triangle(locator, restricted, start))
+    maps.foresee(automaton)
 
 
 def planned(

@@ -12,6 +12,7 @@ from mission.fly.replanner import PlanRequest, SynchronousReplanner
 from mission.plan import FlightPlan
 from mission.spec.model import MissionSpec
 from tests.support.commands import ran
+from tests.support.lockstep import LockstepVehicle
 from tests.support.replanned import Replanned
 from tests.support.small_missions import SMALL, plan_of
 from tests.support.usual_cases import ARDUPILOT, PX4
@@ -134,6 +135,49 @@ def test_on_a_late_link_another_plan_begins_where_what_was_sent_before_it_ends(s
         if after["t_s"] - before["t_s"] < 0.1:
             assert max(abs(a - b) for a, b in zip(before["position_m"], after["position_m"], strict=True)) < 0.2
     assert flight.result.largest_error_m <= small.certificate.tube_m
+
+
+class Preparing(SynchronousReplanner):
+    """A planner that prepares for what it foresees."""
+
+    def __init__(self, vehicle: LockstepVehicle, prepares_s: float) -> None:
+        super().__init__(vehicle.now_s)
+        self._prepares_s, self.from_s, self.asked_s = prepares_s, 0.0, list[float]()
+
+    @property
+    def ready(self) -> bool:
+        """Whether it is over."""
+        return self._now_s() >= self.from_s
+
+    def foresee(self, mission: bytes) -> None:
+        """Take a while."""
+        assert b"popped" in mission
+        self.from_s = self._now_s() + self._prepares_s
+
+    def ask(self, request: PlanRequest) -> None:
+        """Plan."""
+        self.asked_s.append(self._now_s())
+        super().ask(request)
+
+
+@ARDUPILOT
+@pytest.mark.parametrize("prepares_s", [0.3, 8.0])
+def test_a_plan_is_asked_for_once_it_is_prepared_or_the_vehicle_must_stop(
+    small: FlightPlan, flavour: str, prepares_s: float
+) -> None:
+    said, planners = Said((1.0, RESTRICT_AHEAD)), list[Preparing]()
+
+    def replanner(vehicle: LockstepVehicle) -> Preparing:
+        planners.append(Preparing(vehicle, prepares_s))
+        return planners[0]
+
+    flight = Replanned(small, flavour, at_step=said.look, amendments=said, replanner=replanner)
+    assert flight.result.achieved, flight.result.reason
+    assert line_of(flight, said.taken_s[0]).distance(AHEAD) > 0.0
+    [leg], [asked_s] = flight.events("leg"), planners[0].asked_s
+    assert asked_s < said.taken_s[0] + 2.0
+    assert (asked_s >= planners[0].from_s) == (prepares_s < 1.0)
+    assert (leg["t_s"] - asked_s < TAKEN_OVER_S) == (prepares_s < 1.0)  # in motion, or at rest
 
 
 @PX4

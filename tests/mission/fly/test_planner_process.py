@@ -49,6 +49,8 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
         planner.prepare(plan)
         for foreseen in (SMALL, "no mission: ["):
             planner.foresee(foreseen.encode())
+            assert not planner.ready
+            wait_until(lambda: planner.ready)
         told, refusal, stopped = (asked_of(planner, each) for each in (request, refused, too_fast))
         assert told.number == request.number
         assert told.text == answered(request).text
