@@ -5,9 +5,9 @@ answers are JSON: the plan that is flown, when the process does not have it, how
 amended; and the new plan. A thread here writes and reads, so that not even a full pipe stops the loop. Whatever ends
 the process, the flight is told that no plan comes.
 
-Before anything is asked for, what a flight might ask for is rehearsed, twice: so all that is read or made once is
-there, and how long an answer takes is known, one for which little can be kept of the plan that is flown. Garbage is
-collected between answers, not while somebody waits for one.
+Before anything is asked for, what a flight might ask for is rehearsed: so all that is read or made once is there, and
+how long an answer takes is known, one for which little can be kept of the plan that is flown, and one for which most of
+it is. Garbage is collected between answers, not while somebody waits for one.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ from typing import IO, Any, Final, TypeVar
 import numpy as np
 
 from mission.errors import MissionError, SpecError
-from mission.fly.replanner import PlanAnswer, PlanRequest, answered
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered, keeps_most
 from mission.plan import FlightPlan, plan_from_json, plan_to_json
 from mission.plan.rest import Rest
 from mission.plan.stages import foresee
@@ -43,9 +43,8 @@ _TAKES_S: Final = 1.0
 
 _ENDS_WITHIN_S: Final = 2.0
 _PREPARES_WITHIN_S: Final = 5.0
-_REHEARSALS: Final = 2
 _SLOWER: Final = 0.99
-_FORGETS: Final = 0.9
+_FORGETS: Final = 0.8
 """By what part an answer may be expected sooner than the last time: some are had sooner than others."""
 
 _Made = TypeVar("_Made")
@@ -55,19 +54,28 @@ class PlannerProcess:
     """Plans beside the loop; the process is started by ``prepare``.
 
     Attributes:
-        takes_s: How long the last answer took, on the clock here.
         trouble: Why no answer will come any more, in plain words; empty while one may.
     """
 
     def __init__(self) -> None:
         """Start nothing yet."""
-        self.takes_s, self.trouble = _TAKES_S, ""
+        self._took_s, self.trouble = {True: _TAKES_S, False: _TAKES_S}, ""  # by whether most is kept
         self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | bytes | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
         self._foreseen_s, self._prepared = -math.inf, threading.Event()
         self._thread: threading.Thread | None = None
         self._process: Popen[bytes] | None = None
         self._workers = ThreadPoolExecutor(max_workers=1)
+
+    @property
+    def takes_s(self) -> float:
+        """How long an answer took, on the clock here, for which little was kept."""
+        return self._took_s[False]
+
+    @property
+    def takes_kept_s(self) -> float:
+        """The same where most was."""
+        return self._took_s[True]
 
     def prepare(self, plan: FlightPlan) -> None:
         """Start the process, and let it become acquainted with a plan."""
@@ -139,8 +147,9 @@ class PlannerProcess:
                 _received(from_it)
                 self._prepared.set()
                 continue
-            asked = [request] if isinstance(request, PlanRequest) else [_rehearsed(request)] * _REHEARSALS
+            asked = [request] if isinstance(request, PlanRequest) else _rehearsed(request)
             for each in asked:
+                kept = keeps_most(each.plan.spec, each.amended)
                 began_s = time.monotonic()
                 its_own = each.plan is made
                 _send(to_it, _written(each, sends=each.plan is not known and not its_own, its_own=its_own))
@@ -152,18 +161,22 @@ class PlannerProcess:
                     self._answers.put(
                         PlanAnswer(each.number, made, answer["plan"], answer["refusal"], stopped=answer["stopped"])
                     )
-                    took_s = max(took_s, _FORGETS * self.takes_s)
-                self.takes_s = took_s
+                    took_s = max(took_s, _FORGETS * self._took_s[kept])
+                self._took_s[kept] = took_s
 
 
-def _rehearsed(plan: FlightPlan) -> PlanRequest:
-    """What a flight might ask for half way to the first of its rests, or laps: to fly on, and a little more slowly."""
+def _rehearsed(plan: FlightPlan) -> list[PlanRequest]:
+    """What a flight might ask for half way to the first of its rests, or laps: to fly on, or a little more slowly.
+
+    The first answer of all is late, and tells nothing of how long others take.
+    """
     leg = plan.trajectory.legs[0]
     at_s = 0.5 * float(leg.law.knots_t_s[np.flatnonzero(leg.law.rates == 0.0)[1:2]].sum())
     place, velocity, acceleration = (tuple(each[0].tolist()) for each in plan.trajectory.state(at_s))
     flight = replace(plan.spec.flight, speed_m_s=_SLOWER * plan.spec.flight.speed_m_s)
-    amended = replace(plan.spec, flight=flight)
-    return PlanRequest(0, plan, Rest((), place, velocity, acceleration, flown_s=at_s), amended=amended)
+    onward = PlanRequest(0, plan, Rest((), place, velocity, acceleration, flown_s=at_s))
+    slowly = replace(onward, amended=replace(plan.spec, flight=flight))
+    return [slowly, slowly, onward]
 
 
 def _written(asked: PlanRequest, *, sends: bool, its_own: bool) -> str:

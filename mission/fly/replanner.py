@@ -9,10 +9,13 @@ import numpy as np
 
 from mission.errors import MissionError
 from mission.plan import FlightPlan, plan_to_json
+from mission.plan.kept import flown_alike
 from mission.plan.rest import Rest, plan_rest, plan_return
+from mission.spec.amendment import asks_the_same
 from mission.spec.model import MissionSpec
 
 _TAKES_S: Final = 0.1
+_MORE: Final = 1.15
 _SAME: Final = 1e-3
 """m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
 
@@ -64,7 +67,12 @@ class Replanner(Protocol):
 
     @property
     def takes_s(self) -> float:
-        """How long an answer takes about, on the clock here."""
+        """How long an answer takes about, on the clock here, where little of the plan that is flown is kept."""
+        ...
+
+    @property
+    def takes_kept_s(self) -> float:
+        """The same where most of it may be."""
         ...
 
     @property
@@ -109,6 +117,11 @@ class SynchronousReplanner:
         self._now_s = now_s
         self._answer: tuple[float, PlanAnswer] | None = None
 
+    @property
+    def takes_kept_s(self) -> float:
+        """As long as any."""
+        return self.takes_s
+
     def prepare(self, plan: FlightPlan) -> None:
         """There is nothing to do."""
 
@@ -139,6 +152,16 @@ class SynchronousReplanner:
         except Exception as error:  # noqa: BLE001 - whoever asks for the result has it
             done.set_exception(error)
         return done
+
+
+def keeps_most(flown: MissionSpec, amended: MissionSpec | None) -> bool:
+    """Whether most of the plan of a mission may be flown on as it is, if that is amended."""
+    return amended is None or (flown_alike(flown, amended) and asks_the_same(flown, amended))
+
+
+def expected_s(replanner: Replanner, flown: MissionSpec, amended: MissionSpec | None) -> float:
+    """How long the answer takes at most, on the clock here, to what is asked for while a mission is flown."""
+    return _MORE * (replanner.takes_kept_s if keeps_most(flown, amended) else replanner.takes_s)
 
 
 def answered(request: PlanRequest) -> PlanAnswer:

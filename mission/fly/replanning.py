@@ -19,7 +19,7 @@ from mission.fly.approach import Approach, along, aside, in_flight, standing, wa
 from mission.fly.cause import Asked, Cause, Entry
 from mission.fly.placing import bounds_of, course_of
 from mission.fly.recording import RecordWriter
-from mission.fly.replanner import PlanRequest, Replanner
+from mission.fly.replanner import PlanRequest, Replanner, expected_s
 from mission.fly.watch import FlightWatch
 from mission.geometry.arrays import FloatArray
 from mission.link.course import Course, Reference
@@ -36,7 +36,6 @@ _LEFT_FOR_S: Final = 0.2
 _AHEAD_S: Final = 0.03
 """Beyond the time that planning takes: for what is on its way."""
 
-_MORE: Final = 1.15
 _SOONEST_S: Final = 0.05
 _LATER_S: Final = 0.2
 _ROLLS_M_S: Final = 0.1
@@ -185,7 +184,7 @@ class Replanning:
         watch, session = self._watch, self._session
         # What is flown then may have been asked for in this very turn.
         coming_s = vehicle_s + _SOONEST_S
-        takes_s = max(session.vehicle.clock.rate, 1.0) * _MORE * self.replanner.takes_s
+        takes_s = max(session.vehicle.clock.rate, 1.0) * expected_s(self.replanner, watch.plan.spec, cause.amended)
         at_s = vehicle_s + max(takes_s, self._late_s) + _AHEAD_S
         coming, outside = guidance.course_at(coming_s), watch.tracking.excess_s > 0.0
         if outside and not coming.waits:

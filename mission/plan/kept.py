@@ -54,7 +54,7 @@ class Kept:
     @staticmethod
     def of(known: FlightPlan | None, spec: MissionSpec) -> "Kept":
         """Those of a plan, for a mission that is flown in the same manner; none of others."""
-        if known is None or spec.smoothing != CORRIDOR or not _flown_alike(known.spec, spec):
+        if known is None or spec.smoothing != CORRIDOR or not flown_alike(known.spec, spec):
             return Kept()
         return Kept(tuple(_ways(known))) if isinstance(known.path, Polyline) else Kept()
 
@@ -121,7 +121,7 @@ def _is_free(line: TautLine) -> bool:
     return bool(shapely.length(shapely.difference(shapely.LineString(line.points_m), line.free)) <= _SAME_M)
 
 
-def _flown_alike(one: MissionSpec, other: MissionSpec) -> bool:
+def flown_alike(one: MissionSpec, other: MissionSpec) -> bool:
     """Whether the same path is flown in the same manner in two missions."""
     slow = [[region for region in spec.regions if region.speed_m_s is not None] for spec in (one, other)]
     flight = replace(one.flight, laps=other.flight.laps)

@@ -10,7 +10,7 @@ from threading import Event
 import pytest
 
 from mission.fly.planner_process import PlannerProcess
-from mission.fly.replanner import PlanAnswer, PlanRequest, answered
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered, keeps_most
 from mission.plan.rest import Rest
 from tests.support.small_missions import SMALL, plan_of
 
@@ -52,6 +52,7 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
             assert not planner.ready
             wait_until(lambda: planner.ready)
         told, refusal, stopped = (asked_of(planner, each) for each in (request, refused, too_fast))
+        assert planner.takes_s != planner.takes_kept_s  # as they were rehearsed
         assert told.number == request.number
         assert told.text == answered(request).text
         assert not told.stopped
@@ -67,6 +68,14 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
         assert planner.answer() is None
     finally:
         planner.close()
+
+
+def test_little_is_kept_of_what_is_asked_for_or_flown_otherwise() -> None:
+    spec = plan_of(SMALL).spec
+    assert keeps_most(spec, None)
+    assert keeps_most(spec, replace(spec, regions=spec.regions[:-1], flight=replace(spec.flight, laps=2)))
+    assert not keeps_most(spec, replace(spec, formula="F goal"))
+    assert not keeps_most(spec, replace(spec, flight=replace(spec.flight, speed_m_s=1.0)))
 
 
 @pytest.mark.parametrize("place", [(9.0, 25.0)])
