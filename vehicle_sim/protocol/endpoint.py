@@ -40,7 +40,7 @@ from vehicle_sim.protocol.special_commands import SpecialCommandService
 from vehicle_sim.protocol.statustext import TextChunker
 from vehicle_sim.protocol.sticks import StickService
 from vehicle_sim.protocol.streams import NEVER_US
-from vehicle_sim.protocol.telemetry import BUILDERS, Builder
+from vehicle_sim.protocol.telemetry import BUILDERS, V1_ALONE, Builder
 from vehicle_sim.protocol.terrain import TerrainService
 from vehicle_sim.protocol.timesync import TimeService
 
@@ -292,12 +292,16 @@ class Endpoint:
             self._tell_pictures()
         for link in self._links.values():
             if link.streams.next_due_us <= now_us and not link.is_full:
-                for message_id in link.streams.due(now_us):
-                    message = None if message_id in self.table.told_on_change else self.telemetry(message_id)
-                    if message is not None:
-                        link.send(message)
+                self._stream(link)
         self.recorder.advance()
         self._go_on_sending()
+
+    def _stream(self, link: Link) -> None:
+        for message_id in link.streams.due(self.now_us):
+            if message_id in self.table.told_on_change or (message_id in V1_ALONE and not link.speaks_v1):
+                continue
+            if (message := self.telemetry(message_id)) is not None:
+                link.send(message)
 
     def _tell_pictures(self) -> None:
         for message in self._cameras.news():

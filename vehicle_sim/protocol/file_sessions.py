@@ -93,8 +93,8 @@ class Sessions:
         session.used_us = now_us
         return session
 
-    def end(self, client: Client, number: int) -> None:
-        """Close a session; on ArduPilot one that is not open is closed already.
+    def end(self, client: Client, number: int) -> "OpenFile | None":
+        """Close a session and return its file; on ArduPilot one that is not open is closed already.
 
         Raises:
             RefusedError: There is none of this number.
@@ -104,6 +104,7 @@ class Sessions:
             self._open.remove(session)
         elif not self._is_ardupilot:
             raise RefusedError(Nak.INVALID_SESSION)
+        return None if session is None else session.file
 
     def reset(self, client: Client) -> None:
         """Close all sessions of a client; on PX4, whose session belongs to the link, whoever opened it there."""

@@ -154,7 +154,9 @@ class FileService:
         return reply._replace(data=data, ends_burst=is_long)
 
     def _terminate(self, client: Client, request: Request) -> Reply:
-        self.sessions.end(client, request.session)
+        file = self.sessions.end(client, request.session)
+        if isinstance(file, WrittenFile):
+            file.close()
         return _ack(request)
 
     def _reset(self, client: Client, request: Request) -> Reply:
@@ -213,8 +215,9 @@ class FileService:
         return place
 
     def _open_to_write(self, client: Client, request: Request) -> Reply:
-        place = self._place(request.path)
-        file = self._tree.written.open(place, empties=request.opcode == Opcode.CREATE)
+        file = self._tree.open_to_write(request.path, empties=request.opcode == Opcode.CREATE)
+        if file is None:
+            raise RefusedError(Nak.FILE_PROTECTED)
         session = self.sessions.begin(client, request.session, file, self._host.now_us)
         told = b"" if self._is_ardupilot else pack("<I", file.told_size)
         return _ack(request, told)._replace(session=session.number)

@@ -236,6 +236,7 @@ _PX4: Final = FlavourTable(
             "WIND",
             "SIMSTATE",
             "FENCE_STATUS",
+            "RC_CHANNELS_RAW",
         )
     ),
     told_on_change=frozenset(_messages("GPS_GLOBAL_ORIGIN", "CAMERA_TRIGGER", "CAMERA_IMAGE_CAPTURED")),

@@ -5,11 +5,15 @@ https://mavlink.io/en/services/parameter_ftp.html and ArduPilot `AP_Filesystem_P
 and flags, one of name lengths, the part of the name that differs from the one before, the value, and on request the
 default where the value is another. All is little-endian. Zeros in front of a parameter are padding: no value lies
 across two blocks of the size in which the file is read, so that a block read again holds no half of a new value.
+
+A file that is written has the same entries, without padding and defaults, and in its header in the place of the number
+of all parameters its own length.
 """
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
-from struct import pack
+from struct import calcsize, error, pack, unpack_from
 from typing import Final
 
 from vehicle_sim.parameters import ParameterKind, ParameterStore
@@ -26,6 +30,12 @@ _TYPES: Final = {
 _OPTION: Final = re.compile(r"(start|count|withdefaults)=([0-9]*)")
 _ESTIMATED_BYTES: Final = 12
 _LIMIT: Final = 0xFFFF
+_LAYOUTS: Final = {number: layout for number, layout, _ in _TYPES.values()}
+_HEADER: Final = "<HHH"
+_LONGEST_NAME: Final = 16
+
+LARGEST_UPLOAD: Final = _LIMIT
+"""Bytes of a file that is written, at most: its length is a number of 16 bits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +79,7 @@ def packed(store: ParameterStore, excerpt: Excerpt, block_bytes: int) -> bytes:
     stop = excerpt.start + excerpt.count if excerpt.count else len(store)
     names = store.names[excerpt.start : stop]
     magic = _MAGIC_WITH_DEFAULTS if excerpt.with_defaults else _MAGIC
-    data = bytearray(pack("<HHH", magic, len(names), len(store)))
+    data = bytearray(pack(_HEADER, magic, len(names), len(store)))
     last = ""
     for name in names:
         definition = store.definition(name)
@@ -88,6 +98,31 @@ def packed(store: ParameterStore, excerpt: Excerpt, block_bytes: int) -> bytes:
         data += entry
         last = name
     return bytes(data)
+
+
+def uploaded(data: bytes) -> Iterator[tuple[str, float]]:
+    """Return names and values of a file that somebody has written, as far as it can be read.
+
+    Raises:
+        ValueError: What follows is no such file.
+    """
+    try:
+        magic, count, length = unpack_from(_HEADER, data)
+        if magic != _MAGIC or length != len(data):
+            raise ValueError("neither magic nor length of packed parameters")
+        at, name = calcsize(_HEADER), b""
+        for _ in range(count):
+            kind, lengths = data[at], data[at + 1]
+            layout, common, own = _LAYOUTS.get(kind), lengths & 0xF, (lengths >> 4) + 1
+            if layout is None or common > len(name) or common + own > _LONGEST_NAME:
+                raise ValueError(f"no parameter at byte {at}")
+            name = name[:common] + data[at + 2 : at + 2 + own]
+            at += 2 + own
+            (value,) = unpack_from(layout, data, at)
+            at += calcsize(layout)
+            yield name.decode("ascii", "replace"), value
+    except (IndexError, error):
+        raise ValueError("packed parameters that end too early") from None
 
 
 def _common_length(last: str, name: str) -> int:

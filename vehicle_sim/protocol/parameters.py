@@ -3,6 +3,7 @@
 ArduPilot sends integers as floats of equal value, PX4 sends their bytes in the float's place.
 """
 
+import re
 from math import isfinite
 from struct import pack, unpack
 from typing import TYPE_CHECKING, Final
@@ -24,6 +25,10 @@ _NAME_BYTES: Final = 16
 _PER_STEP: Final = 4
 _RESET: Final = 2.0
 _HASH: Final = "_HASH_CHECK"
+_VOLATILE: Final = re.compile(
+    r"CAL_(ACC|GYRO|MAG)\d_[XYZ](OFF|SCALE|ODIAG|COMP)|CAL_BARO\d_OFF|COM_FLIGHT_UUID|EKF2_MAG_DECL|LND_FLIGHT_T_(HI|LO)"
+)
+"""What PX4 changes by itself: its checksum leaves it out."""
 
 
 class ParameterService:
@@ -158,6 +163,8 @@ class ParameterService:
         """Return PX4's checksum over names and values, with which a ground station knows its cache is right."""
         store, checksum = self._store, 0
         for name in store.names:
+            if _VOLATILE.fullmatch(name):
+                continue
             is_real = store.definition(name).kind is ParameterKind.REAL32
             value = pack("<f", store.stored(name)) if is_real else pack("<i", int(store.stored(name)))
             checksum = plain_crc32(value, plain_crc32(name.encode("ascii"), checksum))

@@ -127,6 +127,13 @@ def rc_channels(host: Host) -> Message | None:
     return mavlink.MAVLink_rc_channels_message(host.now_us // 1000, max(channels, default=0), *shown, 255)
 
 
+def rc_channels_raw(host: Host) -> Message | None:
+    """RC_CHANNELS_RAW: the first eight channels, for clients that know no other message."""
+    shown = host.vehicle.autopilot.pilot.channels(host.now_us * 1e-6)
+    pulses = (round(shown.get(number, 0)) for number in range(1, 9))
+    return mavlink.MAVLink_rc_channels_raw_message(host.now_us // 1000, 0, *pulses, 255)
+
+
 def servo_output_raw(host: Host) -> Message | None:
     """SERVO_OUTPUT_RAW: pulse widths in microseconds, linear in the thrust that each rotor really gives.
 

@@ -26,6 +26,7 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     mavlink.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: sensing.servo_output_raw,
     mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: motion.gps_global_origin,
     mavlink.MAVLINK_MSG_ID_RC_CHANNELS: sensing.rc_channels,
+    mavlink.MAVLINK_MSG_ID_RC_CHANNELS_RAW: sensing.rc_channels_raw,
     mavlink.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
     mavlink.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: motion.position_target_local_ned,
     mavlink.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
@@ -52,3 +53,6 @@ BUILDERS: Final[Mapping[int, Builder]] = {
     ComponentMetadata.id: component_metadata,
 }
 """What each message is made with; services add those that carry their own state."""
+
+V1_ALONE: Final = frozenset({mavlink.MAVLINK_MSG_ID_RC_CHANNELS_RAW})
+"""What is streamed on links of MAVLink 1 alone."""

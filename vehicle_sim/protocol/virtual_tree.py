@@ -5,20 +5,30 @@
 | ArduPilot | `/APM/LOGS/00000001.tlog`, the same in `logs`         | `@PARAM/param.pck`, an empty `@SYS`    |
 | PX4       | `/fs/microsd/log/DATE/TIME_NUMBER.tlog`, also in `log` | `/etc/extras`: its component metadata  |
 
-Clients write anywhere as ArduPilot, and below `/fs/microsd` as PX4, but neither logs nor what the autopilot itself has.
+Clients write anywhere as ArduPilot, and below `/fs/microsd` as PX4, but neither logs nor what the autopilot itself has;
+what is written as ArduPilot's packed parameters is set when it is closed.
 The folders are those of the autopilots; the names end in `.tlog`, for that is what the logs are. Paths are compared
 with names in memory, never given to the operating system.
 """
 
 from collections.abc import Iterable
+from contextlib import suppress
 from errno import EINVAL, ENOENT
 from time import gmtime, strftime
 from typing import TYPE_CHECKING, Final, Protocol
 
+from vehicle_sim.errors import ParameterError
 from vehicle_sim.parameters import Flavour, ParameterStore
 from vehicle_sim.protocol.component_metadata import FOLDER, metadata_files
-from vehicle_sim.protocol.packed_parameters import Excerpt, estimated_size, excerpt_of, packed
-from vehicle_sim.protocol.written_files import InvalidReadError, Path, WrittenFiles
+from vehicle_sim.protocol.packed_parameters import (
+    LARGEST_UPLOAD,
+    Excerpt,
+    estimated_size,
+    excerpt_of,
+    packed,
+    uploaded,
+)
+from vehicle_sim.protocol.written_files import InvalidReadError, Path, WrittenFile, WrittenFiles
 
 if TYPE_CHECKING:
     from vehicle_sim.protocol.flight_log import FlightLog, FlightRecorder
@@ -102,6 +112,29 @@ class OpenParameters:
         return self._data[offset : offset + count]
 
 
+class ParameterUpload(WrittenFile):
+    """Packed parameters that somebody writes."""
+
+    def __init__(self, store: ParameterStore) -> None:
+        super().__init__(WrittenFiles(), bytearray())
+        self._store = store
+
+    def write(self, offset: int, part: bytes) -> None:
+        """Put a part into it."""
+        if offset + len(part) > LARGEST_UPLOAD:
+            raise OSError(EINVAL, "too many parameters")
+        super().write(offset, part)
+
+    def close(self) -> None:
+        """Set what was written, up to where it cannot be read; what cannot be set stays as it is."""
+        try:
+            for name, value in uploaded(bytes(self._data)):
+                with suppress(ParameterError):
+                    self._store.set(name, value)
+        except ValueError:
+            raise OSError(EINVAL, "no packed parameters") from None
+
+
 class VirtualTree:
     """Folders and files by their paths."""
 
@@ -126,6 +159,13 @@ class VirtualTree:
         if self.entries("/".join(place[:-1])) is None:
             raise FileNotFoundError(ENOENT, path)
         return place
+
+    def open_to_write(self, path: str, *, empties: bool) -> WrittenFile | None:
+        """Return a file to write; None where clients may not write."""
+        if self._parts(path.partition("?")[0]) == _PARAMETERS and self._flavour is Flavour.ARDUPILOT:
+            return ParameterUpload(self._host.vehicle.parameters)
+        place = self.place_to_write(path)
+        return None if place is None else self.written.open(place, empties=empties)
 
     def entries(self, path: str) -> list[bytes] | None:
         """Return what a folder holds, each as `D` and a name or `F`, a name, a tab and a size; None of no folder."""

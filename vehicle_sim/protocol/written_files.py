@@ -105,6 +105,9 @@ class WrittenFile:
         """Put a part into it."""
         self._files.write(self._data, offset, part)
 
+    def close(self) -> None:
+        """End writing it."""
+
 
 def _error(number: int) -> OSError:
     return OSError(number, strerror(number))

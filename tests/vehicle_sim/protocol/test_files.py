@@ -294,7 +294,7 @@ def test_logs_and_what_the_autopilot_has_are_not_written(client: FileClient) -> 
     data = fly_by_the_ground(client)
     path = log_path(client)
     is_ardupilot = client.station.endpoint.table.flavour is Flavour.ARDUPILOT
-    own = b"@PARAM/param.pck" if is_ardupilot else b"/etc/extras/actuators.json.xz"
+    own = b"@SYS" if is_ardupilot else b"/etc/extras/actuators.json.xz"
     for opcode in (ftp.CREATE, ftp.REMOVE, ftp.MAKE, ftp.UNMAKE, ftp.OPEN_TO_WRITE):
         for name in (path, path.rsplit(b"/", 1)[0], own, b"/", b"/../x"):
             assert client.ask(opcode, name).error == ftp.PROTECTED, name

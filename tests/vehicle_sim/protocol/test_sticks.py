@@ -291,6 +291,19 @@ def test_ardupilot_waits_for_a_radio_and_for_a_throttle_that_is_down() -> None:
     assert refusal() is None
 
 
+@pytest.mark.parametrize(("is_v1", "count"), [(True, 4), (False, 0)])
+def test_ardupilot_streams_eight_raw_channels_to_who_speaks_mavlink_1(*, is_v1: bool, count: int) -> None:
+    station = Station(endpoint_of(Flavour.ARDUPILOT))
+    asked = mavlink.MAVLink_request_data_stream_message(1, 1, mavlink.MAV_DATA_STREAM_RC_CHANNELS, 4, 1)
+    station.endpoint.receive(station.name, asked.pack(station.mav, force_mavlink1=is_v1))
+    station.run(1.0)
+    told = station.of("RC_CHANNELS_RAW")
+    assert len(told) == count
+    assert len(station.of("RC_CHANNELS")) == len(station.of("SERVO_OUTPUT_RAW")) == 4
+    for raw in told:
+        assert (raw.port, raw.chan1_raw, raw.chan3_raw) == (0, 1500, 1000)
+
+
 @pytest.mark.parametrize("failed", [1, 2])
 @pytest.mark.parametrize(("options", "mode"), [(0, Mode.RETURN), (4, Mode.GUIDED)])
 def test_a_radio_that_fails_in_flight_leads_home_unless_guided_flight_goes_on(

@@ -1,6 +1,7 @@
 """What clients write by MAVLink FTP: into the memory of the vehicle, where its autopilot would write on a card."""
 
-from errno import ENOSPC, ENOTEMPTY
+from errno import EINVAL, ENOSPC, ENOTEMPTY
+from struct import pack
 
 import pytest
 
@@ -89,3 +90,32 @@ def test_there_is_no_room_without_end(client: FileClient) -> None:
         assert client.ask(ftp.MAKE, card(client) + b"/%d" % number).error is None
     refused = client.ask(ftp.MAKE, card(client) + b"/more")
     assert (refused.error, refused.data[1]) == (ftp.ERRNO, ENOSPC)
+
+
+def upload(client: FileClient, entries: bytes, count: int) -> ftp.Answer:
+    """Write packed parameters; return the answer to the end of it."""
+    data = pack("<HHH", 0x671B, count, 6 + len(entries)) + entries
+    session = client.ask(ftp.CREATE, b"@PARAM/param.pck").session
+    for at in range(0, len(data), 20):
+        assert client.ask(ftp.WRITE, data[at : at + 20], session=session, offset=at).error is None
+    return client.ask(ftp.TERMINATE, session=session)
+
+
+def test_ardupilot_sets_the_parameters_of_a_file_that_is_closed() -> None:
+    client = FileClient(Station(endpoint_of(Flavour.ARDUPILOT)))
+    store = client.station.endpoint.vehicle.parameters
+    speed = b"\x04\xa0WPNAV_SPEED" + pack("<f", 712.0)
+    radius = b"\x02\x56RADIUS" + pack("<h", 345)  # as an integer, with the first six bytes of the name before
+    cells = b"\x01\x60NOT_ONE" + pack("<b", 3)
+    assert upload(client, speed + radius + cells, 3).opcode == ftp.ACK
+    assert (store["WPNAV_SPEED"], store["WPNAV_RADIUS"]) == (712.0, 345.0)
+    assert "Fparam.pck\t" + str(12 * len(store)) in client.names(b"@PARAM")
+
+
+@pytest.mark.parametrize("entry", [b"\x04", b"\x09\x00A\0", b"\x14\x00A\0\0\0\0", b"\x01\x0fA\0", b"\x04\x00A\0"])
+def test_what_is_no_file_of_parameters_is_refused_where_it_ends(entry: bytes) -> None:
+    client = FileClient(Station(endpoint_of(Flavour.ARDUPILOT)))
+    store = client.station.endpoint.vehicle.parameters
+    answer = upload(client, b"\x04\xa0WPNAV_SPEED" + pack("<f", 800.0) + entry, 2)
+    assert (answer.error, answer.data[1]) == (ftp.ERRNO, EINVAL)
+    assert store["WPNAV_SPEED"] == 800.0  # what came before is set
