@@ -52,6 +52,12 @@ class TimeBound:
         return self.margin_s >= FOLLOWED_S
 
     @property
+    def is_deadline(self) -> bool:
+        """Whether something is to come by a time, and may be at any time before."""
+        formula = self.formula
+        return formula.operator is Operator.EVENTUALLY and formula.bounds is not None and formula.bounds[0] == 0
+
+    @property
     def text(self) -> str:
         """How it fares, in words."""
         if self.margin_s == math.inf:
@@ -60,7 +66,7 @@ class TimeBound:
             return f"{self.formula} is kept with {self.margin_s:.2f} s to spare"
         if self.margin_s == -math.inf:
             return f"{self.formula} is not kept, whatever its bounds"
-        soonest = f"; the soonest is {_soonest(self.formula, self.short_s)} s" if _is_deadline(self.formula) else ""
+        soonest = f"; the soonest of the plans tried is {_soonest(self.formula, self.short_s)} s" * self.is_deadline
         return f"{self.formula} fails by {self.short_s:.2f} s{soonest}"
 
     def to_json(self) -> dict[str, Any]:
@@ -122,10 +128,6 @@ def _pieces(times: Sequence[Fraction], letters: Sequence[tuple[Letter, Letter]])
     spans = zip(letters, times[:-1], times[1:], strict=True)
     groups = [(known, list(group)) for known, group in groupby(spans, key=lambda each: each[0])]
     return [Piece(from_to(group[0][1], group[-1][2], closed=True), *known) for known, group in groups]
-
-
-def _is_deadline(formula: Formula) -> bool:
-    return formula.operator is Operator.EVENTUALLY and formula.bounds is not None and formula.bounds[0] == 0
 
 
 def _soonest(formula: Formula, short_s: float) -> str:

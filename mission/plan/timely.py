@@ -10,14 +10,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import combinations, pairwise
+from itertools import chain, combinations, pairwise
 from typing import Final, Protocol, TypeVar
 
 from mission.errors import AutomatonSizeError, LateError, NoPlanError, NoRollingStartError, SearchSizeError
 from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.operators import Operator
-from mission.logic.formula.syntax import LONGEST_S, Formula, conjunction, negation, propositions, until
+from mission.logic.formula.syntax import LONGEST_S, Formula, conjunction, negation, proposition, propositions, until
 from mission.plan.air_time import AirTime
+from mission.plan.best_runs import BestRuns
+from mission.plan.earliest import Earliest, due_of
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
 from mission.plan.time_bounds import TimeBound, bounds_of
@@ -72,8 +74,14 @@ def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, La
         key = "guidance: field" if flight.guidance == FIELD else "replan: true"
         message = f"bounds in seconds are kept by the time law of one trajectory, and a flight with `{key}` leaves it"
         raise NoPlanError(message, conjuncts=tuple(map(str, asked)))
+    earliest = Earliest(steering.search.maps)
+    if hopeless := earliest.hopeless(steering.specification):
+        raise LateError(
+            "\n  ".join(("no flight keeps its bounds in seconds:", *(each.text for each in hopeless))),
+            conjuncts=tuple(chain.from_iterable(each.asked for each in hopeless)),
+        )
     nearest: list[Bound] = []
-    for tried in _ways(steering):
+    for tried in _ways(steering, earliest):
         try:
             flown, law = flown_of(tried)
         except NoRollingStartError:
@@ -88,10 +96,18 @@ def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, La
         if not nearest or _short_s(bounds) < _short_s(nearest):
             nearest = bounds
     late = [bound for bound in nearest if not bound.kept]
+    texts = (f"{each.text}{_no_sooner(each, earliest)}" for each in late)
     raise LateError(
-        "\n  ".join(("no plan is found that keeps its bounds in seconds; the nearest:", *(each.text for each in late))),
+        "\n  ".join(("no plan is found that keeps its bounds in seconds; the nearest:", *texts)),
         conjuncts=tuple(str(bound.formula) for bound in late),
     )
+
+
+def _no_sooner(bound: Bound, earliest: Earliest) -> str:
+    """What is known of when something that is late may be there at all."""
+    if isinstance(bound, AirTime) or not bound.is_deadline or math.isinf(bound.short_s):
+        return ""
+    return f", and no flight is there before {earliest.soonest_s(bound.formula):.2f} s"
 
 
 Found = TypeVar("Found")
@@ -209,24 +225,37 @@ def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory, later_s:
     return [*in_place, *([] if aloft is None else [aloft])]
 
 
-def _ways(steering: Steering) -> Iterator[Steering]:
-    """The best run, and then those that visit what is due first before what is due later, or at any time."""
+def _ways(steering: Steering, earliest: Earliest) -> Iterator[Steering]:
+    """The best run, and then those that visit what is due first before what is due later, or at any time.
+
+    Orders in which something is late in any case are left out, and those of which the run is one before.
+    """
     yield steering
-    asked = steering.specification
+    asked, seen = steering.specification, {_states_of(steering.found)}
     for order in dict.fromkeys(_orders(steering)) if steering.free else ():
         urgent = replace(asked, formula=conjunction(asked.formula, *order))
+        if not earliest.admits(urgent):
+            continue
         try:
             found = steering.search.best(urgent)
         except (NoPlanError, AutomatonSizeError, SearchSizeError):
             continue
-        yield replace(steering, specification=urgent, found=found, index=0)
+        if _states_of(found) not in seen:
+            seen.add(_states_of(found))
+            yield replace(steering, specification=urgent, found=found, index=0)
+
+
+def _states_of(found: BestRuns) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """What tells one of the best runs from others."""
+    first = found.runs[0]
+    return first.prefix, first.suffix
 
 
 def _orders(steering: Steering) -> Iterator[tuple[Formula, ...]]:
     """What is to come before what: by their deadlines; then each thing that is due before all others."""
     asked, labelling = steering.specification, steering.planner.labelling
     begun = labelling.label(steering.search.maps.triangle)
-    due = {place: bound for each in asked.timed for place, bound in _deadlines(each)}
+    due = {proposition(name): due_s for name, due_s in due_of(asked.timed).items()}
     visited = [node.operands[0] for node in conjuncts(asked.formula) if _is_visit(node)]
     places = [place for place in dict.fromkeys((*due, *visited)) if place.name not in begun]
     times = {place: due.get(place, math.inf) for place in places}
@@ -236,13 +265,6 @@ def _orders(steering: Steering) -> Iterator[tuple[Formula, ...]]:
     for first in (place for place in places if place in due):
         if len(places) > 1:
             yield tuple(until(negation(other), first) for other in places if other is not first)
-
-
-def _deadlines(formula: Formula) -> Iterator[tuple[Formula, float]]:
-    """The propositions that are to come within bounds of the beginning, with when they are due."""
-    if formula.operator in (Operator.EVENTUALLY, Operator.UNTIL) and formula.bounds is not None:
-        goal = formula.operands[-1]
-        yield from ((each, float(formula.bounds[1])) for each in conjuncts(goal) if _is_place(each))
 
 
 def _is_visit(formula: Formula) -> bool:

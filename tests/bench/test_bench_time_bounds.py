@@ -18,7 +18,8 @@ CASES = {
     "and a region that opens, with a wait": " & F[0,60] S1 & F[0,90] S2 & F[0,120] S3 & G[0,20] !S1",
     "three bounds, kept in another order": " & F[0,25] S3 & F[0,90] S2 & F[0,120] S1",
     "nested": " & G (S1 -> F[0,40] S2) & G (S2 -> G[0,5] !S1)",
-    "three bounds, refused": " & F[0,5] S1 & F[0,90] S2 & F[0,120] S3",
+    "three bounds, which no flight keeps": " & F[0,14] S1 & F[0,90] S2 & F[0,120] S3",
+    "three bounds, which no plan is found to keep": " & F[0,15] S1 & F[0,90] S2 & F[0,120] S3",
 }
 FLOWN = 3
 
