@@ -28,8 +28,9 @@ from vehicle_sim.autopilot.modes import (
     StatusText,
 )
 from vehicle_sim.autopilot.rally import Destination, destination
+from vehicle_sim.autopilot.retracing import RetraceTask
 from vehicle_sim.autopilot.state import State
-from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask, stopping_place
+from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask, Task, stopping_place
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
 from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, PartialVector, Setpoint, Vector
@@ -74,6 +75,9 @@ class Machine(State):
         fresh = self.guard.look_at_fence(situation)
         if self.armed:
             self._protect(situation, fresh)
+        keeps = self.armed and self.mode is not Mode.SMART_RTL
+        if ended := self.path.advance(self._estimate, self.settings, keeps=keeps):
+            self._say(Severity.WARNING, ended)
         if self.armed:
             self._fly()
         elif self._now_s - self._reminded_at_s >= REMINDER_PERIOD_S and (
@@ -114,7 +118,7 @@ class Machine(State):
             Entry.NEVER: True,
             Entry.FLYING: not (self.armed and self.flying),
             Entry.DISARMED: self.armed,
-        }[self.modes[mode].entry]
+        }[self.modes[mode].entry] or (mode is Mode.SMART_RTL and not self.path.places)
 
     def _mission_obstacle(self) -> str:
         lifts = self.flavour is Flavour.PX4 or self.flying
@@ -149,10 +153,7 @@ class Machine(State):
         elif mode is Mode.LAND:
             self._task = LandTask(estimate, settings, home_down_m=self._home_ned_m[2])
         elif mode is Mode.RETURN:
-            self._task = ReturnTask(estimate, settings, goal=self.way_home())
-            up_m, zero_m = -self._task.down_m, 0.0 if estimate.origin is None else estimate.origin.alt_m
-            said, height_m = texts.RETURNS[self.flavour], self._home_ned_m[2] + up_m
-            self.texts.extend(texts.filled(said, alt_m=ceil(zero_m + up_m), height_m=ceil(height_m)))
+            self._task = self._returning()
         elif mode is Mode.TAKEOFF:
             height = settings.takeoff_height_m if self._takeoff_height_m is None else self._takeoff_height_m
             if self.armed and self._takeoff_height_m is None:
@@ -165,6 +166,17 @@ class Machine(State):
         else:
             self._task = HoldTask(estimate, settings)
         self._refresh()
+
+    def _returning(self) -> Task:
+        """Return the task that leads home, or back along the path that was flown."""
+        estimate, settings = self._estimate, self.settings
+        if self.mode is Mode.SMART_RTL and self.path.places:
+            return RetraceTask(estimate, settings, self.path, self._speeds)
+        task = ReturnTask(estimate, settings, goal=self.way_home())
+        up_m, zero_m = -task.down_m, 0.0 if estimate.origin is None else estimate.origin.alt_m
+        said, height_m = texts.RETURNS[self.flavour], self._home_ned_m[2] + up_m
+        self.texts.extend(texts.filled(said, alt_m=ceil(zero_m + up_m), height_m=ceil(height_m)))
+        return task
 
     def _going(self, goal: Setpoint) -> GoTask:
         """Return the task of going somewhere and staying there, as PX4 does."""
@@ -309,8 +321,11 @@ class Machine(State):
         if action is Action.DISARM or (self.flavour is Flavour.ARDUPILOT and not self.flying):
             self._disarm(texts.DISARMED[self.flavour])
             return
-        for mode in FAILSAFE_MODES[self.flavour].get(action, ()):
-            if not self._obstacle(mode):
+        modes = FAILSAFE_MODES[self.flavour].get(action, ())
+        for mode in modes:
+            if mode is Mode.SMART_RTL and not self.path.places:
+                self._say(Severity.WARNING, texts.UNAVAILABLE[modes[1]])
+            elif not self._obstacle(mode):
                 # Who has been told to land is not sent away again.
                 if mode is not self.mode and self.intended_mode is not Mode.LAND:
                     self._enter(mode)

@@ -227,7 +227,9 @@ FAILSAFE_MODES: Final[Mapping[Flavour, Mapping[Action, tuple[Mode, ...]]]] = {
         Action.ALTITUDE: (Mode.ALT_HOLD,),
         Action.BRAKE: (Mode.BRAKE, Mode.LAND),
         Action.HOLD: (Mode.POSITION, Mode.LAND),
+        Action.RETRACE: (Mode.SMART_RTL, Mode.RETURN, Mode.LAND),
         Action.RETURN: (Mode.RETURN, Mode.LAND),
+        Action.RETRACE_OR_LAND: (Mode.SMART_RTL, Mode.LAND),
         Action.LAND: (Mode.LAND,),
     },
     Flavour.PX4: {

@@ -47,6 +47,8 @@ class Autopilot(Machine):
         if self._estimate.status.position_ok and not self._home_locked:
             self.place_home(self._here())
         self.texts.append((texts.ARMED_BY_STICKS if by_sticks else texts.ARMED)[self.flavour])
+        if self.path.places:
+            self.path.begin(self._estimate)
         self._begin(self.mode)
         return Outcome.ACCEPTED
 

@@ -27,6 +27,7 @@ from vehicle_sim.autopilot.modes import (
     Severity,
     StatusText,
 )
+from vehicle_sim.autopilot.retracing import FlownPath
 from vehicle_sim.autopilot.tasks import LevelTask, Task
 from vehicle_sim.battery import Battery, BatteryLevel
 from vehicle_sim.geodesy import geodetic_at, ned_offset_m
@@ -94,6 +95,7 @@ class State:
         self._paused: Setpoint | None = None
         self._looked_at: Geodetic | None = None
         self.pilot = Pilot(self.settings.hand)
+        self.path = FlownPath()
         self._task: Task = LevelTask(estimate)
         self.slowed = False
         self.guidance = Guidance(None, self.settings.limits())

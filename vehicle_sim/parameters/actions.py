@@ -12,7 +12,9 @@ class Action(IntEnum):
     MANUAL = 3
     HOLD = 4
     BRAKE = 5
-    RETURN = 6
-    LAND = 7
-    DISARM = 8
-    TERMINATE = 9
+    RETRACE = 6
+    RETURN = 7
+    RETRACE_OR_LAND = 8
+    LAND = 9
+    DISARM = 10
+    TERMINATE = 11

@@ -230,9 +230,9 @@ _ARDUPILOT_LOSS: Final[Mapping[int, Action]] = {
     1: Action.RETURN,
     2: Action.RETURN,
     3: Action.LAND,
-    # Without SmartRTL and landing sequences the next best of each chain is flown.
-    4: Action.RETURN,
-    5: Action.LAND,
+    4: Action.RETRACE,
+    5: Action.RETRACE_OR_LAND,
+    # Without landing sequences the next best of the chain is flown.
     6: Action.RETURN,
     7: Action.BRAKE,
 }

@@ -92,6 +92,8 @@ class FlightSettings:
     return_cone_slope: float
     return_climb_min_m: float
     return_min_distance_m: float
+    path_accuracy_m: float
+    path_places: int
     hand: HandSettings
     fence: FenceSettings
     rally: RallySettings
@@ -126,8 +128,8 @@ class FlightSettings:
 _GROUND_LOSS: Final[Mapping[int, Action]] = {
     1: Action.RETURN,
     2: Action.RETURN,
-    3: Action.RETURN,
-    4: Action.LAND,
+    3: Action.RETRACE,
+    4: Action.RETRACE_OR_LAND,
     5: Action.LAND,
     6: Action.RETURN,
     7: Action.BRAKE,
@@ -137,8 +139,8 @@ _EVEN_IN_MANUAL: Final = 3
 _BATTERY: Final[Mapping[int, Action]] = {
     1: Action.LAND,
     2: Action.RETURN,
-    3: Action.RETURN,
-    4: Action.LAND,
+    3: Action.RETRACE,
+    4: Action.RETRACE_OR_LAND,
     5: Action.TERMINATE,
 }
 _OFFBOARD_LOSS: Final[Mapping[int, Action]] = {
@@ -256,6 +258,8 @@ def _from_ardupilot(store: ParameterStore) -> FlightSettings:
         return_cone_slope=_never_unless_positive(store["RTL_CONE_SLOPE"]),
         return_climb_min_m=store["RTL_CLIMB_MIN"] / 100.0,
         return_min_distance_m=0.0,
+        path_accuracy_m=store["SRTL_ACCURACY"],
+        path_places=int(store["SRTL_POINTS"]),
         hand=hand_settings(store),
         fence=ardupilot_fence(store),
         rally=ardupilot_rally(store),
@@ -331,6 +335,8 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         return_cone_slope=inf,
         return_climb_min_m=0.0,
         return_min_distance_m=store["RTL_MIN_DIST"],
+        path_accuracy_m=0.0,
+        path_places=0,
         hand=hand_settings(store),
         fence=px4_fence(store),
         rally=px4_rally(store),

@@ -96,10 +96,6 @@ class FlavourTable:
         object.__setattr__(self, "modes", {number: mode for mode, number in self.custom_modes.items()})
 
 
-def _px4_mode(main: int, sub: int = 0) -> int:
-    return main << 16 | sub << 24
-
-
 _NUMBERS: Final = {kind.msgname: number for number, kind in mavlink.mavlink_map.items()}
 
 
@@ -127,32 +123,7 @@ _ARDUPILOT: Final = FlavourTable(
     capabilities=_capabilities(Flavour.ARDUPILOT),
     software_version=0x04070000,
     git_hash=b"90700977",
-    custom_modes={
-        Mode.STABILIZE: 0,
-        Mode.ACRO: 1,
-        Mode.ALT_HOLD: 2,
-        Mode.AUTO: 3,
-        Mode.GUIDED: 4,
-        Mode.POSITION: 5,
-        Mode.RETURN: 6,
-        Mode.CIRCLE: 7,
-        Mode.LAND: 9,
-        Mode.DRIFT: 11,
-        Mode.FLIP: 14,
-        Mode.AUTOTUNE: 15,
-        Mode.POSHOLD: 16,
-        Mode.BRAKE: 17,
-        Mode.THROW: 18,
-        Mode.AVOID_ADSB: 19,
-        Mode.GUIDED_NOGPS: 20,
-        Mode.SMART_RTL: 21,
-        Mode.FLOWHOLD: 22,
-        Mode.FOLLOW: 23,
-        Mode.ZIGZAG: 24,
-        Mode.SYSTEM_ID: 25,
-        Mode.AUTO_RTL: 27,
-        Mode.TURTLE: 28,
-    },
+    custom_modes={Mode[name]: number for name, number in data_file("modes")["ardupilot"].items()},
     base_modes={
         mode: _CUSTOM | _STABILIZED | _STICKS | (0 if rule.manual or mode is Mode.LAND else _GUIDED)
         for mode, rule in MODES[Flavour.ARDUPILOT].items()
@@ -204,23 +175,7 @@ _PX4: Final = FlavourTable(
     capabilities=_capabilities(Flavour.PX4),
     software_version=0x011001FF,
     git_hash=bytes.fromhex("94cb201200000000")[::-1],
-    custom_modes={
-        Mode.MANUAL: _px4_mode(1),
-        Mode.ALT_HOLD: _px4_mode(2),
-        Mode.POSITION: _px4_mode(3),
-        Mode.TAKEOFF: _px4_mode(4, 2),
-        Mode.HOLD: _px4_mode(4, 3),
-        Mode.AUTO: _px4_mode(4, 4),
-        Mode.RETURN: _px4_mode(4, 5),
-        Mode.LAND: _px4_mode(4, 6),
-        Mode.ACRO: _px4_mode(5),
-        Mode.GUIDED: _px4_mode(6),
-        Mode.STABILIZE: _px4_mode(7),
-        Mode.CIRCLE: _px4_mode(3, 1),
-        Mode.SLOW: _px4_mode(3, 2),
-        Mode.FOLLOW: _px4_mode(4, 8),
-        Mode.PRECISION_LAND: _px4_mode(4, 9),
-    },
+    custom_modes={Mode[name]: main << 16 | sub << 24 for name, (main, sub) in data_file("modes")["px4"].items()},
     base_modes={mode: _BY_HAND if is_by_hand(mode, rule) else _BY_ITSELF for mode, rule in MODES[Flavour.PX4].items()},
     default_rates_hz={Rates.SILENT: {}, **_rates("px4_rates")},
     stream_parameters={},

@@ -10,6 +10,7 @@ from typing import Final
 from vehicle_sim.autopilot import Mode
 from vehicle_sim.autopilot.hand import Sticks
 from vehicle_sim.parameters import Flavour
+from vehicle_sim.protocol.data_files import data_file
 from vehicle_sim.protocol.dialect import Message, mavlink
 from vehicle_sim.protocol.host import Host, Sender
 
@@ -23,17 +24,7 @@ _FIRST_CHANNELS: Final = 8
 _CHANNELS: Final = 18
 
 _PX4_MODES: Final[Mapping[int, Mode]] = {
-    0: Mode.MANUAL,
-    1: Mode.ALT_HOLD,
-    2: Mode.POSITION,
-    3: Mode.AUTO,
-    4: Mode.HOLD,
-    5: Mode.RETURN,
-    6: Mode.ACRO,
-    7: Mode.GUIDED,
-    8: Mode.STABILIZE,
-    10: Mode.TAKEOFF,
-    11: Mode.LAND,
+    int(number): Mode[name] for number, name in data_file("modes")["px4_switch"].items()
 }
 """The values of PX4's COM_FLTMODE1 to 6; ArduPilot's FLTMODE1 to 6 are the modes' own numbers."""
 
