@@ -83,6 +83,7 @@ class PlannerProcess:
             self._thread = threading.Thread(target=self._serve, daemon=True)
             self._thread.start()
         self._requests.put(plan)
+        self._requests.put(_mission_text(plan.spec)[0].encode())  # its map, to which a change may lead back
 
     def foresee(self, mission: bytes) -> None:
         """Let the process prepare for a mission file: what does not depend on where it is begun is there then."""

@@ -63,6 +63,7 @@ def foresee(spec: MissionSpec) -> None:
     partition, labelling = build_domain(spec)
     locator, restricted, start = Locator(partition), restricted_triangles(spec, labelling), spec.start.position_m
     required = of_mission(spec, labelling.letters)
+    _ = required.shown
     automaton = deterministic_of(required.formula, required.given, labelling.letters)
     maps = CrossingMaps(spec, labelling, restricted, locator, start, _start_triangle(locator, restricted, start))
     maps.foresee(automaton)

@@ -7,7 +7,8 @@ asked of the flight in time beside it: the word satisfies what of that can be sa
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import Final
 
 from mission.errors import AutomatonSizeError
 from mission.logic.automata.automaton import BuchiAutomaton, GeneralisedBuchi
@@ -26,6 +27,8 @@ from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.logic.timed.rewriting import untimed
 from mission.spec.model import MissionSpec, NamedAutomaton
 from mission.spec.tasks import task_formula, timed_formula
+
+_REMEMBERED: Final = 8
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,7 @@ class Specification:
         if len(self.automata) == 1:
             return self.automata
         try:
-            return (automaton_of(self.formula, self.given) if self.given else translate(self.formula, GLANCE),)
+            return (automaton_of(self.formula, self.given) if self.given else _glanced(self.formula),)
         except AutomatonSizeError:
             return self.automata
 
@@ -83,6 +86,12 @@ class Specification:
 
     def __str__(self) -> str:
         return described(self.given, conjunction(*(each for each in (self.formula, *self.timed) if each is not TRUE)))
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _glanced(formula: Formula) -> BuchiAutomaton:
+    """An automaton for readers, which most plans of a flight have in common; raises AutomatonSizeError."""
+    return translate(formula, GLANCE)
 
 
 def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
