@@ -6,8 +6,8 @@ amended; and the new plan. A thread here writes and reads, so that not even a fu
 the process, the flight is told that no plan comes.
 
 Before anything is asked for, what a flight might ask for is rehearsed: so all that is read or made once is there, and
-how long an answer takes is known, one for which little can be kept of the plan that is flown, and one for which most of
-it is. Garbage is collected between answers, not while somebody waits for one.
+how long an answer takes is known, one for which nothing can be kept of the plan that is flown, and one for which ways
+are. Garbage is collected between answers, not while somebody waits for one.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ from typing import IO, Any, Final, TypeVar
 import numpy as np
 
 from mission.errors import MissionError, SpecError
-from mission.fly.replanner import PlanAnswer, PlanRequest, answered, keeps_most
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered, may_keep
 from mission.plan import FlightPlan, plan_from_json, plan_to_json
 from mission.plan.rest import Rest
 from mission.plan.stages import foresee
@@ -59,7 +59,7 @@ class PlannerProcess:
 
     def __init__(self) -> None:
         """Start nothing yet."""
-        self._took_s, self.trouble = {True: _TAKES_S, False: _TAKES_S}, ""  # by whether most is kept
+        self._took_s, self.trouble = {True: _TAKES_S, False: _TAKES_S}, ""  # by whether ways may be kept
         self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | bytes | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
         self._foreseen_s, self._prepared = -math.inf, threading.Event()
@@ -69,12 +69,12 @@ class PlannerProcess:
 
     @property
     def takes_s(self) -> float:
-        """How long an answer took, on the clock here, for which little was kept."""
+        """How long an answer took, on the clock here, for which nothing could be kept."""
         return self._took_s[False]
 
     @property
     def takes_kept_s(self) -> float:
-        """The same where most was."""
+        """The same where ways could be."""
         return self._took_s[True]
 
     def prepare(self, plan: FlightPlan) -> None:
@@ -150,7 +150,7 @@ class PlannerProcess:
                 continue
             asked = [request] if isinstance(request, PlanRequest) else _rehearsed(request)
             for each in asked:
-                kept = keeps_most(each.plan.spec, each.amended)
+                kept = may_keep(each.plan.spec, each.amended)
                 began_s = time.monotonic()
                 its_own = each.plan is made
                 _send(to_it, _written(each, sends=each.plan is not known and not its_own, its_own=its_own))

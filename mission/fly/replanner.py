@@ -11,7 +11,6 @@ from mission.errors import MissionError
 from mission.plan import FlightPlan, plan_to_json
 from mission.plan.kept import flown_alike
 from mission.plan.rest import Rest, plan_rest, plan_return
-from mission.spec.amendment import asks_the_same
 from mission.spec.model import MissionSpec
 
 _TAKES_S: Final = 0.1
@@ -67,12 +66,12 @@ class Replanner(Protocol):
 
     @property
     def takes_s(self) -> float:
-        """How long an answer takes about, on the clock here, where little of the plan that is flown is kept."""
+        """How long an answer takes about, on the clock here, where nothing of the plan that is flown may be kept."""
         ...
 
     @property
     def takes_kept_s(self) -> float:
-        """The same where most of it may be."""
+        """The same where ways of it may be."""
         ...
 
     @property
@@ -154,14 +153,14 @@ class SynchronousReplanner:
         return done
 
 
-def keeps_most(flown: MissionSpec, amended: MissionSpec | None) -> bool:
-    """Whether most of the plan of a mission may be flown on as it is, if that is amended."""
-    return amended is None or (flown_alike(flown, amended) and asks_the_same(flown, amended))
+def may_keep(flown: MissionSpec, amended: MissionSpec | None) -> bool:
+    """Whether ways of the plan of a mission may be flown on as they are, if that is amended."""
+    return amended is None or flown_alike(flown, amended)
 
 
 def expected_s(replanner: Replanner, flown: MissionSpec, amended: MissionSpec | None) -> float:
     """How long the answer takes at most, on the clock here, to what is asked for while a mission is flown."""
-    return _MORE * (replanner.takes_kept_s if keeps_most(flown, amended) else replanner.takes_s)
+    return _MORE * (replanner.takes_kept_s if may_keep(flown, amended) else replanner.takes_s)
 
 
 def answered(request: PlanRequest) -> PlanAnswer:

@@ -265,7 +265,7 @@ class Replanning:
             approach = aside(self._state(0.0), bounds_of(self._watch.plan), vehicle_s, end_m)
             entry = replace(entry, approach=approach)
         elif not entry.begun and vehicle_s >= entry.approach.from_s:
-            self._late_s = 2.0 * (vehicle_s - asked.asked_s[0])
+            self._late_s = (1 + self._tries) * (vehicle_s - asked.asked_s[0])
             return self._again("the plan came too late")
         if not entry.begun and entry.approach.course is not None:
             self._session.redirect(entry.approach.course, entry.approach.from_s)

@@ -10,11 +10,11 @@ from threading import Event
 import pytest
 
 from mission.fly.planner_process import PlannerProcess
-from mission.fly.replanner import PlanAnswer, PlanRequest, answered, keeps_most
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered, may_keep
 from mission.plan.rest import Rest
 from tests.support.small_missions import SMALL, plan_of
 
-WITHIN_S = 60.0
+WITHIN_S = 200.0
 
 
 def wait_until(holds: Callable[[], object]) -> None:
@@ -70,12 +70,11 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
         planner.close()
 
 
-def test_little_is_kept_of_what_is_asked_for_or_flown_otherwise() -> None:
+def test_nothing_is_kept_of_what_is_flown_otherwise() -> None:
     spec = plan_of(SMALL).spec
-    assert keeps_most(spec, None)
-    assert keeps_most(spec, replace(spec, regions=spec.regions[:-1], flight=replace(spec.flight, laps=2)))
-    assert not keeps_most(spec, replace(spec, formula="F goal"))
-    assert not keeps_most(spec, replace(spec, flight=replace(spec.flight, speed_m_s=1.0)))
+    assert may_keep(spec, None)
+    assert may_keep(spec, replace(spec, formula="F goal", flight=replace(spec.flight, laps=2)))
+    assert not may_keep(spec, replace(spec, flight=replace(spec.flight, speed_m_s=1.0)))
 
 
 @pytest.mark.parametrize("place", [(9.0, 25.0)])
