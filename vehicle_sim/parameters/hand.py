@@ -158,7 +158,7 @@ def hand_settings(store: ParameterStore) -> HandSettings:
             tilt_rad=radians(store["MPC_MAN_TILT_MAX"]),
             turn_rad_s=radians(store["MPC_MAN_Y_MAX"]),
             lost_after_s=store["COM_RC_LOSS_T"],
-            loss=_PX4_LOSS.get(int(store["NAV_RCL_ACT"]), Action.NOTHING),
+            loss=PX4_LINK_LOSS.get(int(store["NAV_RCL_ACT"]), Action.NOTHING),
             stickless=Stickless(int(store["COM_RCL_EXCEPT"])),
         )
     climb_m_s, roll = store["PILOT_SPEED_UP"] / 100.0, int(store["RCMAP_ROLL"])
@@ -236,7 +236,7 @@ _ARDUPILOT_LOSS: Final[Mapping[int, Action]] = {
     6: Action.RETURN,
     7: Action.BRAKE,
 }
-_PX4_LOSS: Final[Mapping[int, Action]] = {
+PX4_LINK_LOSS: Final[Mapping[int, Action]] = {
     1: Action.HOLD,
     2: Action.RETURN,
     3: Action.LAND,

@@ -7,7 +7,7 @@ from math import inf, radians
 from typing import Final
 
 from vehicle_sim.parameters.actions import Action
-from vehicle_sim.parameters.hand import HandSettings, hand_settings
+from vehicle_sim.parameters.hand import PX4_LINK_LOSS, HandSettings, hand_settings
 from vehicle_sim.parameters.protection import (
     NO_WIND_LIMIT,
     FenceSettings,
@@ -153,13 +153,6 @@ _OFFBOARD_LOSS: Final[Mapping[int, Action]] = {
     6: Action.TERMINATE,
     7: Action.DISARM,
 }
-_DATA_LINK_LOSS: Final[Mapping[int, Action]] = {
-    1: Action.HOLD,
-    2: Action.RETURN,
-    3: Action.LAND,
-    5: Action.TERMINATE,
-    6: Action.DISARM,
-}
 _LOW_BATTERY: Final[Mapping[int, tuple[Action, Action]]] = {
     2: (Action.LAND, Action.LAND),
     3: (Action.RETURN, Action.LAND),
@@ -288,7 +281,7 @@ def _from_px4(store: ParameterStore) -> FlightSettings:
         setpoint_loss=_OFFBOARD_LOSS[int(store["COM_OBL_RC_ACT"])],
         thrust_climbs=False,
         ground_timeout_s=store["COM_DL_LOSS_T"],
-        ground_loss=_DATA_LINK_LOSS.get(int(store["NAV_DLL_ACT"]), Action.NOTHING),
+        ground_loss=PX4_LINK_LOSS.get(int(store["NAV_DLL_ACT"]), Action.NOTHING),
         # Without a position none of Return's legs can be flown: what is left of its chain is to land.
         estimator_loss=Action.RETURN,
         estimator_accuracy_m=accuracy_m if accuracy_m >= 0.0 else inf,

@@ -180,20 +180,7 @@ _PX4: Final = FlavourTable(
     default_rates_hz={Rates.SILENT: {}, **_rates("px4_rates")},
     stream_parameters={},
     stream_groups={},
-    absent_messages=frozenset(
-        _messages(
-            "EKF_STATUS_REPORT",
-            "RAW_IMU",
-            "POWER_STATUS",
-            "MEMINFO",
-            "NAV_CONTROLLER_OUTPUT",
-            "AHRS",
-            "WIND",
-            "SIMSTATE",
-            "FENCE_STATUS",
-            "RC_CHANNELS_RAW",
-        )
-    ),
+    absent_messages=frozenset(_messages(*data_file("px4_absent")["messages"])),
     told_on_change=frozenset(_messages("GPS_GLOBAL_ORIGIN", "CAMERA_TRIGGER", "CAMERA_IMAGE_CAPTURED")),
     no_stream=Outcome.FAILED,
     no_message=Outcome.DENIED,
