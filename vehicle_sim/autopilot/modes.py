@@ -122,7 +122,7 @@ class Event(Enum):
 class ModeRule:
     """What a mode needs of the estimator, whether the vehicle may be armed in it, and its name in texts.
 
-    One that has no flight of its own is flown `like` another.
+    One that has no flight of its own is flown `like` another; `wants` is said of one that is not set up.
     """
 
     name: str
@@ -131,11 +131,13 @@ class ModeRule:
     manual: bool = False
     like: Mode | None = None
     entry: Entry = Entry.ALWAYS
+    wants: str = ""
+    refusal: str = "init failed"
 
 
-def _refused(name: str) -> ModeRule:
+def _refused(name: str, wants: str = "", refusal: str = "init failed") -> ModeRule:
     """Return the rule of a mode that wants what is not fitted, or not set up: optical flow, a leader, an axis."""
-    return ModeRule(name, needs_position=False, armable=False, entry=Entry.NEVER)
+    return ModeRule(name, needs_position=False, armable=False, entry=Entry.NEVER, wants=wants, refusal=refusal)
 
 
 MODES: Final[Mapping[Flavour, Mapping[Mode, ModeRule]]] = {
@@ -164,9 +166,11 @@ MODES: Final[Mapping[Flavour, Mapping[Mode, ModeRule]]] = {
         ),
         Mode.FLIP: _refused("FLIP"),
         Mode.FLOWHOLD: _refused("FLOWHOLD"),
-        Mode.FOLLOW: _refused("FOLLOW"),
-        Mode.SYSTEM_ID: _refused("SYSTEMID"),
-        Mode.AUTO_RTL: _refused("AUTO RTL"),
+        Mode.FOLLOW: _refused("FOLLOW", "Set FOLL_ENABLE = 1"),
+        Mode.SYSTEM_ID: _refused("SYSTEMID", "No axis selected, SID_AXIS = 0"),
+        Mode.AUTO_RTL: _refused(
+            "AUTO RTL", "Unable to start landing sequence", "No return path or landing sequence found"
+        ),
         Mode.TURTLE: _refused("TURTLE"),
     },
     Flavour.PX4: {

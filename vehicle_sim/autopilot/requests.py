@@ -81,7 +81,9 @@ class Autopilot(Machine):
         closed = self._is_closed(mode) or (
             self.armed and lacks_sticks(self.flavour, mode, self.modes[mode], self.pilot, self._now_s)
         )
-        if reason := "init failed" if closed else self._obstacle(mode) if self.armed else "":
+        if reason := self.modes[mode].refusal if closed else self._obstacle(mode) if self.armed else "":
+            if wants := self.modes[mode].wants:
+                self._say(Severity.WARNING, wants)
             self.texts.append(texts.mode_refused(self.flavour, self.modes[mode].name, reason))
             streamless = self.flavour is Flavour.PX4 and mode is Mode.GUIDED and self._estimate.status.position_ok
             return Outcome.ACCEPTED if streamless else self._refusal

@@ -96,8 +96,7 @@ _FENCE: Final[Mapping[int, Action]] = {
     0: Action.NOTHING,
     1: Action.RETURN,
     2: Action.LAND,
-    # Without SmartRTL the next best of its chain is flown.
-    3: Action.RETURN,
+    3: Action.RETRACE,
     4: Action.BRAKE,
     5: Action.LAND,
 }
