@@ -104,10 +104,7 @@ def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
     Raises:
         FormulaSyntaxError: If the mission's own formula is none.
     """
-    own = (untimed(part) if part.timed else part for part in _own_parts(spec))
-    left_out = frozenset(dropped)
-    tasks = (task_formula(task, spec.regions) for i, task in enumerate(spec.tasks) if i not in left_out)
-    return conjunction(*(part for part in own if part is not TRUE), *tasks)
+    return of_mission(spec, (), dropped).formula
 
 
 def timed_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> tuple[Formula, ...]:
@@ -120,10 +117,7 @@ def timed_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> tuple[Formula, .
     Raises:
         FormulaSyntaxError: If the mission's own formula is none.
     """
-    left_out = frozenset(dropped)
-    tasks = [timed_formula(task) for i, task in enumerate(spec.tasks) if i not in left_out]
-    of_tasks = conjuncts(conjunction(*(each for each in tasks if each is not None)))
-    return tuple(dict.fromkeys((*(part for part in _own_parts(spec) if part.timed), *of_tasks)))
+    return of_mission(spec, (), dropped).timed
 
 
 def _own_parts(spec: MissionSpec) -> tuple[Formula, ...]:
@@ -145,8 +139,15 @@ def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable
     Raises:
         FormulaSyntaxError: If the mission's own formula is none.
     """
-    left_out = frozenset(dropped)
-    return Specification(formula_of(spec, left_out), spec.automaton, letters, timed_of(spec, left_out))
+    left_out, own = frozenset(dropped), _own_parts(spec)
+    tasks = [task for number, task in enumerate(spec.tasks) if number not in left_out]
+    in_words = (untimed(part) if part.timed else part for part in own)
+    formula = conjunction(
+        *(part for part in in_words if part is not TRUE), *(task_formula(task, spec.regions) for task in tasks)
+    )
+    of_tasks = conjuncts(conjunction(*(each for task in tasks if (each := timed_formula(task)) is not None)))
+    timed = tuple(dict.fromkeys((*(part for part in own if part.timed), *of_tasks)))
+    return Specification(formula, spec.automaton, letters, timed)
 
 
 def deterministic_of(formula: Formula, given: NamedAutomaton | None, letters: tuple[Letter, ...]) -> Conjunction:

@@ -7,6 +7,12 @@ from mission.spec.finding import Finding, Path, rather, shortened
 from mission.spec.task import BOUND_KEYS, BY, EVERY, UNBOUND_MODES, WITHIN, TaskKind, TaskMode
 from mission.spec.task_schema import MOST_SOFT_TASKS
 
+_INSTEAD: Final = {
+    TaskKind.SEQUENCED_VISIT: "write `ordered_visit`, which is done with the first visit of its last region, or a "
+    "formula with bounds from each visit to the next, such as F[0,60] (S1 & F[0,60] S2)"
+}
+"""What to write for a bound of a task that has none; when a sequence is done no formula over times to come tells."""
+
 _ENTERED: Final = frozenset({"until", "then", "in"})
 
 
@@ -42,7 +48,8 @@ def _bound_findings(number: int, task: dict[str, Any], kind: TaskKind) -> list[F
         allowed = ""
     if kind is TaskKind.REACT and (kind, TaskMode(value.get("how", "delayed"))) in UNBOUND_MODES:
         allowed = ""
-    hint = f"write `{allowed}`" if allowed else "take it away, or say it by a formula with bounds, such as F[0,120] S1"
+    instead = _INSTEAD.get(kind, "take it away, or say it by a formula with bounds, such as F[0,120] S1")
+    hint = f"write `{allowed}`" if allowed else instead
     return [
         Finding(("tasks", number, key), f"a task of this form, `{kind}`, has no `{key}`", hint)
         for key in (BY, WITHIN, EVERY)

@@ -1,6 +1,7 @@
 """What a mission asks for in seconds: keys of tasks and bounds in its formula, as formulas of both kinds."""
 
 import json
+from typing import Final
 
 import pytest
 
@@ -8,30 +9,56 @@ from mission.errors import SpecError
 from mission.spec.document import document_of
 from mission.spec.loader import parse_mission
 from mission.spec.specification import formula_of, of_mission, timed_of
+from mission.spec.task import TaskKind
 from mission.spec.tasks import task_text
 from tests.support.timed_missions import timed
 
+BOTH_AGAIN: Final = "G (near -> G F[0,60] near) & G (far -> G F[0,60] far)"
 
-@pytest.mark.parametrize(
-    ("task", "formula", "in_time"),
-    [
-        ("{visit: [near, far], by_s: 120}", "F near & F far", "F[0,120] near & F[0,120] far"),
-        (
-            "{ordered_visit: [near, far], by_s: 12.5}",
-            "F (near & F far) & !far U near",
-            "F[0,12.5] near & F[0,12.5] far",
-        ),
-        ("{avoid: {region: gate, until: near}, by_s: 9}", "!gate U near", "!gate U[0,9] near"),
-        ("{wait: {in: home, until: near}, by_s: 9}", "home U near", "home U[0,9] near"),
-        ("{react: {when: far, then: near}, within_s: 30}", "G (far -> F near)", "G (far -> F[0,30] near)"),
-        ("{patrol: near, every_s: 60}", "G F near", "G (near -> G F[0,60] near)"),
-    ],
+OF_KINDS: Final = (
+    (TaskKind.VISIT, "[near, far]", "by_s: 120", "F[0,120] near & F[0,120] far"),
+    (TaskKind.SEQUENCED_VISIT, "[near, far]", "by_s: 9", "write `ordered_visit`"),
+    (TaskKind.ORDERED_VISIT, "[near, far]", "by_s: 12.5", "F[0,12.5] near & F[0,12.5] far"),
+    (TaskKind.STRICT_ORDERED_VISIT, "[near, far]", "by_s: 9", "F[0,9] near & F[0,9] far"),
+    (TaskKind.FAIR_VISIT, "[near, far]", "by_s: 9", "F[0,9] near & F[0,9] far"),
+    (TaskKind.PATROL, "near", "every_s: 60", "G (near -> G F[0,60] near)"),
+    (TaskKind.SEQUENCED_PATROL, "[near, far]", "every_s: 60", BOTH_AGAIN),
+    (TaskKind.ORDERED_PATROL, "[near, far]", "every_s: 60", BOTH_AGAIN),
+    (TaskKind.STRICT_ORDERED_PATROL, "[near, far]", "every_s: 60", BOTH_AGAIN),
+    (TaskKind.FAIR_PATROL, "[near, far]", "every_s: 60", BOTH_AGAIN),
+    (TaskKind.AVOID, "{region: gate, until: near}", "by_s: 9", "!gate U[0,9] near"),
+    (TaskKind.AVOID, "{region: gate, after: near}", "by_s: 9", "has no `by_s`"),
+    (TaskKind.AVOID, "gate", "by_s: 9", "has no `by_s`"),
+    (TaskKind.VISITS, "{region: near, at_least: 2}", "by_s: 9", "say it by a formula with bounds"),
+    (TaskKind.WAIT, "{in: home, until: near}", "by_s: 9", "home U[0,9] near"),
+    (TaskKind.REACT, "{when: far, then: near}", "within_s: 30", "G (far -> F[0,30] near)"),
+    (TaskKind.REACT, "{when: far, then: near, how: prompt}", "within_s: 30", "G (far -> F[0,30] near)"),
+    (TaskKind.REACT, "{when: far, then: near, how: bound_delay}", "within_s: 30", "G (far -> F[0,30] near)"),
+    (TaskKind.REACT, "{when: far, then: near, how: bound}", "within_s: 9", "has no `within_s`"),
+    (TaskKind.REACT, "{when: far, then: near, how: instantaneous}", "within_s: 9", "has no `within_s`"),
+    (TaskKind.VISIT, "near", "within_s: 9", "write `by_s`"),
+    (TaskKind.PATROL, "near", "by_s: 9", "write `every_s`"),
 )
-def test_a_task_asks_for_a_formula_and_for_one_in_time(task: str, formula: str, in_time: str) -> None:
-    spec = timed("F home", f"[{task}]")
-    assert str(formula_of(spec)) == f"F home & {formula}"
-    assert " & ".join(map(str, timed_of(spec))) == in_time
-    assert task_text(spec.tasks[0]).endswith(task.rpartition(", ")[2].strip("}"))
+"""Kinds of tasks with a bound: what each asks for in time, or what is said of one that it has not."""
+
+
+def test_each_kind_of_task_is_in_the_table() -> None:
+    assert {kind for kind, *_ in OF_KINDS} == set(TaskKind)
+
+
+@pytest.mark.parametrize(("kind", "value", "bound", "means"), OF_KINDS)
+def test_a_bound_has_its_meaning_by_the_kind_of_its_task(kind: TaskKind, value: str, bound: str, means: str) -> None:
+    task = f"{{{kind}: {value}, {bound}}}"
+    if "`" in means or "say it" in means:
+        with pytest.raises(SpecError) as refused:
+            timed("F home", f"[{task}]")
+        (fault,) = refused.value.faults
+        assert means in f"{fault.message} {fault.hint}"
+        return
+    spec, without = timed("F home", f"[{task}]"), timed("F home", f"[{kind}: {value}]")
+    assert " & ".join(map(str, timed_of(spec))) == means
+    assert formula_of(spec) is formula_of(without)
+    assert task_text(spec.tasks[0]).endswith(f", {bound}")
     assert parse_mission(json.dumps(document_of(spec)).encode()) == spec
 
 
@@ -56,10 +83,6 @@ def test_what_is_dropped_is_not_asked_for_in_time_either() -> None:
         ("{visit: near, by_s: .inf}", "inf"),
         ("{visit: near, by_s: .nan}", "nan"),
         ("{visit: near, by_s: soon}", "expected a number"),
-        ("{sequenced_visit: [near, far], by_s: 9}", "has no `by_s`"),
-        ("{avoid: {region: gate, after: near}, by_s: 9}", "has no `by_s`"),
-        ("{react: {when: far, then: near, how: bound}, within_s: 9}", "has no `within_s`"),
-        ("{visits: {region: near, at_least: 2}, by_s: 9}", "has no `by_s`"),
         ("{by_s: 9}", "a task is missing here"),
     ],
 )
