@@ -117,7 +117,7 @@ def test_a_pilot_who_takes_over_finds_the_trigger_off(plan: FlightPlan) -> None:
     def take_over(lockstep: LockstepVehicle) -> None:
         camera = lockstep.vehicle.camera
         if camera is not None and camera.taken == 3:
-            lockstep.vehicle.autopilot.set_mode(Mode.POSITION)
+            lockstep.vehicle.autopilot.set_mode(Mode.HOLD)
 
     vehicle = LockstepVehicle(vehicle_of("px4", 5), take_over)
     result, _ = flown(plan, vehicle)

@@ -4,6 +4,7 @@ A page opens "Parameters are missing from firmware" for each name that it does n
 src/AutoPilotPlugins/APM and PX4, and of the firmware plug-ins for what is flown.
 """
 
+import re
 from itertools import cycle
 from struct import pack, unpack
 from zlib import crc32
@@ -157,9 +158,14 @@ def test_the_file_of_all_parameters_says_the_same(loaded: dict[Flavour, dict[str
 def test_a_ground_station_that_knows_the_values_already_is_spared_them(
     loaded: dict[Flavour, dict[str, Message]],
 ) -> None:
-    """As PX4 the checksum comes first: where it is that of the values that are kept, the list is called off."""
-    checksum = 0
+    """As PX4 the checksum comes first: where it is that of the values that are kept, the list is called off.
+
+    It is made without those that the autopilot changes by itself, which ground stations know as volatile.
+    """
+    checksum, volatile = 0, re.compile("CAL_.*(OFF|SCALE|DIAG|COMP)|EKF2_MAG_DECL|LND_FLIGHT_T_..|COM_FLIGHT_UUID")
     for name, message in sorted(loaded[PX4].items()):
+        if volatile.fullmatch(name):
+            continue
         for part in (name.encode(), pack("<f", message.param_value)):
             checksum = crc32(part, checksum ^ 0xFFFFFFFF) ^ 0xFFFFFFFF
     station = GroundStation(PX4)
