@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
-    # numpy, scipy and pymavlink would make `--help` wait.
+    # numpy, filterpy and pymavlink would make `--help` wait.
     from vehicle_sim.clock import WallClock  # noqa: PLC0415
     from vehicle_sim.protocol.flavour import TABLES, Rates  # noqa: PLC0415
     from vehicle_sim.server.fleet import fleet_of  # noqa: PLC0415

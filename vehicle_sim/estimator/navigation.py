@@ -1,4 +1,4 @@
-"""Position and velocity by a Kalman filter, with the measured acceleration as its input.
+"""Position and velocity by a Kalman filter (filterpy), with the measured acceleration as its input.
 
 A fix arrives late but says when it was taken, so the filter runs behind: its horizon is the time of the last
 measurement taken, the accelerations since are kept, and those until the next measurement carry the filter there. What
@@ -14,6 +14,7 @@ from math import sqrt
 from typing import Final, NamedTuple
 
 import numpy as np
+from filterpy.kalman import KalmanFilter
 
 from vehicle_sim.estimator.innovation import normalised_square
 from vehicle_sim.estimator.process import (
@@ -96,25 +97,6 @@ def _carried(pushed: Pushed, accelerations: Iterable[Vector], step_s: float) -> 
     return p_n, p_e, p_d, v_n, v_e, v_d
 
 
-class _Kalman:
-    """Mean `x` (18, 1) and covariance `P` (18, 18) of a linear Kalman filter."""
-
-    def __init__(self, x: Matrix, P: Matrix) -> None:
-        self.x, self.P = x, P
-
-    def predict(self, F: Matrix, Q: Matrix, pushed: Matrix) -> None:
-        """Go on by the transition `F` with noise `Q`, pushed by (18, 1)."""
-        self.x, self.P = F @ self.x + pushed, F @ self.P @ F.T + Q
-
-    def update(self, z: Matrix, R: Matrix, H: Matrix) -> None:
-        """Take measurements; the covariance in Joseph's form stays one, whatever is rounded."""
-        across = self.P @ H.T
-        gain = across @ np.linalg.inv(H @ across + R)
-        rest = np.eye(STATES) - gain @ H
-        self.x = self.x + gain @ (z - H @ self.x)
-        self.P = rest @ self.P @ rest.T + gain @ R @ gain.T
-
-
 class NavigationFilter:
     """The running filter of one vehicle.
 
@@ -160,7 +142,9 @@ class NavigationFilter:
         # Mean after the last update, as plain numbers, and what acceleration has added since.
         self._mean = [0.0] * STATES
         self._pushed = _UNPUSHED
-        self._filter = _Kalman(np.zeros((STATES, 1)), first_covariance(tuning, attitude_rad, fixes))
+        self._filter = KalmanFilter(dim_x=STATES, dim_z=_ROWS, dim_u=6)
+        self._filter.x = np.zeros((STATES, 1))
+        self._filter.P = first_covariance(tuning, attitude_rad, fixes)
 
     @property
     def covariance(self) -> Matrix:
@@ -243,7 +227,7 @@ class NavigationFilter:
         self._horizon = until
         self._pushed = _carried(_UNPUSHED, kept[:steps], self._step_s)
         f, q = self._process.epoch(steps, self._attitudes[steps // 2], self._pushed)
-        kalman.predict(f, q, self._process.input @ np.array(self._pushed).reshape(6, 1))
+        kalman.predict(u=np.array(self._pushed).reshape(6, 1), B=self._process.input, F=f, Q=q)
         if gps is not None or baro is not None:
             self._correct(gps, baro)
         return self._level(steps)
@@ -313,4 +297,4 @@ class NavigationFilter:
                 # A position that insists for so long is believed, with its velocity: the next fix will pass.
                 kalman.P[_POSITION, _POSITION] += _RESET_VARIANCE_M2 * np.eye(2)
                 kalman.P[V, V] += _RESET_VARIANCE_M2_S2 * np.eye(3)
-        kalman.update(z, r, h)
+        kalman.update(z, R=r, H=h)

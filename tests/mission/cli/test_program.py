@@ -58,7 +58,7 @@ def test_help_loads_no_library() -> None:
 def test_planning_draws_nothing_and_speaks_to_nobody() -> None:
     modules = loaded("plan", PAPER, "--json")
     assert "scipy" in modules
-    assert not modules & {"matplotlib", "pymavlink", "serial"}
+    assert not modules & {"matplotlib", "pymavlink", "serial", "filterpy"}
 
 
 def test_a_flight_loads_what_its_page_takes_only_where_that_is_asked_for() -> None:
