@@ -17,6 +17,7 @@ from mission.spec.areas import Ground, boundary_ground, region_ground
 from mission.spec.covers import cover_data
 from mission.spec.heading import heading_data
 from mission.spec.model import CORRIDOR, BoundaryDomain, CircleShape, Cover, Point, RegionKind, StripShape
+from mission.spec.windows import window_text
 
 REGIONS: Final = "Regions"
 TRIANGLES: Final = "Triangles"
@@ -46,6 +47,7 @@ def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
                 properties={
                     **({"loiter_s": region.loiter_s} if region.loiter_s else {}),
                     **({"speed_m_s": region.speed_m_s} if region.speed_m_s is not None else {}),
+                    **({"active": window_text(region)} if region.active_s is not None else {}),
                     **_lanes(region.cover),
                     **_round(placed, region.shape),
                 },

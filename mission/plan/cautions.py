@@ -1,6 +1,6 @@
 """What the writer of a mission that can be flown may not have meant."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from typing import Final
 
@@ -14,8 +14,9 @@ from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import Formula, negation, postorder, propositions
 from mission.logic.formula.word import Letter
 from mission.plan.missing_letters import violated_by_first
-from mission.spec.model import Flight, Limits, NamedAutomaton, Semantics
+from mission.spec.model import Flight, Limits, NamedAutomaton, Region, RegionKind, Semantics
 from mission.spec.specification import Specification
+from mission.spec.windows import window_text
 
 _HIGHEST_M: Final = 120.0
 """Above ground: the open category of the EU, Regulation 2019/947, UAS.OPEN.010; 14 CFR 107.51 has 400 feet."""
@@ -68,6 +69,16 @@ def flight_cautions(flight: Flight, limits: Limits) -> tuple[str, ...]:
             f"`limits: {{speed_m_s: {flight.speed_m_s:.12g}}}`"
         )
     return tuple(found)
+
+
+def window_cautions(regions: Iterable[Region]) -> tuple[str, ...]:
+    """What does not guard a flight from restricted regions that are there for a time only."""
+    return tuple(
+        f"regions.{region.name}: it is restricted {window_text(region)} alone, and no part of the vehicle's own "
+        "geofence, which stands all the time"
+        for region in regions
+        if region.kind is RegionKind.RESTRICTED and not region.forbidden
+    )
 
 
 def _of_automaton(

@@ -19,7 +19,7 @@ from mission.geometry.regions import union_of
 from mission.geometry.shapes import Area, narrowed, polygonal
 from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.operators import Operator
-from mission.logic.formula.syntax import Formula, always, implication
+from mission.logic.formula.syntax import LONGEST_S, Formula, always, implication
 from mission.plan.crossing_maps import CrossingMaps
 from mission.plan.time_bounds import FOLLOWED_S
 from mission.spec.air_time import air_s, longest_text
@@ -212,13 +212,21 @@ class Earliest:
 
 
 def due_of(timed: Collection[Formula]) -> dict[str, float]:
-    """The regions that are to be met within bounds of the beginning, with when each is due, s."""
-    due: dict[str, float] = {}
+    """The regions that are to be met within bounds of the beginning, or before they are gone, with when that is, s."""
+    return {name: due_s for name, (_, due_s) in spans_of(timed).items() if due_s < LONGEST_S}
+
+
+def spans_of(timed: Collection[Formula]) -> dict[str, tuple[float, float]]:
+    """The regions that are to be met within bounds of the beginning, or while they are there: from when to when."""
+    found: dict[str, tuple[float, float]] = {}
     for formula in timed:
-        if formula.operator in (Operator.EVENTUALLY, Operator.UNTIL) and formula.bounds is not None:
+        if formula.operator in (Operator.EVENTUALLY, Operator.UNTIL):
             for place in filter(_is_place, conjuncts(formula.operands[-1])):
-                due[place.name] = min(due.get(place.name, math.inf), float(formula.bounds[1]))
-    return due
+                spans = [bounds for bounds in (formula.bounds, place.bounds) if bounds is not None]
+                for least, most in spans:
+                    before = found.get(place.name, (0.0, math.inf))
+                    found[place.name] = max(before[0], float(least)), min(before[1], float(most))
+    return found
 
 
 def before_of(formulas: Collection[Formula]) -> Before:

@@ -9,7 +9,7 @@ from mission.logic.formula.conjuncts import conjuncts
 from mission.plan.diagnosis import Cause, diagnose
 from mission.planning.transition_system import TransitionSystem
 from mission.spec.loss import out_of_reach
-from mission.spec.model import MissionSpec, RegionKind
+from mission.spec.model import MissionSpec
 from mission.spec.specification import formula_of
 from mission.spec.tasks import task_formula, task_text
 
@@ -30,7 +30,7 @@ def explained(
         The failure with its parts; ``error`` itself where the question is too large.
     """
     every_way = TransitionSystem.from_partition(partition, labelling, np.zeros(partition.size, dtype=np.bool_))
-    names = [region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED]
+    names = [region.name for region in spec.regions if region.forbidden]
     soft = [number for number, task in enumerate(spec.tasks) if task.weight is not None]
     origins = {
         conjunct: f"task {task_text(task)}"

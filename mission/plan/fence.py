@@ -91,7 +91,7 @@ def fence_of(plan: FlightPlan) -> Fence:
     restricted = [
         Fenced(region_shape(plan, region.name), _circle(region.shape, clearance_of(region, domain)))
         for region in plan.spec.regions
-        if region.kind is RegionKind.RESTRICTED
+        if region.forbidden
     ]
     never = (plan.deterministic.targets == DEAD).all(axis=0)
     never[plan.labelling.letter_of[plan.run.states[0]]] = False  # where the flight begins need not be read

@@ -16,7 +16,7 @@ from mission.logic.automata.conjunction import Conjunction
 from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.air_time import AirTime
-from mission.plan.cautions import cautions, flight_cautions
+from mission.plan.cautions import cautions, flight_cautions, window_cautions
 from mission.plan.costs import UNIT, transition_weights
 from mission.plan.covering import SHARE_TO_SPARE, CoveredVisit
 from mission.plan.detour import Avoidance
@@ -210,6 +210,7 @@ class FlightPlan:
             *cut_off(self.spec),
             *out_of_reach(self.spec, self.start_m),
             *flight_cautions(self.spec.flight, self.spec.limits),
+            *window_cautions(self.spec.regions),
             *self._about_landing,
             *cautions(self.required, self.labelling.letters, start, self.spec.semantics, self._covered),
             *((f"the path of the fields is flown: {self.instead}",) if self.instead else ()),

@@ -35,7 +35,7 @@ from mission.spec.areas import Ground, boundary_ground, region_ground
 from mission.spec.clearances import BOUNDARY_CLEARANCE, clearances, key_of, largest_m, with_clearances, with_room
 from mission.spec.domain import build_domain, joined_m, restricted_triangles
 from mission.spec.finding import Path, dotted
-from mission.spec.model import BoundaryDomain, MissionSpec, Point, Refinement, RegionKind
+from mission.spec.model import BoundaryDomain, MissionSpec, Point, Refinement
 from mission.spec.outlines import place
 from mission.spec.specification import deterministic_of, formula_of, of_mission
 
@@ -222,7 +222,7 @@ class _Map:
     @cached_property
     def forbidden(self) -> dict[str, tuple[Area, Area]]:
         """What is kept out of, as it is drawn and with its clearance; what lies beyond the boundary by no name."""
-        names = [region.name for region in self.spec.regions if region.kind is RegionKind.RESTRICTED]
+        names = [region.name for region in self.spec.regions if region.forbidden]
         found = {name: (self.grounds[name].drawn, self.grounds[name].kept) for name in names if name in self.grounds}
         if isinstance(self.spec.domain, BoundaryDomain):
             fence = boundary_ground(self.spec.domain)
@@ -233,7 +233,7 @@ class _Map:
     @property
     def labels(self) -> frozenset[str]:
         """The regions of which something may be entered."""
-        restricted = {region.name for region in self.spec.regions if region.kind is RegionKind.RESTRICTED}
+        restricted = {region.name for region in self.spec.regions if region.forbidden}
         return frozenset(name for letter in self.labelling.letters if not restricted & letter for name in letter)
 
     @cached_property

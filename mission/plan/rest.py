@@ -215,7 +215,7 @@ def _crowding(spec: MissionSpec, place_m: Point) -> list[str]:
     triangles = shapely.polygons(partition.corners_m)
     met = np.flatnonzero(shapely.intersects(triangles, square))
     shut = met[restricted_triangles(spec, labelling)[met]]
-    restricted = {region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED}
+    restricted = {region.name for region in spec.regions if region.forbidden}
     names = sorted(restricted & frozenset().union(*(labelling.label(int(triangle)) for triangle in shut)))
     inside_m2 = float(shapely.area(shapely.intersection(triangles[met], square)).sum())
     return [*names, *(["the boundary"] if inside_m2 < (1.0 - _ROUNDING) * square.area else [])]

@@ -95,13 +95,18 @@ def bounds_of(
     """
     if not formulas:
         return ()
-    flown = _behaviour(trajectory, certificate, locator, labelling, Fraction(later_s))
+    flown = behaviour_flown(trajectory, certificate, locator, labelling, Fraction(later_s))
     return tuple(TimeBound(formula, margin_s(flown, formula)) for formula in formulas)
 
 
-def _behaviour(
-    trajectory: Trajectory, certificate: Certificate, locator: Locator, labelling: Labelling, later_s: Fraction
+def behaviour_flown(
+    trajectory: Trajectory,
+    certificate: Certificate,
+    locator: Locator,
+    labelling: Labelling,
+    later_s: Fraction = Fraction(0),
 ) -> Behaviour:
+    """When every flight within the tube is in a region for certain, and when one of them may be; as ``bounds_of``."""
     times = [later_s + Fraction(t_s) for t_s in trajectory.time_at(certificate.knots_s).tolist()]
     times[0] = Fraction(0)
     letters = [_letters(labelling, possible) for possible in certificate.possible]

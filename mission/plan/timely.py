@@ -1,28 +1,30 @@
 """Plans in time: of the ways that do what a mission asks for, one that keeps its bounds in seconds.
 
 The best run is tried first. Where it is late somewhere, runs are tried that visit in the order of what is due; where it
-is early, it waits where it begins, or before it comes into a region of which the bounds speak. Each is as fast as the
+is early, it waits where it begins, or before it comes into a region of which the bounds speak. What it must not meet
+while that is there is passed when it is gone, or a way leads round it, whichever is over sooner. Each is as fast as the
 limits admit, and each is proved before it counts.
 """
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from itertools import chain, combinations, pairwise
+from itertools import chain, combinations, pairwise, product
 from typing import Final, Protocol, TypeVar
 
-from mission.errors import AutomatonSizeError, LateError, NoPlanError, NoRollingStartError, SearchSizeError
+from mission.errors import LateError, NoPlanError, NoRollingStartError
 from mission.logic.formula.conjuncts import conjuncts
 from mission.logic.formula.operators import Operator
-from mission.logic.formula.syntax import LONGEST_S, Formula, conjunction, negation, proposition, propositions, until
+from mission.logic.formula.syntax import LONGEST_S, Formula, negation, proposition, propositions, until
 from mission.plan.air_time import AirTime
 from mission.plan.best_runs import BestRuns
-from mission.plan.earliest import Earliest, due_of
+from mission.plan.earliest import Earliest, spans_of
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
-from mission.plan.time_bounds import TimeBound, bounds_of
+from mission.plan.time_bounds import FOLLOWED_S, TimeBound, behaviour_flown, bounds_of
+from mission.plan.windows import around, asking_also, best_of, waits_s
 from mission.spec.model import FIELD, MissionSpec
 from mission.spec.tasks import task_text
 from mission.steering.trajectory import Trajectory
@@ -55,6 +57,16 @@ class Law:
     later: Waiting | None
 
 
+@dataclass(frozen=True)
+class _Timed:
+    """A path as it is flown, what becomes of all bounds, and whether it waits for that."""
+
+    flown: Steered
+    trajectory: Trajectory
+    bounds: list[Bound]
+    waits: bool
+
+
 def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, Law]]) -> tuple[Steered, Trajectory]:
     """A path, and how it is flown so that all that is asked for in seconds is kept.
 
@@ -81,20 +93,19 @@ def in_time(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, La
             conjuncts=tuple(chain.from_iterable(each.asked for each in hopeless)),
         )
     nearest: list[Bound] = []
-    for tried in _ways(steering, earliest):
-        try:
-            flown, law = flown_of(tried)
-        except NoRollingStartError:
-            raise
-        except NoPlanError:
-            if tried is steering:
-                raise
+    soonest: _Timed | None = None
+    for tried, goes_round in _ways(steering, earliest):
+        if soonest is not None and not (soonest.waits and goes_round):
+            break
+        found = _timed(tried, flown_of, needed=tried is steering)
+        if found is None:
             continue
-        trajectory, bounds = _in_its_time(tried, flown, law)
-        if _are_kept(bounds):
-            return flown, trajectory
-        if not nearest or _short_s(bounds) < _short_s(nearest):
-            nearest = bounds
+        if _are_kept(found.bounds):
+            soonest = min(soonest or found, found, key=lambda each: each.trajectory.duration_s)
+        elif not nearest or _short_s(found.bounds) < _short_s(nearest):
+            nearest = found.bounds
+    if soonest is not None:
+        return soonest.flown, soonest.trajectory
     late = [bound for bound in nearest if not bound.kept]
     texts = (f"{each.text}{_no_sooner(each, earliest)}" for each in late)
     raise LateError(
@@ -108,6 +119,22 @@ def _no_sooner(bound: Bound, earliest: Earliest) -> str:
     if isinstance(bound, AirTime) or not bound.is_deadline or math.isinf(bound.short_s):
         return ""
     return f", and no flight is there before {earliest.soonest_s(bound.formula):.2f} s"
+
+
+def _timed(steering: Steering, flown_of: Callable[[Steering], tuple[Steered, Law]], *, needed: bool) -> _Timed | None:
+    """A path in its time; None where there is none. One that is ``needed`` says why."""
+    try:
+        flown, law = flown_of(steering)
+    except NoRollingStartError:
+        raise
+    except NoPlanError:
+        if needed:
+            raise
+        return None
+    trajectory, bounds = _in_its_time(steering, flown, law)
+    if law.later is not None and not _are_kept(bounds):
+        trajectory, bounds = _when_all_is_gone(steering, flown, law.later, trajectory, bounds)
+    return _Timed(flown, trajectory, bounds, waits=trajectory is not law.fastest)
 
 
 Found = TypeVar("Found")
@@ -207,6 +234,21 @@ def _are_kept(bounds: list[Bound]) -> bool:
     return all(bound.kept for bound in bounds)
 
 
+def _when_all_is_gone(
+    steering: Steering, flown: Steered, later: Waiting, at_once: Trajectory, bounds: list[Bound]
+) -> tuple[Trajectory, list[Bound]]:
+    """A path as it is flown when a region is gone that it must not meet before; as it was where no wait will do."""
+    asked, of = steering.specification.timed, steering.planner
+    met = behaviour_flown(at_once, flown.certificate, steering.search.maps.locator, of.labelling)
+    waits = [math.ceil((wait_s + Fraction(FOLLOWED_S)) * 1000 + 1) / 1000.0 for wait_s in waits_s(asked, met)]
+    for place_s, wait_s in product((0.0, *_places(steering, flown)) if waits else (), waits):
+        trajectory = later(wait=(place_s, wait_s))
+        found = _bounds(steering, flown, trajectory)
+        if _are_kept(found):
+            return trajectory, found
+    return at_once, bounds
+
+
 def _places(steering: Steering, flown: Steered) -> list[float]:
     """Where to wait on the way: before it may come into a region of which the bounds speak."""
     names = frozenset[str]().union(*map(propositions, steering.specification.timed))
@@ -225,24 +267,24 @@ def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory, later_s:
     return [*in_place, *([] if aloft is None else [aloft])]
 
 
-def _ways(steering: Steering, earliest: Earliest) -> Iterator[Steering]:
-    """The best run, and then those that visit what is due first before what is due later, or at any time.
+def _ways(steering: Steering, earliest: Earliest) -> Iterator[tuple[Steering, bool]]:
+    """Ways, each with whether it goes round what is there for a time.
 
-    Orders in which something is late in any case are left out, and those of which the run is one before.
+    The best run, those that go round, and then those of either kind that visit what is due first before what is due
+    later, or at any time, and what comes last at the end. Orders in which something is late in any case are left out,
+    and those of which the run is one before.
     """
-    yield steering
-    asked, seen = steering.specification, {_states_of(steering.found)}
-    for order in dict.fromkeys(_orders(steering)) if steering.free else ():
-        urgent = replace(asked, formula=conjunction(asked.formula, *order))
-        if not earliest.admits(urgent):
-            continue
-        try:
-            found = steering.search.best(urgent)
-        except (NoPlanError, AutomatonSizeError, SearchSizeError):
-            continue
-        if _states_of(found) not in seen:
-            seen.add(_states_of(found))
-            yield replace(steering, specification=urgent, found=found, index=0)
+    yield steering, False
+    rounds = list(around(steering))
+    yield from ((each, True) for each in rounds)
+    seen = {_states_of(each.found) for each in (steering, *rounds)}
+    for base in (steering, *rounds[:1]) if steering.free else ():
+        for order in dict.fromkeys(_orders(base)):
+            urgent = asking_also(base.specification, order)
+            ordered = best_of(base, urgent) if earliest.admits(urgent) else None
+            if ordered is not None and _states_of(ordered.found) not in seen:
+                seen.add(_states_of(ordered.found))
+                yield ordered, False
 
 
 def _states_of(found: BestRuns) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -252,17 +294,18 @@ def _states_of(found: BestRuns) -> tuple[tuple[int, ...], tuple[int, ...]]:
 
 
 def _orders(steering: Steering) -> Iterator[tuple[Formula, ...]]:
-    """What is to come before what: by their deadlines; then each thing that is due before all others."""
+    """What is to come before what: by deadlines, and by when they are there; then each thing that is due before all."""
     asked, labelling = steering.specification, steering.planner.labelling
     begun = labelling.label(steering.search.maps.triangle)
-    due = {proposition(name): due_s for name, due_s in due_of(asked.timed).items()}
+    spans = {proposition(name): span for name, span in spans_of(asked.timed).items()}
     visited = [node.operands[0] for node in conjuncts(asked.formula) if _is_visit(node)]
-    places = [place for place in dict.fromkeys((*due, *visited)) if place.name not in begun]
-    times = {place: due.get(place, math.inf) for place in places}
-    sooner = [(a, b) for a in places for b in places if times[a] < times[b]]
-    if sooner:
-        yield tuple(until(negation(b), a) for a, b in sooner)
-    for first in (place for place in places if place in due):
+    places = [place for place in dict.fromkeys((*spans, *visited)) if place.name not in begun]
+    for times in zip(*(spans.get(place, (0.0, math.inf)) for place in places), strict=True):
+        when = dict(zip(places, times, strict=True))
+        sooner = [(a, b) for a in places for b in places if when[a] < when[b]]
+        if sooner:
+            yield tuple(until(negation(b), a) for a, b in sooner)
+    for first in (place for place in places if place in spans):
         if len(places) > 1:
             yield tuple(until(negation(other), first) for other in places if other is not first)
 

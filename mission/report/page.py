@@ -14,7 +14,6 @@ from mission.report.markup import STYLE, Row, details, escape, facts, folded, mo
 from mission.report.reading import Entry, Record
 from mission.report.timeline import PREFLIGHT, everything, moments, orders
 from mission.report.word import in_short, passages, told
-from mission.spec.model import RegionKind
 from mission.spec.tasks import task_text
 
 _FEW: Final = 12
@@ -125,7 +124,7 @@ def _word(plan: FlightPlan, record: Record, numbers: Mapping[str, Any]) -> str:
     waited = judged["awaited"] and numbers["verdict"]["achieved"] is not True
     open_steps = f", and it waited for {' or '.join(judged['awaited'])}" if waited else ""
     entered = {name for passage in found for name in passage.regions or ()}
-    restricted = [region.name for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED]
+    restricted = [region.name for region in plan.spec.regions if region.forbidden]
     kept_out = [name for name in restricted if name not in entered]
     met = [name for name in restricted if name in entered]
     sentences = [

@@ -8,13 +8,14 @@ from mission.errors import FormulaSyntaxError
 from mission.logic.formula.parser import parse_timed_formula
 from mission.logic.formula.syntax import propositions, written_name
 from mission.spec.domain import examine_domain
-from mission.spec.finding import Finding, Path, listed, rather, shortened
+from mission.spec.finding import Finding, Path, is_clean, listed, rather, shortened
 from mission.spec.model import FIELD, TRAJECTORY, Point, Region, RegionKind
 from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS, default_of
 from mission.spec.start_check import NO_TUBE, Tube
 from mission.spec.task_check import task_findings, weight_findings
 from mission.spec.tube import margins_of
 from mission.spec.values import domain_of, point_of, region_of
+from mission.spec.window_check import window_findings
 
 _FORMULA: Path = ("mission", "formula")
 _TOWARD: Path = ("flight", "heading", "toward")
@@ -40,6 +41,7 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
             if is_clean(("tasks", i), structural):
                 findings.extend(task_findings(i, task, kinds or {}))
     findings.extend(_cover_findings(regions))
+    findings.extend(window_findings(data, structural))
     if is_clean(("flight", "guidance"), structural):
         findings.extend(_guidance_findings(data.get("flight", {}), regions))
     if isinstance(regions, dict) and is_clean(_TOWARD[:2], structural):
@@ -59,11 +61,6 @@ def _tube_of(data: Any, structural: list[Finding]) -> Tube:  # noqa: ANN401 - an
     others_m = margins_of(flight).sum_m
     disturbance_m_s2, time_constant_s = (float(flight.get(key, default_of("flight", key))) for key in keys)
     return Tube(disturbance_m_s2, time_constant_s, others_m)
-
-
-def is_clean(path: Path, findings: list[Finding]) -> bool:
-    """Whether nothing was found at a path, in it, or about what it stands in; what is missing was found, too."""
-    return not any(path[: len(f.path)] == f.path or f.path[: len(path)] == path for f in findings)
 
 
 def _kind(region: Any) -> Any:  # noqa: ANN401 - any JSON value
@@ -109,7 +106,11 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
         path: Path = ("regions", name)
         if all(is_clean((*path, key), structural) for key in SHAPE_KEYS):
             kind = value["kind"] if is_clean((*path, "kind"), structural) else RegionKind.SURVEY
-            shape = {key: part for key, part in value.items() if key not in ("loiter_s", "speed_m_s", "cover")}
+            shape = {
+                key: part for key, part in value.items() if key not in ("loiter_s", "speed_m_s", "cover", "active_s")
+            }
+            if "active_s" in value and is_clean((*path, "active_s"), structural):
+                shape["active_s"] = value["active_s"]
             known.append(region_of(name, {**shape, "kind": kind}))
     return known
 

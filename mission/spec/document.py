@@ -103,7 +103,8 @@ def _region(region: Region) -> dict[str, Any]:
     clearance = {} if region.clearance_m is None else {"clearance_m": region.clearance_m}
     speed = {} if region.speed_m_s is None else {"speed_m_s": region.speed_m_s}
     cover = {} if region.cover is None else {"cover": cover_data(region.cover)}
-    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **clearance, **speed, **cover}
+    active = {} if region.active_s is None else {"active_s": [t if math.isfinite(t) else None for t in region.active_s]}
+    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **clearance, **speed, **cover, **active}
 
 
 def _area(shape: AreaShape) -> dict[str, Any]:

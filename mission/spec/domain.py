@@ -28,7 +28,6 @@ from mission.spec.model import (
     Point,
     PointShape,
     Region,
-    RegionKind,
     TriangleShape,
 )
 from mission.spec.outlines import BOUNDARY, Outlines, place, sound_outlines
@@ -59,7 +58,7 @@ def build_domain(spec: MissionSpec) -> tuple[Partition, Labelling]:
 
 def restricted_triangles(spec: MissionSpec, labelling: Labelling) -> BoolArray:
     """Mask of the triangles that lie in a restricted region, shape (M,)."""
-    names = frozenset(region.name for region in spec.regions if region.kind is RegionKind.RESTRICTED)
+    names = frozenset(region.name for region in spec.regions if region.forbidden)
     of_letters = np.array([bool(names & letter) for letter in labelling.letters])
     mask: BoolArray = of_letters[labelling.letter_of]
     return mask
@@ -132,7 +131,7 @@ def joined_m(extent_m: float) -> float:
 
 
 def _forbids(region: Region) -> bool:
-    return region.kind is RegionKind.RESTRICTED
+    return region.forbidden
 
 
 def _is_plain(ground: Ground, outlines: Outlines) -> bool:

@@ -64,3 +64,8 @@ def listed(names: Iterable[object], *, most: int = 12) -> str:
     """Names in a row, shortened where there are many."""
     texts = [str(name) for name in names]
     return ", ".join(texts[:most]) + (f" and {len(texts) - most} more" if len(texts) > most else "")
+
+
+def is_clean(path: Path, findings: list[Finding]) -> bool:
+    """Whether nothing was found at a path, in it, or about what it stands in; what is missing was found, too."""
+    return not any(path[: len(f.path)] == f.path or f.path[: len(path)] == path for f in findings)

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from mission.errors import Fault, SpecError
-from mission.spec.check import is_clean, meaning_findings
+from mission.spec.check import meaning_findings
 from mission.spec.drawn_files import with_drawn_shapes
-from mission.spec.finding import Finding, shortened
+from mission.spec.finding import Finding, is_clean, shortened
 from mission.spec.geography import in_degrees, in_metres, origin_of, told_in_degrees
 from mission.spec.model import MissionSpec, NamedAutomaton
 from mission.spec.named_automaton import AUTOMATON, named_automaton
@@ -21,6 +21,7 @@ from mission.spec.named_files import Reader, UnreadableError, nothing_beside
 from mission.spec.placing import placed
 from mission.spec.structure import MOST_ERRORS, plain_data, structure_findings
 from mission.spec.values import mission_of
+from mission.spec.window_check import of_automaton
 from mission.spec.written_automaton import BY_HAND, written_automaton
 from mission.spec.yaml_tree import MAX_BYTES, read_tree
 
@@ -83,7 +84,11 @@ def parse_mission(content: bytes, source: str = "", read: Reader = nothing_besid
             # The file has its points in degrees, and so has whoever reads what is wrong with it.
             meant = [replace(each, message=told_in_degrees(each.message, origin)) for each in meant]
         automaton, unsound = _automaton(data, findings, read)
-        findings += [*meant, *unsound]
+        findings += [
+            *meant,
+            *unsound,
+            *of_automaton(automaton, data.get("regions") if isinstance(data, dict) else None),
+        ]
     faults.extend(placed(finding, tree, text) for finding in findings)
     if faults:
         raise SpecError(_bounded(sorted(set(faults))), source)

@@ -193,6 +193,8 @@ class Region:
             says nothing of that.
         speed_m_s: The largest speed while any of the tube may be inside; None where the file says nothing of that.
         cover: How it is covered: a visit of it is complete when its lanes are flown; None where it is only visited.
+        active_s: From when to when it is there, by the clock of the trajectory, both included, the end infinite where
+            it is there from then on; None where it is there all the time.
     """
 
     name: str
@@ -202,6 +204,12 @@ class Region:
     cover: Cover | None = None
     clearance_m: float | None = None
     speed_m_s: float | None = None
+    active_s: tuple[float, float] | None = None
+
+    @property
+    def forbidden(self) -> bool:
+        """Whether it is never entered, at no time."""
+        return self.kind is RegionKind.RESTRICTED and self.active_s is None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import shapely
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.spec.areas import region_ground
-from mission.spec.model import MissionSpec, RegionKind
+from mission.spec.model import MissionSpec
 
 
 def restricted_as_drawn(spec: MissionSpec, partition: Partition, labelling: Labelling) -> dict[str, shapely.Geometry]:
@@ -16,7 +16,7 @@ def restricted_as_drawn(spec: MissionSpec, partition: Partition, labelling: Labe
         partition: Its triangles, of which a region may be one.
         labelling: Their labels.
     """
-    restricted = [region for region in spec.regions if region.kind is RegionKind.RESTRICTED]
+    restricted = [region for region in spec.regions if region.forbidden]
     grounds = {region.name: region_ground(region, spec.domain) for region in restricted}
     return {
         name: union_of(partition, labelling.triangles_of(name)) if ground is None else ground.drawn

@@ -38,6 +38,8 @@ from mission.spec.task_schema import REGION_NAME, TASK, TASKS
 from mission.spec.written_automaton import SCHEMA as AUTOMATON
 
 MOST_REGIONS: Final = 1_000
+LATEST_S: Final = 86_400.0
+"""No region comes or goes later, s after the trajectory begins."""
 
 REGION_NAME_PATTERN: Final = r'^[^"\\\s\x00-\x1f\x7f]([^"\\\x00-\x1f\x7f]*[^"\\\s\x00-\x1f\x7f])?$'
 """Any letters, and spaces inside: what a formula can name, in quotes where it is not made of A to Z, digits and _."""
@@ -140,6 +142,17 @@ _REGION: Final = mapping(
         ),
         "speed_m_s": number("Largest speed while any of the tube is inside, m/s.", 0.001, 100.0, examples=[2.0]),
         "cover": COVER,
+        "active_s": {
+            "description": "From when to when the region is there, s after the trajectory begins, both included; null "
+            "for an end that is open. At other times it is as if it were not drawn.",
+            "type": "array",
+            "items": {
+                "anyOf": [{"const": None}, {"type": "number", "minimum": 0.0, "maximum": LATEST_S}],
+            },
+            "minItems": 2,
+            "maxItems": 2,
+            "examples": [[60, 180]],
+        },
     },
     oneOf=one_of("triangle", "at", *AREAS),
     **GO_TOGETHER,

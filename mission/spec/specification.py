@@ -27,6 +27,7 @@ from mission.logic.formula.word import LassoWord, Letter, satisfies
 from mission.logic.timed.rewriting import untimed
 from mission.spec.model import MissionSpec, NamedAutomaton
 from mission.spec.tasks import task_formula, timed_formula
+from mission.spec.windows import as_there, kept_out_of
 
 _REMEMBERED: Final = 8
 
@@ -110,6 +111,8 @@ def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:
 def timed_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> tuple[Formula, ...]:
     """What a mission asks of a flight in time: the conjuncts of its formula that have bounds, and those of its tasks.
 
+    What speaks of a region that is there for a time only has bounds, and such a region may be restricted.
+
     Args:
         spec: The mission.
         dropped: Tasks that are left out, by their places in the file.
@@ -125,6 +128,7 @@ def _own_parts(spec: MissionSpec) -> tuple[Formula, ...]:
     if not spec.formula:
         return ()
     parsed = parse_timed_formula(spec.formula, frozenset(region.name for region in spec.regions))
+    parsed = as_there(parsed, spec.regions)
     return parsed.operands if parsed.operator is Operator.AND else (parsed,)
 
 
@@ -141,12 +145,12 @@ def of_mission(spec: MissionSpec, letters: tuple[Letter, ...], dropped: Iterable
     """
     left_out, own = frozenset(dropped), _own_parts(spec)
     tasks = [task for number, task in enumerate(spec.tasks) if number not in left_out]
-    in_words = (untimed(part) if part.timed else part for part in own)
-    formula = conjunction(
-        *(part for part in in_words if part is not TRUE), *(task_formula(task, spec.regions) for task in tasks)
-    )
-    of_tasks = conjuncts(conjunction(*(each for task in tasks if (each := timed_formula(task)) is not None)))
-    timed = tuple(dict.fromkeys((*(part for part in own if part.timed), *of_tasks)))
+    of_own = (untimed(part) if part.timed else part for part in own)
+    in_words = (*of_own, *(task_formula(task, spec.regions) for task in tasks))
+    formula = conjunction(*(part for part in in_words if part is not TRUE))
+    of_tasks = (each for task in tasks if (each := timed_formula(task, spec.regions)) is not None)
+    of_own_in_time = (part for part in own if part.timed)
+    timed = tuple(dict.fromkeys((*kept_out_of(spec.regions), *of_own_in_time, *conjuncts(conjunction(*of_tasks)))))
     return Specification(formula, spec.automaton, letters, timed)
 
 

@@ -217,8 +217,9 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
     options = schema.get("enum") or [o["const"] for o in schema.get("anyOf", []) if "const" in o]
     if options:
         expected = f"one of {listed(options)}" if "enum" in schema else _name_or_number(options[0], schema)
-        close = nearest(instance, options) if isinstance(instance, str) else ""
-        hint = f"did you mean `{close}`?" if close else f"{_FOR_EXAMPLE}{options[0]}"
+        texts = [option for option in options if isinstance(option, str)]
+        close = nearest(instance, texts) if isinstance(instance, str) else ""
+        hint = f"did you mean `{close}`?" if close else f"{_FOR_EXAMPLE}{_flow(options[0])}"
     else:
         expected = _KINDS[schema["type"]]
         keys = schema.get("properties", {})
@@ -238,7 +239,9 @@ def _wrong_kind(path: Path, instance: Any, schema: Schema, tree: Node) -> Findin
 
 def _name_or_number(name: str, schema: Schema) -> str:
     number = next(option for option in schema["anyOf"] if "type" in option)
-    return f"{name} or {_KINDS[number['type']]} from {decimal(number['minimum'])} to {decimal(number['maximum'])}"
+    return (
+        f"{_flow(name)} or {_KINDS[number['type']]} from {decimal(number['minimum'])} to {decimal(number['maximum'])}"
+    )
 
 
 _FOR_EXAMPLE: Final = "write for example "
@@ -302,7 +305,7 @@ def _flow(value: Any) -> str:  # noqa: ANN401 - any JSON value
         return "{" + ", ".join(f"{key}: {_flow(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
         return "[" + ", ".join(_flow(item) for item in value) + "]"
-    if isinstance(value, str) and not value.isidentifier():
+    if value is None or (isinstance(value, str) and not value.isidentifier()):
         return json.dumps(value)
     return str(value)
 

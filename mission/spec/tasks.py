@@ -17,8 +17,10 @@ from mission.logic.formula.syntax import (
     proposition,
     until,
 )
+from mission.logic.timed.rewriting import untimed
 from mission.spec.model import Region, RegionKind
 from mission.spec.task import BOUND_KEYS, EVERY, Task, TaskKind, TaskMode
+from mission.spec.windows import as_there
 
 Data = dict[str, Any]
 
@@ -61,13 +63,19 @@ _OF_NEXT: Final[Mapping[TaskMode, Callable[[str, str, Sequence[str]], Formula]]]
 
 
 def task_formula(task: Task, regions: Sequence[Region]) -> Formula:
-    """What a task asks for.
+    """What a task asks for, as far as that can be said without seconds.
 
     Args:
         task: The task.
         regions: The mission's; a visit ends where the vehicle comes to another of them (to restricted ones it never
             comes).
     """
+    formula = as_there(_whole_formula(task, regions), regions)
+    return untimed(formula) if formula.timed else formula
+
+
+def _whole_formula(task: Task, regions: Sequence[Region]) -> Formula:
+    """What a task asks for, wherever regions are there all the time."""
     places = [region.name for region in regions if region.kind is not RegionKind.RESTRICTED]
     if task.kind is TaskKind.VISITS:
         return _OF_COUNT[task.mode](task.regions[0], task.count, places)
@@ -81,15 +89,21 @@ def task_formula(task: Task, regions: Sequence[Region]) -> Formula:
     return _OF_PAIR[task.kind, task.mode](first, second)
 
 
-def timed_formula(task: Task) -> Formula | None:
+def timed_formula(task: Task, regions: Sequence[Region]) -> Formula | None:
     """What a task asks for in time, beside ``task_formula``; None where it has no bound.
 
     By when: ``F[0,s] a`` of each region, or the ``U`` of the formula with this bound. Within: ``G (a -> F[0,s] b)``.
-    Every: ``G (a -> G F[0,s] a)``, from the first visit on.
+    Every: ``G (a -> G F[0,s] a)``, from the first visit on. All of it has bounds where it speaks of a region that is
+    there for a time only.
     """
-    if task.bound_s is None:
-        return None
-    bounds = Fraction(0), Fraction(decimal(task.bound_s))
+    whole = as_there(_whole_formula(task, regions), regions)
+    bound = () if task.bound_s is None else (as_there(_bound_formula(task, task.bound_s), regions),)
+    parts = (*([whole] if whole.timed else []), *bound)
+    return conjunction(*parts) if parts else None
+
+
+def _bound_formula(task: Task, bound_s: float) -> Formula:
+    bounds = Fraction(0), Fraction(decimal(bound_s))
     places = [proposition(name) for name in task.regions]
     if task.kind is TaskKind.WAIT:
         return until(places[0], places[1], bounds)

@@ -128,7 +128,13 @@ def region_of(name: str, data: Data) -> Region:
         cover=cover_of(data["cover"]) if "cover" in data else None,
         clearance_m=None if clearance is None else float(clearance),
         speed_m_s=None if speed is None else float(speed),
+        active_s=_window(data["active_s"]) if "active_s" in data else None,
     )
+
+
+def _window(ends: list[float | None]) -> tuple[float, float]:
+    begin_s, end_s = ends
+    return float(begin_s or 0.0), math.inf if end_s is None else float(end_s)
 
 
 def point_of(pair: list[float]) -> Point:

@@ -29,6 +29,7 @@ BROKEN = sorted((MISSIONS / "broken").glob("*.yaml"))
 WHOLE_FILE = {"empty.yaml", "only_comments.yaml"}
 """Where there is no line to point at."""
 WORDS = {
+    "closing": "home ferry corridor bridge weir corridor home",
     "delivery": "base depot clinic farm base",
     "farm": "pad field field pad",
     "inspection": "pad roof tank pad",

@@ -5,13 +5,15 @@ holds at all of them. So time is a row of places: the place ``2 n`` is the time 
 between n and n + 1.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from random import Random
 
 from mission.logic.formula.operators import Operator
-from mission.logic.formula.syntax import Formula
+from mission.logic.formula.syntax import LONGEST_S, Bounds, Formula, rebuilt
 from mission.logic.formula.word import Letter
 
 
@@ -53,6 +55,42 @@ def random_timed(random: Random, operators: int, names: tuple[str, ...]) -> str:
     left = random.randint(0, operators - 1)
     sides = random_timed(random, left, names), random_timed(random, operators - 1 - left, names)
     return f"({sides[0]}) {kind}{written if kind in 'URWM' else ''} ({sides[1]})"
+
+
+def random_window(random: Random) -> Bounds | None:
+    """When a proposition counts: always, from one whole time to another, or from one on."""
+    least = random.choice((0, 0, 1, 3, 8))
+    most = random.choice((least, least + 1, least + 4, least + 15, LONGEST_S))
+    return None if random.random() < 0.3 else (Fraction(least), Fraction(most))
+
+
+def counting(formula: Formula, windows: dict[str, Bounds | None]) -> Formula:
+    """A formula of which each proposition counts at its times only."""
+
+    def build(node: Formula, operands: tuple[Formula, ...]) -> Formula:
+        window = windows.get(node.name)
+        return Formula(
+            node.operator, operands, node.name, window if node.operator is Operator.PROPOSITION else node.bounds
+        )
+
+    return rebuilt(formula, build)
+
+
+def counted(word: TimedWord, windows: dict[str, Bounds | None]) -> TimedWord:
+    """The word in which each proposition is where it counts, and nowhere else; it repeats when nothing changes more."""
+    last = 2 * max((int(time) for window in windows.values() for time in window or () if time < LONGEST_S), default=0)
+    size = len(word.letters) + word.round * (last // word.round + 1)
+    spans = {
+        name: (0, math.inf) if window is None else (2 * window[0], 2 * window[1]) for name, window in windows.items()
+    }
+    endless = {name for name, window in windows.items() if window is not None and window[1] == LONGEST_S}
+    letters = (
+        frozenset(
+            name for name in word.at(place) if spans[name][0] <= place and (place <= spans[name][1] or name in endless)
+        )
+        for place in range(size)
+    )
+    return TimedWord(tuple(letters), word.round)
 
 
 Truth = Callable[[int], bool]

@@ -18,10 +18,11 @@ _ANY_NAME: Final = re.compile(r'[^"\\\x00-\x1f\x7f]{1,200}')
 _SPLIT_NAME: Final = re.compile(r"[FGX]+(?:[A-Za-z][0-9]*)?")
 
 LONGEST_S: Final = 1_000_000
-"""No bound is longer, s."""
+"""No bound is longer, s; a proposition that counts up to this time does so for ever."""
 
 Bounds = tuple[Fraction, Fraction]
-"""The shortest and the longest time to what an operator speaks of, both included, s."""
+"""The shortest and the longest time to what an operator speaks of, both included, s; of a proposition, when it
+counts."""
 
 _ATOM_STRENGTH: Final = 7
 
@@ -39,7 +40,8 @@ class Formula:
         operator: What the node is.
         operands: Its operands in the order of writing; two or more for conjunctions and disjunctions.
         name: The proposition's name; empty for every other operator.
-        bounds: Of a temporal operator that speaks of time, between how many seconds from now; None of all others.
+        bounds: Of a temporal operator that speaks of time, between how many seconds from now. Of a proposition that is
+            false at all other times, from when to when, by the clock that is 0 where all begins. None of all others.
         timed: Whether it or one of its operands has bounds: it is no formula of LTL, and no automaton is made of it.
         depth: Number of nodes on the longest way down to a leaf, itself included.
         eventuality: Whether the syntax shows that it holds already if it holds at some later position (``F a``).
@@ -128,7 +130,7 @@ def _check(operator: Operator, operands: tuple[Formula, ...], name: str) -> None
 def _check_bounds(operator: Operator, bounds: Bounds | None) -> None:
     if bounds is None:
         return
-    if operator not in BOUNDABLE:
+    if operator not in BOUNDABLE and operator is not Operator.PROPOSITION:
         raise ValueError(f"the operator {operator.value} has no bounds in seconds")
     if not 0 <= bounds[0] <= bounds[1] <= LONGEST_S:
         raise ValueError(f"bounds are two times from 0 to {LONGEST_S} s, in ascending order")
@@ -176,9 +178,14 @@ TRUE: Final = Formula(Operator.TRUE)
 FALSE: Final = Formula(Operator.FALSE)
 
 
-def proposition(name: str) -> Formula:
-    """The proposition ``name``: any characters but quotes, backslashes and control characters, 200 at most."""
-    return Formula(Operator.PROPOSITION, (), name)
+def proposition(name: str, window: Bounds | None = None) -> Formula:
+    """The proposition ``name``: any characters but quotes, backslashes and control characters, 200 at most.
+
+    Args:
+        name: The name.
+        window: When it counts, by the clock that is 0 where all begins; at any time where there is none.
+    """
+    return Formula(Operator.PROPOSITION, (), name, window)
 
 
 def negation(operand: Formula) -> Formula:
@@ -296,7 +303,7 @@ def _written(formula: Formula) -> str:
     for node in postorder(formula):
         operator = node.operator
         if operator is Operator.PROPOSITION:
-            texts[node] = written_name(node.name)
+            texts[node] = written_name(node.name) + _window_text(node.bounds)
         elif operator in CONSTANTS:
             texts[node] = operator.value
         elif operator in UNARY:
@@ -310,6 +317,12 @@ def _written(formula: Formula) -> str:
             parts = (_enclosed(texts[operand], _strength(operand) <= strength) for operand in node.operands)
             texts[node] = f" {operator.value}{_bounds_text(node.bounds)} ".join(parts)
     return texts[formula]
+
+
+def _window_text(window: Bounds | None) -> str:
+    if window is None or window[1] < LONGEST_S:
+        return _bounds_text(window)
+    return f"[{seconds_text(window[0])},inf]"
 
 
 def _bounds_text(bounds: Bounds | None) -> str:

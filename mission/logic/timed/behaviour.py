@@ -6,7 +6,18 @@ from fractions import Fraction
 from typing import Final, NamedTuple
 
 from mission.logic.formula.word import Letter
-from mission.logic.timed.time_sets import AFTER, BEFORE, NEVER, Span, Time, TimeSet, complement, joined
+from mission.logic.timed.time_sets import (
+    AFTER,
+    BEFORE,
+    NEVER,
+    Span,
+    Time,
+    TimeSet,
+    complement,
+    intersection,
+    joined,
+    moved,
+)
 
 _MOMENT_S: Final = Fraction(1, 2)
 
@@ -44,6 +55,25 @@ class Behaviour:
     def of(self, name: str) -> Known:
         """When a proposition holds."""
         return self.known.get(name, Known(NEVER, self.untold))
+
+    def once_until(self, time_s: Time) -> "Behaviour":
+        """The same behaviour, of which nothing repeats up to and including a time."""
+        if self.loop_s > time_s:
+            return self
+        round_s = self.end_s - self.loop_s
+        rounds = (time_s - self.loop_s) // round_s + 1
+        loop: Span = (self.loop_s, BEFORE), (self.end_s, BEFORE)
+
+        def again(times: TimeSet) -> TimeSet:
+            inside = intersection(times, (loop,))
+            if inside == (loop,):  # for ever: one span, however many rounds
+                return joined([*times, (loop[1], moved(loop[1], rounds * round_s))])
+            shifts = (k * round_s for k in range(1, rounds + 1)) if inside else ()
+            return joined([*times, *((moved(a, by), moved(b, by)) for by in shifts for a, b in inside)])
+
+        known = {name: Known(again(each.must), again(each.may)) for name, each in self.known.items()}
+        later_s = rounds * round_s
+        return Behaviour(known, again(self.untold), self.loop_s + later_s, self.end_s + later_s)
 
 
 class Piece(NamedTuple):

@@ -8,6 +8,8 @@ and a set is known from one round.
     F[p,q] a = true U[p,q] a          G[p,q] a = ! F[p,q] ! a
     a R[p,q] b = ! (! a U[p,q] ! b)   a W[p,q] b = a U[p,q] b | G[0,q] a   a M[p,q] b = a R[p,q] b & F[0,q] a
 
+    a[p,q]: the proposition a holds at t, and p <= t <= q
+
 Without bounds they are those of LTL, for which time has no end. Where a behaviour is known in part only, each set is
 enclosed by two: when the subformula must hold, and when it may.
 
@@ -20,7 +22,7 @@ from math import lcm
 from typing import Final
 
 from mission.logic.formula.operators import BOUNDABLE, Operator
-from mission.logic.formula.syntax import Bounds, Formula, postorder
+from mission.logic.formula.syntax import LONGEST_S, Bounds, Formula, postorder
 from mission.logic.timed.behaviour import Behaviour, Known
 from mission.logic.timed.time_sets import (
     AFTER,
@@ -52,13 +54,15 @@ def satisfied(behaviour: Behaviour, formula: Formula) -> bool | None:
         ValueError: The formula has an ``X``.
     """
     nodes = postorder(formula)
+    # What counts by the clock is the same in no two rounds, until it counts no more, or for ever.
+    clocked = (node.bounds or () for node in nodes if node.operator is Operator.PROPOSITION)
+    behaviour = behaviour.once_until(max((time for times in clocked for time in times if time < LONGEST_S), default=-1))
     unit = _common_unit(behaviour, nodes)
     line = _Line(behaviour, unit)
     found: dict[Formula, Known] = {}
     for node in nodes:
         if node.operator is Operator.PROPOSITION:
-            known = behaviour.of(node.name)
-            found[node] = Known(in_whole(known.must, unit), in_whole(known.may, unit))
+            found[node] = Known(*(line.counting(in_whole(each, unit), node.bounds) for each in behaviour.of(node.name)))
             continue
         operands = [found[operand] for operand in node.operands]
         must, may = [each.must for each in operands], [each.may for each in operands]
@@ -108,6 +112,14 @@ class _Line:
             case Operator.IFF:
                 return union(intersection(*sets), intersection(*map(self._not, others)))
         raise ValueError("X counts the letters of a word, which time has none of")
+
+    def counting(self, times: TimeSet, window: Bounds | None) -> TimeSet:
+        """The times of a proposition that lie in its window, by the clock."""
+        if window is None:
+            return times
+        begin, end = (whole(time, self._unit) for time in window)
+        last = self._whole[1] if window[1] >= LONGEST_S else (end, AFTER)
+        return intersection(times, joined([((begin, BEFORE), last)]))
 
     def _not(self, times: TimeSet) -> TimeSet:
         return complement(times, self._whole)

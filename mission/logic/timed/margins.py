@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Final
 
 from mission.logic.formula.operators import Operator
-from mission.logic.formula.syntax import Formula, postorder, proposition, propositions, rebuilt
+from mission.logic.formula.syntax import LONGEST_S, Formula, negation, postorder, proposition, propositions, rebuilt
 from mission.logic.timed.behaviour import Behaviour, Piece, so_far, staying
 from mission.logic.timed.judge import satisfied
 from mission.logic.timed.rewriting import positive, tightened
@@ -72,25 +72,25 @@ def unbroken(pieces: Sequence[Piece], formula: Formula, now_s: Time) -> bool | N
 
     def named(node: Formula, operands: tuple[Formula, ...]) -> Formula:
         if node.operator is Operator.NOT:
-            return proposition(_denied(operands[0].name))
+            return negation(proposition(_denied(node.operands[0].name), node.operands[0].bounds))
         return node if not operands else Formula(node.operator, operands, "", node.bounds)
 
     end = now_s, AFTER
     known = [
         Piece(
             (piece.span[0], min(piece.span[1], end)),
-            piece.must | {_denied(name) for name in names - piece.may},
-            piece.may | {_denied(name) for name in names - piece.must},
+            piece.must | {_denied(name) for name in names & piece.must},
+            piece.may | {_denied(name) for name in names & piece.may},
         )
         for piece in pieces
         if piece.span[0] < end
     ]
-    well = names | {_denied(name) for name in names}
-    last = Piece((end, (now_s + 1, BEFORE)), well, well)
+    last = Piece((end, (now_s + 1, BEFORE)), names, names)
     return satisfied(staying([*known, last]), rebuilt(positive(formula), named))
 
 
 def _denied(name: str) -> str:
+    """The proposition that stands for another where that is denied."""
     return f"! {name}"
 
 
@@ -103,9 +103,10 @@ def _first(true: Callable[[int], bool], least: int, most: int) -> int:
 
 
 def _longest_s(formula: Formula) -> Fraction:
-    """No bounded operator of a formula looks farther ahead, with all that is inside of it."""
+    """No bounded operator of a formula looks farther ahead, with all that is inside of it, and nothing ends later."""
     longest: dict[Formula, Fraction] = {}
     for node in postorder(formula):
         inside = max((longest[operand] for operand in node.operands), default=Fraction(0))
-        longest[node] = inside + (node.bounds[1] if node.bounds else 0)
+        ends = [time for time in node.bounds or () if node.operands or time < LONGEST_S]
+        longest[node] = inside + max(ends, default=0)
     return longest[formula]

@@ -16,6 +16,7 @@ from mission.logic.formula.syntax import (
     eventually,
     negation,
     postorder,
+    proposition,
     rebuilt,
 )
 
@@ -67,13 +68,18 @@ def _made(operator: Operator, operands: tuple[Formula, ...], bounds: Bounds | No
 def untimed(formula: Formula) -> Formula:
     """What of a formula can be said without seconds: a formula of LTL that holds wherever it does.
 
-    What begins at once and lasts for a while says nothing of the word.
+    What begins at once and lasts for a while says nothing of the word; nor does that something is not there by the
+    clock, for it may be passed at another time.
     """
     return rebuilt(rebuilt(positive(formula), _weaker), _simpler)
 
 
 def _weaker(node: Formula, operands: tuple[Formula, ...]) -> Formula:
     """A node without its bounds."""
+    if node.operator is Operator.PROPOSITION:
+        return proposition(node.name)
+    if node.operator is Operator.NOT and node.operands[0].bounds is not None:
+        return TRUE
     if not node.operands:
         return node
     if node.bounds is None or node.operator is Operator.UNTIL:
@@ -104,20 +110,37 @@ def tightened(formula: Formula, by_s: Fraction) -> Formula:
     """A formula of ``positive`` with each bound harder to keep by so many seconds, or easier where they are below 0.
 
     What must come within bounds has that much less time, at both of their ends; what must last has to last that much
-    longer. A bound of 0 at the beginning is none, and stays.
+    longer. A bound of 0 at the beginning is none, and stays. Of a proposition that counts for a time only, that time is
+    shorter where the proposition is to hold, and longer where it is not to.
     """
 
     def build(node: Formula, operands: tuple[Formula, ...]) -> Formula:
-        if not node.operands:
-            return node
+        if node.operator is Operator.NOT and node.operands[0].bounds is not None:
+            window = _counting(node.operands[0].bounds, -by_s)
+            return TRUE if window is None else negation(proposition(node.operands[0].name, window))
         if node.bounds is None:
-            return _made(node.operator, operands, None)
+            return _made(node.operator, operands, None) if node.operands else node
+        if node.operator is Operator.PROPOSITION:
+            window = _counting(node.bounds, by_s)
+            return FALSE if window is None else proposition(node.name, window)
         comes = node.operator in _EXISTENTIAL
-        change = by_s if comes else -by_s
-        least, most = node.bounds
-        least, most = max(Fraction(0), least + change if least else least), min(Fraction(LONGEST_S), most - change)
-        if least > most:
+        bounds = _narrowed(node.bounds, by_s if comes else -by_s)
+        if bounds is None:
             return FALSE if comes else TRUE
-        return _made(node.operator, operands, (least, most))
+        return _made(node.operator, operands, bounds)
 
     return rebuilt(formula, build)
+
+
+def _counting(window: Bounds, by_s: Fraction) -> Bounds | None:
+    """When a proposition counts, for a shorter time; one without an end has none then either."""
+    bounds = _narrowed(window, by_s)
+    return (bounds[0], window[1]) if bounds and window[1] == LONGEST_S else bounds
+
+
+def _narrowed(bounds: Bounds, by_s: Fraction) -> Bounds | None:
+    """Bounds with less between them, where they do not begin at once; None where nothing is left."""
+    least, most = bounds
+    least = max(Fraction(0), least + by_s if least else least)
+    most = min(Fraction(LONGEST_S), most - by_s)
+    return None if least > most else (least, most)

@@ -25,7 +25,7 @@ from mission.report.figures.canvas import (
 )
 from mission.report.figures.guard_text import in_lines, keyed, shortened, written
 from mission.report.palette import BLACK, BLUE, QUIET, WHITE
-from mission.spec.model import RegionKind, Semantics
+from mission.spec.model import Semantics
 
 MOST_STATES, MOST_EDGES = 30, 80
 MOST_STATES_IN_FULL = 8
@@ -149,7 +149,7 @@ def _parts(plan: FlightPlan) -> Iterator[Part]:
         more = ["Dashed: edges that no label of the domain can take."] if idle else []
         texts = tuple(written(edge.guard) for edge in edges)
         yield Part(states, tuple(edges), idle, texts, (), " ".join(notes + more))
-    restricted = {region.name for region in plan.spec.regions if region.kind is RegionKind.RESTRICTED}
+    restricted = {region.name for region in plan.spec.regions if region.forbidden}
     met = [letter for letter in plan.labelling.letters if not letter & restricted]
     taken = [edge for edge in edges if _takes_any(edge, met)]
     reached = _reached(machine.initial, taken)

@@ -1,5 +1,6 @@
 """The domain as a map: axes of equal scale in metres, the mesh behind, regions filled, restricted ones hatched."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -46,6 +47,7 @@ from mission.report.palette import (
 )
 from mission.spec.areas import Ground, boundary_ground, region_ground
 from mission.spec.model import BoundaryDomain, RegionKind
+from mission.spec.windows import window_text
 
 WIDTH_PT = 620.0
 SMALLEST_WIDTH_PT = 430.0
@@ -91,6 +93,12 @@ class Chart:
         return union_of(self.partition, np.arange(self.partition.size))
 
     @cached_property
+    def titles(self) -> dict[str, str]:
+        """The name of each region, and when it is there if that is for a time only."""
+        texts = {region.name: window_text(region) for region in self.plan.spec.regions}
+        return {name: f"{name} ({text})" if text else name for name, text in texts.items()}
+
+    @cached_property
     def shapes(self) -> dict[str, BaseGeometry]:
         """Each region as it is drawn, but for what lies outside of the domain."""
         shapes = {
@@ -115,13 +123,8 @@ class Chart:
 
     @cached_property
     def restricted(self) -> frozenset[int]:
-        """Triangles of restricted regions."""
-        return self.triangles_of_kind(RegionKind.RESTRICTED)
-
-    def triangles_of_kind(self, kind: RegionKind) -> frozenset[int]:
-        """Triangles that carry a region of this kind."""
-        names = [name for name, own in self.kinds.items() if own is kind]
-        return frozenset(int(i) for name in names for i in self.labelling.triangles_of(name))
+        """Triangles that are never entered."""
+        return frozenset(np.flatnonzero(self.plan.restricted).tolist())
 
     @cached_property
     def bounds_m(self) -> FloatArray:
@@ -304,13 +307,16 @@ def draw_names(
         )
 
 
-def name_sizes(shapes: dict[str, BaseGeometry]) -> list[tuple[str, BaseGeometry, tuple[float, float]]]:
+def name_sizes(
+    shapes: dict[str, BaseGeometry], titles: Mapping[str, str]
+) -> list[tuple[str, BaseGeometry, tuple[float, float]]]:
     """The regions as ``place_names`` takes them: names stand where no smaller one lies, if they can."""
     names = []
     for name, shape in shapes.items():
         inside = [other for other in shapes.values() if other.area < shape.area]
         own = polygonal(shapely.difference(shape, shapely.union_all(inside)))
-        names.append((plain(name), own if own.area > 0.0 else shape, text_size_em(plain(name), "bold")))
+        title = plain(titles[name])
+        names.append((title, own if own.area > 0.0 else shape, text_size_em(title, "bold")))
     return names
 
 

@@ -51,7 +51,7 @@ def annotated_partition(plan: FlightPlan) -> Figure:
             note = f"{size} triangles are too many to number here; the tables of the plan list them."
             figure, axes = chart.figure(f"Partition: {size} triangles", legend=[], note=note)
             chart.draw_domain(axes)
-            names = name_sizes(chart.shapes)
+            names = name_sizes(chart.shapes, chart.titles)
             draw_names(
                 axes, place_names(names, em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=[], frame=chart.frame)
             )
@@ -133,7 +133,10 @@ def _annotations(chart: Chart, vertices: list[int], disc_pt: float) -> _Annotati
     waiting = list(range(partition.size))
     # From the fullest annotation to the barest, each for the triangles that had no room for the one before.
     for named, full in ((True, True), (True, False), (False, True), (False, False)):
-        blocks = [_block(partition, i, carriers.get(i, "") if named else "", full=full) for i in waiting]
+        blocks = [
+            _block(partition, i, chart.titles[carriers[i]] if named and i in carriers else "", full=full)
+            for i in waiting
+        ]
         sizes = np.array([block.size_em for block in blocks]).reshape(-1, 2)
         corners = partition.corners_m[waiting]
         centres, scales = largest_boxes(corners, sizes)
@@ -149,7 +152,9 @@ def _annotations(chart: Chart, vertices: list[int], disc_pt: float) -> _Annotati
             placed.append((block, centre, size_pt))
             taken.append(boxes_at(centre[:1], centre[1:], block.size_em, chart.em_m * size_pt)[0])
     left = {name: chart.shapes[name] for name in carriers.values()}
-    names = place_names(name_sizes(left), em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=taken, frame=chart.frame)
+    names = place_names(
+        name_sizes(left, chart.titles), em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=taken, frame=chart.frame
+    )
     taken += [name.box(chart.em_m) for name in names]
     shapes = shapely.polygons(partition.corners_m[waiting])
     narrow = [(f"T{i}", shape, text_size_em(f"T{i}")) for i, shape in zip(waiting, shapes, strict=True)]

@@ -228,7 +228,11 @@ def draw_region_names(
         ways += [shapely.LineString(piece).simplify(0.3 * chart.em_m).buffer(3 * chart.em_m) for piece in pieces]
         ways += [shapely.Point(end).buffer(8 * chart.em_m) for end in line[[0, -1]]]
     placed = place_names(
-        name_sizes(chart.shapes), em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=ways, frame=chart.frame
+        name_sizes(chart.shapes, chart.titles),
+        em_m=chart.em_m,
+        sizes_pt=NAME_SIZES_PT,
+        obstacles=ways,
+        frame=chart.frame,
     )
     draw_names(axes, placed)
     if not 0 < len(numbers) <= MOST_NUMBERED:

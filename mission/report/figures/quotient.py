@@ -76,7 +76,7 @@ def quotient(plan: FlightPlan) -> Figure:
 
 
 def _names(chart: Chart, taken: list[shapely.Geometry]) -> tuple[Placed, ...]:
-    names = name_sizes(chart.shapes)
+    names = name_sizes(chart.shapes, chart.titles)
     return place_names(names, em_m=chart.em_m, sizes_pt=NAME_SIZES_PT, obstacles=taken, frame=chart.frame)
 
 

@@ -62,7 +62,7 @@ def scene_of(plan: FlightPlan, record: Record | None) -> Scene:
     fine_m = _SIMPLER * float(np.ptp(np.reshape(chart.land.bounds, (2, 2)), axis=0).max())
     return Scene(
         land=chart.land,
-        areas=tuple(Area(name, chart.kinds[name], shape) for name, shape in chart.shapes.items()),
+        areas=tuple(Area(chart.titles[name], chart.kinds[name], shape) for name, shape in chart.shapes.items()),
         margins=tuple(more for _, more, _ in chart.margins),
         covers=(*_tubes(plans, fine_m), *_left_out(plan, record)),
         layers=(*_lanes(plans), *_paths(plans, fine_m), *_truth(record)),

@@ -318,7 +318,7 @@ class _Judge:
             letter_of = self._labelling.letter_of
             outcomes = {s != DEAD and bool(automaton.repeated[s, letter_of[at]]) for at, s in found.pairs}
             met = next(iter(outcomes)) if self._track.ends_whole and len(outcomes) == 1 else None
-            timed = timed_formula(task)
+            timed = timed_formula(task, self._spec.regions)
             if met is not False and timed is not None:
                 met, _ = _with_bounds(met, "", self._in_time(conjuncts(timed)))
             wishes.append(Wish(task_text(task), met))

@@ -239,6 +239,7 @@ EXPECTED = [
         "expected until_stopped or a whole number from 1 to 10000, found the text `until_landed`",
     ),
     ("unknown_semantics", 10, 14, "mission.semantics", "expected one of standard, paper, found the text `spot`"),
+    ("window_that_ends_before", 7, 87, "regions.Keep.active_s", "180 to 60 s is no time"),
     ("yaml_bomb", 7, 32, "", "the file has more than 500000 values, aliases counted as what they repeat"),
 ]
 

@@ -15,7 +15,15 @@ from mission.logic.timed.judge import satisfied
 from mission.logic.timed.rewriting import positive, untimed
 from mission.logic.timed.time_sets import AFTER, BEFORE
 from tests.support.formulas import random_formula
-from tests.support.timed_words import TimedWord, holds, random_timed, random_word
+from tests.support.timed_words import (
+    TimedWord,
+    counted,
+    counting,
+    holds,
+    random_timed,
+    random_window,
+    random_word,
+)
 
 NAMES = ("a", "b")
 chance = st.randoms(use_true_random=False)
@@ -42,6 +50,18 @@ def drawn(random: Random) -> tuple[TimedWord, Formula]:
 def test_what_the_definition_says_is_what_is_judged(random: Random) -> None:
     word, formula = drawn(random)
     assert satisfied(behaviour(word), formula) is holds(word, formula)
+
+
+@settings(max_examples=100, deadline=None)
+@given(chance)
+def test_what_counts_for_a_time_only_is_nowhere_else_by_the_clock(random: Random) -> None:
+    word, formula = drawn(random)
+    windows = {name: random_window(random) for name in NAMES}
+    expected = holds(counted(word, windows), formula)
+    clocked = counting(formula, windows)
+    assert satisfied(behaviour(word), clocked) is expected
+    assert satisfied(behaviour(word), positive(clocked)) is expected
+    assert not expected or satisfied(behaviour(word), untimed(clocked)) is True
 
 
 @settings(max_examples=50, deadline=None)

@@ -9,11 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mission.logic.formula.parser import parse_timed_formula
+from mission.logic.formula.syntax import LONGEST_S
 from mission.logic.timed.behaviour import Piece, from_to, so_far, staying
 from mission.logic.timed.judge import satisfied
 from mission.logic.timed.margins import margin_s, settled_s
 from mission.logic.timed.rewriting import positive, tightened
-from tests.support.timed_words import random_timed
+from tests.support.timed_words import counting, random_timed
 
 
 def flown(*visits: tuple[str, str]) -> list[Piece]:
@@ -60,6 +61,27 @@ def test_a_margin_can_be_taken_from_all_bounds_and_no_more(random: Random) -> No
         exact = round(Fraction(margin) * 1000) * Fraction(1, 1000)
         assert satisfied(behaviour, tightened(formula, exact)) is True
         assert satisfied(behaviour, tightened(formula, exact + Fraction(1, 1000))) is not True
+
+
+@pytest.mark.parametrize(
+    ("text", "window", "margin", "settled"),
+    [
+        ("G !S1", (60, 180), -50.0, 100.25),  # it would have to begin when S1 is left
+        ("G !S1", (0, 60), 40.249, 60.0),
+        ("G !S1", (115, LONGEST_S), 5.0, None),
+        ("F S1", (60, 180), 49.999, 100.25),
+        ("F S1", (104, 106), 1.0, 104.0),
+        ("F S1", (111, 120), -1.001, 120.0),
+        ("F S2", (149, LONGEST_S), math.inf, 150.0),
+        ("G (S1 -> F S2)", (0, 160), 10.0, 160.0),
+    ],
+)
+def test_margins_of_what_counts_for_a_time_only(
+    text: str, window: tuple[int, int], margin: float, settled: float | None
+) -> None:
+    bounds = Fraction(window[0]), Fraction(window[1])
+    formula = counting(parse_timed_formula(text), dict.fromkeys(("S1", "S2"), bounds))
+    assert (margin_s(staying(FLIGHT), formula), settled_s(FLIGHT, formula)) == (margin, settled)
 
 
 def test_while_a_flight_lasts_a_bound_is_open_until_it_is_settled() -> None:
