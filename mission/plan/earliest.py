@@ -61,7 +61,8 @@ class Earliest:
     def __init__(self, maps: CrossingMaps) -> None:
         self._maps, spec = maps, maps.spec
         limits = spec.limits
-        # Only a path of fields, whose waves are as fast as they were made, may be faster than what is asked for.
+        # A curve in a corridor is never faster than what is asked for. Where fields steer for want of one, their waves
+        # may be, for a moment; such a flight is held to the same.
         self._speed_m_s = min(limits.speed_m_s, spec.flight.speed_m_s if spec.smoothing == CORRIDOR else math.inf)
         self._acceleration_m_s2 = level_acceleration(limits.acceleration_m_s2, limits.tilt_rad)
         self._loiters_s = {region.name: region.loiter_s for region in spec.regions}

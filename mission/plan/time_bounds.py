@@ -114,12 +114,13 @@ def behaviour_flown(
         lap = trajectory.legs[trajectory.lap]
         loop_s = later_s + Fraction(float(trajectory.time_at(trajectory.curve.starts_s[[trajectory.lap]])[0]))
         return behaviour_of(_pieces(times, letters), loop_s, loop_s + Fraction(lap.duration_s))
-    # It lands where it comes to rest, and may drift meanwhile.
-    (x, y), half_m = trajectory.curve.position(certificate.knots_s[-1:])[0], certificate.tube_m + certificate.landing_m
-    landed = locator.meeting(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
-    letters.append(_letters(labelling, landed.tolist()))
+    # Where it comes to rest it is in the tube for a moment at least; it lands there, and may drift meanwhile.
+    x, y = trajectory.curve.position(certificate.knots_s[-1:])[0]
+    for half_m in (certificate.tube_m, certificate.tube_m + certificate.landing_m):
+        reached = locator.meeting(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
+        letters.append(_letters(labelling, reached.tolist()))
     times[-1] = max(times[-1], later_s + Fraction(trajectory.duration_s))
-    return staying(_pieces([*times, times[-1] + 1], letters))
+    return staying(_pieces([*times, times[-1], times[-1] + 1], letters))
 
 
 def _letters(labelling: Labelling, triangles: Sequence[int]) -> tuple[Letter, Letter]:

@@ -11,7 +11,7 @@ from mission.logic.timed.behaviour import Behaviour, Piece, behaviour_of, from_t
 from mission.logic.timed.margins import STEP_S, margin_s
 from mission.spec.air_time import air_s, longest_text
 from mission.spec.model import UNTIL_STOPPED
-from mission.verify.plans.proof import landed_in
+from mission.verify.plans.proof import ended_in, landed_in
 from mission.verify.plans.written import Proof, Verdict, Written
 
 _LEAST_S = 0.05
@@ -60,8 +60,9 @@ def _behaviour(plan: Written, proof: Proof) -> Behaviour:
         for begin, end, each in zip(times, times[1:], proof.sets, strict=False)
     ]
     if plan.lap is None:
+        at_rest = Piece(from_to(last_s, last_s, closed=True), *_letters(plan, ended_in(plan, proof).tolist()))
         landed = Piece(from_to(last_s, last_s + 1, closed=True), *_letters(plan, landed_in(plan, proof).tolist()))
-        return staying([*pieces, landed])
+        return staying([*pieces, at_rest, landed])
     loop_s = _time_s(plan, float(plan.starts_s[plan.lap]), after=True)
     return behaviour_of(pieces, loop_s, loop_s + Fraction(plan.laws[plan.lap].duration_s))
 

@@ -84,6 +84,11 @@ def layers_of(plan: Written, proof: Proof, *, alone: bool = False) -> tuple[Sets
     return [*before, *after], (len(before), len(before) + len(after))
 
 
+def ended_in(plan: Written, proof: Proof) -> IntArray:
+    """The triangles in which a vehicle may be that comes to rest where the curve of a proof ends."""
+    return plan.ground.met_at(proof.curve.at(proof.curve.ends_s[-1:]), plan.spec.flight.tube_m)[1]
+
+
 def landed_in(plan: Written, proof: Proof) -> IntArray:
     """The triangles in which a vehicle may be that lands where the curve of a proof ends."""
     return _landing(plan, proof)[1]

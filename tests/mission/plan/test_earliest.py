@@ -49,7 +49,7 @@ def as_it_was_kept(plan: FlightPlan) -> MissionSpec:
     return replace(plan.spec, formula=" & ".join(parts), flight=flight)
 
 
-@pytest.mark.parametrize("seed", [0, 3, 4, 6, 8])
+@pytest.mark.parametrize("seed", [0, 3, 8, 10])
 def test_what_a_plan_keeps_is_not_called_hopeless_on_whatever_map(seed: int) -> None:
     plan = plan_mission(asked_on(seed))
     tight = as_it_was_kept(plan)

@@ -79,6 +79,14 @@ def test_what_would_come_too_soon_is_waited_for_where_the_flight_begins() -> Non
     assert FOLLOWED_S <= margins(waits)["G[0,12] !gate"] < FOLLOWED_S + 0.01
 
 
+def test_what_is_due_last_is_there_where_the_flight_comes_to_rest() -> None:
+    # It ends as soon as the tube is inside, from where a landing may drift out again.
+    plan = timed_plan("F[0,60] far", "[visit: near]")
+    (bound,) = plan.bounds
+    assert bound.margin_s == pytest.approx(60.0 - plan.trajectory.duration_s, abs=0.01)
+    assert not faults(plan_to_json(plan))
+
+
 def test_what_is_due_before_that_is_not_made_late_by_the_wait() -> None:
     tasks = "[{visit: near, by_s: 9}, visit: far]"
     plan = timed_plan("F G home & G[0,15] !gate", tasks)
