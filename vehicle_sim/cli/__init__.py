@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -101,6 +102,8 @@ def _run(options: argparse.Namespace, stopping: Callable[[], bool]) -> None:
         _tell(options, [endpoint.system_id for endpoint in endpoints], bound)
         patience = [Patience(options.patience) for _ in endpoints] if options.patience > 0.0 else []
         lockstep = Lockstep(endpoints, _notify) if options.lockstep else None
+        # The estimators want it seconds after the start only, and it takes as long to load as all the rest.
+        threading.Thread(target=import_module, args=("filterpy.kalman",)).start()
         server = Server(endpoints, ports, clock=WallClock(), notify=_notify, patience=patience, lockstep=lockstep)
         server.run(options.speed, stopping)
     finally:

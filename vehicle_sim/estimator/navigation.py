@@ -14,7 +14,6 @@ from math import sqrt
 from typing import Final, NamedTuple
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 
 from vehicle_sim.estimator.innovation import normalised_square
 from vehicle_sim.estimator.process import (
@@ -142,6 +141,8 @@ class NavigationFilter:
         # Mean after the last update, as plain numbers, and what acceleration has added since.
         self._mean = [0.0] * STATES
         self._pushed = _UNPUSHED
+        from filterpy.kalman import KalmanFilter  # noqa: PLC0415 - as long in loading as all the rest of a vehicle
+
         self._filter = KalmanFilter(dim_x=STATES, dim_z=_ROWS, dim_u=6)
         self._filter.x = np.zeros((STATES, 1))
         self._filter.P = first_covariance(tuning, attitude_rad, fixes)

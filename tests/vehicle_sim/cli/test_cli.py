@@ -199,3 +199,9 @@ def test_a_taken_port_that_was_asked_for_is_a_fault(capsys: pytest.CaptureFixtur
         port = taken.getsockname()[1]
         assert cli.main(["--listen", f"tcpin:127.0.0.1:{port}", "--no-ground-station"]) == 2
     assert str(port) in capsys.readouterr().err
+
+
+def test_ports_are_open_before_the_library_of_the_estimator_is_loaded() -> None:
+    code = "import sys, vehicle_sim.server.fleet; print({'filterpy', 'scipy.stats', 'mission'} & set(sys.modules))"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)  # noqa: S603
+    assert told.stdout == "set()\n"
