@@ -24,7 +24,7 @@ from mission.plan.earliest import Earliest, spans_of
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
 from mission.plan.time_bounds import FOLLOWED_S, TimeBound, behaviour_flown, bounds_of
-from mission.plan.windows import around, asking_also, best_of, waits_s
+from mission.plan.windows import around, asking_also, best_of, shunned, waits_s
 from mission.spec.model import FIELD, MissionSpec
 from mission.spec.tasks import task_text
 from mission.steering.trajectory import Trajectory
@@ -241,12 +241,22 @@ def _when_all_is_gone(
     asked, of = steering.specification.timed, steering.planner
     met = behaviour_flown(at_once, flown.certificate, steering.search.maps.locator, of.labelling)
     waits = [math.ceil((wait_s + Fraction(FOLLOWED_S)) * 1000 + 1) / 1000.0 for wait_s in waits_s(asked, met)]
-    for place_s, wait_s in product((0.0, *_places(steering, flown)) if waits else (), waits):
+    if not waits:
+        return at_once, bounds
+    after = _bounds(steering, flown, at_once, waits[0])
+    others = [(now, then) for now, then in zip(bounds, after, strict=True) if not _is_shunning(now)]
+    if any(then.margin_s < now.margin_s for now, then in others if not now.kept):
+        return at_once, bounds  # what is late is later after any wait
+    for place_s, wait_s in product((0.0, *_places(steering, flown)), waits):
         trajectory = later(wait=(place_s, wait_s))
         found = _bounds(steering, flown, trajectory)
         if _are_kept(found):
             return trajectory, found
     return at_once, bounds
+
+
+def _is_shunning(bound: Bound) -> bool:
+    return isinstance(bound, TimeBound) and bool(shunned([bound.formula]))
 
 
 def _places(steering: Steering, flown: Steered) -> list[float]:
