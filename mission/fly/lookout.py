@@ -43,9 +43,14 @@ class Lookout:
                 estimate_healthy=seen_s - self._trusted_s < _UNTRUSTED_FOR_S,
                 battery_critical=seen_s - self._charged_s >= _CRITICAL_FOR_S,
                 violation=watch.violation(),
+                closing=_closing(session, watch, now_s),
                 verdict=watch.monitor.verdict,
                 astray=seen_s - self._near_s > _STRAY_FOR_S,
                 error_m=tracking.error_m,
                 sealed=is_sealed(session),
             )
         )
+
+
+def _closing(session: Session, watch: FlightWatch, now_s: float) -> str:
+    return "" if session.guidance is None else watch.closing(now_s, session.guidance.flown_s(now_s))

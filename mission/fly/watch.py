@@ -38,6 +38,7 @@ from mission.monitor.monitor import Monitor
 from mission.monitor.stage import WATCHED, Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
+from mission.plan.closings import ahead, entered
 from mission.report.tracking import Tracking
 
 if TYPE_CHECKING:
@@ -200,6 +201,19 @@ class FlightWatch:
         first = violations[0]
         names = f" {', '.join(first.names)}" if first.names else ""
         return f"the vehicle {first.kind}{names}"
+
+    def closing(self, now_s: float, flown_s: float) -> str:
+        """What comes of restricted regions that are there for a time only, in plain words; empty where nothing does.
+
+        Args:
+            now_s: The vehicle's time.
+            flown_s: How much of the trajectory has been flown by then.
+        """
+        late_s = 0.0 if self.began_s is None else max(0.0, now_s - self.began_s - flown_s)
+        if name := entered(self.plan.closings, (each.formula for each in self.monitor.bounds if each.met is False)):
+            return f"the vehicle was in {name}"
+        name = ahead(self.plan.closings, flown_s, late_s)
+        return f"the flight is {late_s:.1f} s late and would come into {name}" if name else ""
 
     def _moved(self, event: Moved) -> None:
         event = self._routine.moved(event)

@@ -22,6 +22,7 @@ class Situation:
         verdict: What is known of the word flown so far.
         astray: Whether it has been too far off its trajectory for too long.
         error_m: The largest tracking error on an axis now.
+        closing: What comes of restricted regions that are there for a time only, in plain words; empty for nothing.
         sealed: Whether the task cannot be completed from where the vehicle is, whatever is flown.
     """
 
@@ -31,6 +32,7 @@ class Situation:
     verdict: Verdict
     astray: bool
     error_m: float
+    closing: str = ""
     sealed: bool = False
 
 
@@ -38,6 +40,7 @@ _TABLE: tuple[tuple[Callable[[Situation], bool], Callable[[Situation], str]], ..
     (lambda now: not now.estimate_healthy, lambda _: "the vehicle no longer trusts its own position"),
     (lambda now: now.battery_critical, lambda _: "the battery is critical"),
     (lambda now: bool(now.violation), lambda now: now.violation),
+    (lambda now: bool(now.closing), lambda now: now.closing),
     (lambda now: now.verdict is Verdict.FALSE, lambda _: "the specification can no longer be satisfied"),
     (lambda now: now.sealed, lambda _: "from here nothing can be completed without a violation"),
     (lambda now: now.astray, lambda now: f"the vehicle does not follow: it is {now.error_m:.1f} m off"),

@@ -17,6 +17,7 @@ from mission.logic.automata.rabin import Rabin
 from mission.logic.formula.syntax import TRUE, Formula
 from mission.plan.air_time import AirTime
 from mission.plan.cautions import cautions, flight_cautions, window_cautions
+from mission.plan.closings import Closing, closings
 from mission.plan.costs import UNIT, transition_weights
 from mission.plan.covering import SHARE_TO_SPARE, CoveredVisit
 from mission.plan.detour import Avoidance
@@ -25,7 +26,7 @@ from mission.plan.landing import little_room_to_land
 from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
 from mission.plan.tasks import DroppedTask
-from mission.plan.time_bounds import TimeBound, bounds_of
+from mission.plan.time_bounds import TimeBound, behaviour_flown, bounds_of
 from mission.plan.way import Way
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
@@ -122,6 +123,14 @@ class FlightPlan:
         aloft = AirTime.of(self.spec.flight, self.trajectory.duration_s)
         in_place = bounds_of(self.required.timed, self.trajectory, self.certificate, self.locator, self.labelling)
         return (*in_place, *(() if aloft is None else (aloft,)))
+
+    @cached_property
+    def closings(self) -> tuple[Closing, ...]:
+        """The restricted regions that are there for a time only, and when a flight that is not late may be in them."""
+        if not self.required.timed:
+            return ()
+        flown = behaviour_flown(self.trajectory, self.certificate, self.locator, self.labelling)
+        return closings(self.required.timed, flown)
 
     @property
     def specification(self) -> str:

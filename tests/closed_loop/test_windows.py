@@ -1,6 +1,7 @@
 """An airspace that closes is flown in time by both autopilots, and judged by the monitor and on the record."""
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from mission.verify.logs.flight_record import track_of_record
 from mission.verify.logs.telemetry import Clock
 from mission.verify.logs.track import Track
 from tests.support.closing_missions import closing, closing_plan
+from tests.support.faults import schedule_of
 from tests.support.lockstep import LockstepVehicle, vehicle_of
 
 GATE = shapely.box(40.0, 0.0, 46.0, 30.0)
@@ -40,6 +42,19 @@ def test_a_gate_is_passed_before_it_closes_or_when_it_is_open(flavour: str, wind
     met = track.t_s[inside] - track.word_from_s
     assert met.size
     assert (met.max() < 14.0) if before else (met.min() > 12.0)
+
+
+@pytest.mark.parametrize(("flavour", "late"), [("ardupilot", True), ("px4", False)])
+def test_a_flight_that_a_link_makes_late_holds_before_a_gate_that_would_have_closed(flavour: str, late: bool) -> None:  # noqa: FBT001 - what is expected
+    """The link takes a second from soon after the start on; ArduPilot is kept by that for longer than there is."""
+    plan = closing_plan("F far", gate="[13.5, 60]")
+    config = replace(vehicle_of(flavour, seed=4), faults=schedule_of("link, delay_s: 0.5, at_s: 20"))
+    vehicle, sink = LockstepVehicle(config), io.BytesIO()
+    result = fly(plan, vehicle, vehicle, FlightRecord(sink, mission="a gate"))
+    assert result.achieved is not late
+    if late:
+        assert result.reason.startswith("the flight is 2.8 s late and would come into gate[13.5,60]; ")
+        assert not shapely.contains_xy(GATE, *track_of_record(parse_record(sink.getvalue())).position_m.T).any()
 
 
 def flown(times: np.ndarray, places: np.ndarray) -> Track:

@@ -23,6 +23,7 @@ CAUSES: tuple[tuple[dict[str, Any], str], ...] = (
     ({"estimate_healthy": False}, "no longer trusts its own position"),
     ({"battery_critical": True}, "the battery is critical"),
     ({"violation": "it left the domain"}, "it left the domain"),
+    ({"closing": "the flight is 3.0 s late and would come into gate[60,180]"}, "3.0 s late"),
     ({"verdict": Verdict.FALSE}, "can no longer be satisfied"),
     ({"sealed": True}, "from here nothing can be completed without a violation"),
     ({"astray": True, "error_m": 12.34}, "does not follow: it is 12.3 m off"),
