@@ -31,6 +31,9 @@ from mission.spec.windows import as_there, kept_out_of
 
 _REMEMBERED: Final = 8
 
+_translated = lru_cache(maxsize=_REMEMBERED)(translate)
+"""Automata for readers, which most plans of a flight have in common."""
+
 
 @dataclass(frozen=True)
 class Specification:
@@ -65,7 +68,7 @@ class Specification:
         if len(self.automata) == 1:
             return self.automata
         try:
-            return (automaton_of(self.formula, self.given) if self.given else _glanced(self.formula),)
+            return (automaton_of(self.formula, self.given) if self.given else _translated(self.formula, GLANCE),)
         except AutomatonSizeError:
             return self.automata
 
@@ -87,12 +90,6 @@ class Specification:
 
     def __str__(self) -> str:
         return described(self.given, conjunction(*(each for each in (self.formula, *self.timed) if each is not TRUE)))
-
-
-@lru_cache(maxsize=_REMEMBERED)
-def _glanced(formula: Formula) -> BuchiAutomaton:
-    """An automaton for readers, which most plans of a flight have in common; raises AutomatonSizeError."""
-    return translate(formula, GLANCE)
 
 
 def formula_of(spec: MissionSpec, dropped: Iterable[int] = ()) -> Formula:

@@ -73,7 +73,7 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     if version == 3 and is_px4:  # which has made sense of the vehicle's own file of events
         assert facts["report"]["current_mode_intention"]["mode_name"] == "Hold"
         problems = {problem["message"] for problem in facts["report"]["all_problems"]}
-        assert problems == {"No offboard signal", "No valid mission available"}
+        assert problems == {"No offboard signal", "No valid mission available", "No manual control input"}
     px4_only = {"odometry", "altitude"}
     assert {name for name in px4_only if name in facts} == (px4_only if is_px4 else set())
 

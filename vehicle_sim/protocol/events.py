@@ -41,13 +41,14 @@ _ARGUMENTS: Final = 40
 class _Check(NamedTuple):
     """How a check that fails is reported: its event, the part of the vehicle that it is about, and how bad it is.
 
-    What `stops` a mode ends it in flight, too.
+    What `stops` a mode ends it in flight, too. Where its event `names_modes`, the modes count as having a problem.
     """
 
     event: str
     component: str
     level: int
     stops: bool
+    names_modes: bool = True
 
 
 _CHECKS: Final = {ArmingReason[name]: _Check(*row) for name, row in data_file("arming_checks").items()}
@@ -164,7 +165,7 @@ class EventService:
         summary = (0, errors, warnings, everything & ~cannot_arm, everything & ~cannot_run)
         self._send("commander_arming_check_summary", _PROTOCOL, *summary)
         for check, modes in failures.items():
-            self._send(check.event, check.level, modes, bits[check.component].bit_length() - 1)
+            self._send(check.event, check.level, modes * check.names_modes, bits[check.component].bit_length() - 1)
         self._send("commander_health_summary", _PROTOCOL, 0, sum(bits[name] for name in _PRESENT), 0, 0)
 
     def _mode_bits(self) -> list[int]:

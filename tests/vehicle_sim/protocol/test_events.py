@@ -84,6 +84,8 @@ def test_the_report_tells_what_is_wrong_until_nothing_is() -> None:
     assert not int(last[SUMMARY][3]) & bits[numbers[Mode.GUIDED]]  # nobody sends setpoints
     missing = {"check_modes_offboard_signal", "check_modes_mission", "check_modes_manual_control"}
     assert set(last) == {SUMMARY, HEALTH, *missing}
+    assert not int(last["check_modes_manual_control"][0])  # a warning, although such modes cannot be entered
+    assert not int(last[SUMMARY][3]) & bits[numbers[Mode.POSITION]]
     station.forget()
     station.run(5.0)
     assert not station.of("EVENT")  # nothing has changed
