@@ -56,8 +56,9 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert facts["flight_mode"] == ("HOLD" if is_px4 else "STABILIZED")
     assert abs(facts["attitude_euler"]["roll_deg"]) < 3.0
     assert facts["attitude_quaternion"]["w"] == pytest.approx(1.0, abs=0.01)
-    assert abs(facts["attitude_angular_velocity_body"]["yaw_rad_s"]) < 0.3  # the gyros are noisy as PX4
-    assert abs(facts["velocity_ned"]["north_m_s"]) < 0.3
+    # One sample each: as PX4 the gyros' noise is 0.04 rad/s, the accelerometers' 0.4 m/s2, that of the velocity 0.06 m/s.
+    assert abs(facts["attitude_angular_velocity_body"]["yaw_rad_s"]) < 0.3
+    assert abs(facts["velocity_ned"]["north_m_s"]) < 0.5
     assert abs(facts["position_velocity_ned"]["position"]["east_m"]) < 3.0
     assert facts["gps_info"]["fix_type"] == "FIX_3D"
     assert facts["gps_info"]["num_satellites"] >= 6
@@ -67,7 +68,7 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert min(facts["heading"]["heading_deg"], 360.0 - facts["heading"]["heading_deg"]) < 5.0
     assert facts["unix_epoch_time"] > 1.7e15
     assert facts["origin"]["latitude_deg"] == pytest.approx(47.39774, abs=1e-4)
-    assert facts["imu"]["acceleration_frd"]["down_m_s2"] == pytest.approx(-9.8, abs=0.5)
+    assert facts["imu"]["acceleration_frd"]["down_m_s2"] == pytest.approx(-9.8, abs=2.8)
     assert facts["flight"]["flight_uid"] == facts["flight"]["duration_since_arming_ms"] == 0
     assert facts["flight"]["time_boot_ms"] > 0
     if version == 3 and is_px4:  # which has made sense of the vehicle's own file of events
