@@ -56,7 +56,7 @@ def test_discovery_health_and_telemetry(play: "Play", version: int, flavour: str
     assert facts["flight_mode"] == ("HOLD" if is_px4 else "STABILIZED")
     assert abs(facts["attitude_euler"]["roll_deg"]) < 3.0
     assert facts["attitude_quaternion"]["w"] == pytest.approx(1.0, abs=0.01)
-    # One sample each: as PX4 the gyros' noise is 0.04 rad/s, the accelerometers' 0.4 m/s2, that of the velocity 0.06 m/s.
+    # One sample each: as PX4 the gyros have a noise of 0.04 rad/s, the accelerometers of 0.4 m/s2.
     assert abs(facts["attitude_angular_velocity_body"]["yaw_rad_s"]) < 0.3
     assert abs(facts["velocity_ned"]["north_m_s"]) < 0.5
     assert abs(facts["position_velocity_ned"]["position"]["east_m"]) < 3.0
