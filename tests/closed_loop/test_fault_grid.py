@@ -25,14 +25,12 @@ COMPLETES, HOLDS, RETURNS, LANDS, STAYS = (
 class Rule(NamedTuple):
     """Where a fault leaves a vehicle: on the ground before the flight, in the air, and while it lands.
 
-    ``given_up`` is whether it is this program that holds the vehicle, and so lands it if that is wished; ``astray``
-    whether the vehicle does not know where wind takes it, and lands elsewhere by what it says itself.
+    ``astray`` is whether the vehicle does not know where wind takes it, and lands elsewhere by what it says itself.
     """
 
     ground: Outcome
     air: Outcome
     landing: Outcome
-    given_up: bool = False
     astray: bool = False
 
 
@@ -56,7 +54,7 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
             Rule(HOLDS, HOLDS, COMPLETES, astray=True),
         ),
         (Fault.MOTOR, FINE, FINE),
-        (Fault.BATTERY, Rule(STAYS, LANDS, COMPLETES), Rule(STAYS, HOLDS, COMPLETES, given_up=True)),
+        (Fault.BATTERY, Rule(STAYS, LANDS, COMPLETES), Rule(STAYS, LANDS, COMPLETES)),
         (Fault.FENCE, Rule(RETURNS, RETURNS, COMPLETES), Rule(HOLDS, HOLDS, COMPLETES)),
         (Fault.PILOT, Rule(STAYS, HOLDS, HOLDS), Rule(STAYS, HOLDS, HOLDS)),
         (Fault.GROUND_STATION, Rule(STAYS, RETURNS, RETURNS), Rule(STAYS, RETURNS, RETURNS)),
@@ -72,11 +70,7 @@ def expected(cell: Cell) -> Outcome:
     rule = RULES[cell.fault][cell.flavour]
     if rule.astray and cell.moment is Moment.LANDING and cell.setting is Setting.WIND:
         return LANDS
-    place = {Moment.ON_THE_GROUND: rule.ground, Moment.LANDING: rule.landing}.get(cell.moment, rule.air)
-    # Before the flight has begun PX4 is in the mode that holds already, and says that it is in a failsafe.
-    begun = cell.moment not in (Moment.ON_THE_GROUND, Moment.CLIMBING)
-    lands = rule.given_up and cell.setting is Setting.LANDS and begun
-    return LANDS if place is HOLDS and lands else place
+    return {Moment.ON_THE_GROUND: rule.ground, Moment.LANDING: rule.landing}.get(cell.moment, rule.air)
 
 
 CELLS: Final = [

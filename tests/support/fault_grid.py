@@ -302,7 +302,7 @@ def moments(flavour: Flavour, *, wind: bool) -> Mapping[Moment, float]:
     began_s = stages[Stage.FLY]
     return {
         Moment.ON_THE_GROUND: stages[Stage.ARM],
-        Moment.CLIMBING: stages[Stage.CLIMB] + 1.0,
+        Moment.CLIMBING: stages[Stage.CLIMB] + 3.5,  # which lifts a PX4 off after 2.9 s
         Moment.FLYING: began_s + 3.0,
         Moment.HOLDING: began_s + float(trajectory.time_at(held_from)[0]) + 2.0,
         Moment.COVERING: began_s + float(trajectory.time_at(lanes_s.mean())[0]),
