@@ -13,6 +13,8 @@ from enum import StrEnum
 from functools import cache
 from typing import Final
 
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
+
 from mission.errors import MissionError
 from mission.fly import FlightOptions, fly
 from mission.monitor.stage import Stage
@@ -168,6 +170,7 @@ class Bench(LockstepVehicle):
         self.happened = self.dead = self.flew = self.hovers = False
         self.modes: list[Mode] = []
         self.ahead_s = 0.0
+        self.sticks_s = math.inf
 
     def now_s(self) -> float:
         return self.vehicle.time_s + self.ahead_s
@@ -175,6 +178,8 @@ class Bench(LockstepVehicle):
     def look(self) -> None:
         self.station.collect()
         self.station.heard.clear()
+        if self.sticks_s <= self.vehicle.time_s:
+            self.move_sticks()
         self.flew |= self.vehicle.autopilot.flying
         mode = self.vehicle.autopilot.mode
         if not self.modes or self.modes[-1] is not mode:
@@ -197,6 +202,11 @@ class Bench(LockstepVehicle):
             raise KilledError
         return heard
 
+    def move_sticks(self) -> None:
+        """Hold the sticks in the middle from now on, as often as PX4 wants to hear of them."""
+        self.station.send(mavlink.MAVLink_manual_control_message(self.endpoint.system_id, 0, 0, 500, 0, 0))
+        self.sticks_s = self.vehicle.time_s + 0.2
+
     def leave_alone(self) -> None:
         """Let the vehicle go on without anybody, until it is disarmed."""
         vehicle = self.vehicle
@@ -209,6 +219,11 @@ class Bench(LockstepVehicle):
             if math.dist(place_m, vehicle.truth.position_ned_m) > HOVERS_M:
                 place_m, moved_s = vehicle.truth.position_ned_m, vehicle.time_s
         self.hovers = vehicle.time_s >= moved_s + HOVERS_S and not vehicle.truth.on_ground
+
+
+def _take_over(bench: Bench) -> None:
+    bench.move_sticks()
+    bench.station.set_mode(Mode.POSITION)
 
 
 def _break_fence(bench: Bench) -> None:
@@ -241,7 +256,7 @@ def _reboot(bench: Bench) -> None:
 
 SUDDEN: Final[Mapping[Fault | None, Callable[[Bench], object]]] = {
     Fault.FENCE: _break_fence,
-    Fault.PILOT: lambda bench: bench.station.set_mode(Mode.POSITION),
+    Fault.PILOT: _take_over,
     Fault.GROUND_STATION: lambda bench: bench.station.set_mode(Mode.RETURN),
     Fault.KILLED: _kill,
     Fault.DISK: _fill_disk,
