@@ -16,11 +16,13 @@ class Closing:
 
     Attributes:
         formula: What asks for that.
+        region: Its proposition, as it is written.
         window_s: When it is there.
         spans_s: When a flight within the tube may be in it, by the clock of the trajectory, ascending.
     """
 
     formula: Formula
+    region: Formula
     window_s: Bounds
     spans_s: tuple[tuple[float, float], ...]
 
@@ -45,7 +47,7 @@ def closings(formulas: Iterable[Formula], flown: Behaviour) -> tuple[Closing, ..
         flown: Every flight within the tube that keeps to the clock of the trajectory.
     """
     return tuple(
-        Closing(formula, window_s, _spans_s(flown, node.name, window_s[1]))
+        Closing(formula, node, window_s, _spans_s(flown, node.name, window_s[1]))
         for formula, node in ((formula, _never(formula)) for formula in formulas)
         if node is not None and (window_s := node.bounds) is not None
     )
@@ -54,16 +56,12 @@ def closings(formulas: Iterable[Formula], flown: Behaviour) -> tuple[Closing, ..
 def entered(all_of_them: Sequence[Closing], missed: Iterable[str]) -> str:
     """The first of them that is among formulas that are missed, as it is written; empty where none is."""
     names = frozenset(missed)
-    return next((_named(each.formula) for each in all_of_them if str(each.formula) in names), "")
+    return next((str(each.region) for each in all_of_them if str(each.formula) in names), "")
 
 
 def ahead(all_of_them: Sequence[Closing], flown_s: float, late_s: float) -> str:
     """The first of them that a flight is going to meet, as it is written; empty where it meets none."""
-    return next((_named(each.formula) for each in all_of_them if each.is_met(flown_s, late_s)), "")
-
-
-def _named(formula: Formula) -> str:
-    return str(_never(formula) or formula)
+    return next((str(each.region) for each in all_of_them if each.is_met(flown_s, late_s)), "")
 
 
 def _never(formula: Formula) -> Formula | None:

@@ -33,7 +33,6 @@ _MOST_VISITS: Final = 6
 Before = frozenset[tuple[str, str]]
 """Pairs of regions, the second of which is not met before the first."""
 
-
 _Place = tuple[str, bool]
 """A region, and whether the whole tube is to be inside."""
 
@@ -222,7 +221,7 @@ def spans_of(timed: Collection[Formula]) -> dict[str, tuple[float, float]]:
     found: dict[str, tuple[float, float]] = {}
     for formula in timed:
         if formula.operator in (Operator.EVENTUALLY, Operator.UNTIL):
-            for place in filter(_is_place, conjuncts(formula.operands[-1])):
+            for place in filter(is_place, conjuncts(formula.operands[-1])):
                 spans = [bounds for bounds in (formula.bounds, place.bounds) if bounds is not None]
                 for least, most in spans:
                     before = found.get(place.name, (0.0, math.inf))
@@ -235,7 +234,7 @@ def before_of(formulas: Collection[Formula]) -> Before:
     return frozenset(
         (goal.name, denied.operands[0].name)
         for denied, goal in (each.operands for each in formulas if each.operator is Operator.UNTIL)
-        if denied.operator is Operator.NOT and _is_place(denied.operands[0]) and _is_place(goal)
+        if denied.operator is Operator.NOT and is_place(denied.operands[0]) and is_place(goal)
     )
 
 
@@ -278,10 +277,10 @@ def _reaction_of(formula: Formula) -> _Reaction | None:
     if implied is None:
         return None
     when, then = implied
-    if not _is_place(when) or then.operator is not Operator.EVENTUALLY or then.bounds is None:
+    if not is_place(when) or then.operator is not Operator.EVENTUALLY or then.bounds is None:
         return None
     goal = then.operands[0]
-    return _Reaction(when.name, goal.name, float(then.bounds[1])) if _is_place(goal) else None
+    return _Reaction(when.name, goal.name, float(then.bounds[1])) if is_place(goal) else None
 
 
 def _return_of(formula: Formula) -> _Reaction | None:
@@ -301,5 +300,6 @@ def _implied(formula: Formula) -> tuple[Formula, Formula] | None:
     return (inner.operands[0], inner.operands[1]) if inner.operator is Operator.IMPLIES else None
 
 
-def _is_place(formula: Formula) -> bool:
+def is_place(formula: Formula) -> bool:
+    """Whether a formula is that the vehicle is in a region."""
     return formula.operator is Operator.PROPOSITION

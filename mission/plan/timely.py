@@ -20,7 +20,7 @@ from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import LONGEST_S, Formula, negation, proposition, propositions, until
 from mission.plan.air_time import AirTime
 from mission.plan.best_runs import BestRuns
-from mission.plan.earliest import Earliest, spans_of
+from mission.plan.earliest import Earliest, is_place, spans_of
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
 from mission.plan.time_bounds import FOLLOWED_S, TimeBound, behaviour_flown, bounds_of
@@ -321,8 +321,4 @@ def _orders(steering: Steering) -> Iterator[tuple[Formula, ...]]:
 
 
 def _is_visit(formula: Formula) -> bool:
-    return formula.operator is Operator.EVENTUALLY and _is_place(formula.operands[0])
-
-
-def _is_place(formula: Formula) -> bool:
-    return formula.operator is Operator.PROPOSITION
+    return formula.operator is Operator.EVENTUALLY and is_place(formula.operands[0])
