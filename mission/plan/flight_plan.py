@@ -8,6 +8,7 @@ import shapely
 
 from mission.geometry.arrays import BoolArray, IntArray
 from mission.geometry.location import Locator
+from mission.geometry.moving import MovingPartition
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.logic.automata.automaton import BuchiAutomaton, CompiledAutomaton, compile_to_alphabet
@@ -33,6 +34,7 @@ from mission.planning.transition_system import TransitionSystem
 from mission.spec.domain import restricted_triangles
 from mission.spec.loss import cut_off, out_of_reach
 from mission.spec.model import FIELD, MissionSpec, Point
+from mission.spec.moving import moving_of
 from mission.spec.specification import Specification, deterministic_of
 from mission.steering.certificate import Certificate
 from mission.steering.joined import JoinedCurve
@@ -210,6 +212,11 @@ class FlightPlan:
     def locator(self) -> Locator:
         """Point location in the domain."""
         return Locator(self.partition)
+
+    @cached_property
+    def moving(self) -> MovingPartition | None:
+        """How the triangles move, by the clock of the trajectory; None where all of them stand still."""
+        return moving_of(self.spec, self.partition, self.labelling)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

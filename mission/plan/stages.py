@@ -84,6 +84,8 @@ def planned(
         NoRollingStartError: There is no plan with this motion; at rest there may be one.
         MissionError: As in ``plan_mission``.
     """
+    if spec.moves:
+        raise NoPlanError("regions that move are not planned for yet")
     start = begins.place_m
     if known is not None and _map_of(spec) == _map_of(known.spec):
         partition, labelling, locator = known.partition, known.labelling, known.locator

@@ -10,6 +10,7 @@ from mission.logic.formula.syntax import propositions, written_name
 from mission.spec.domain import examine_domain
 from mission.spec.finding import Finding, Path, is_clean, listed, rather, shortened
 from mission.spec.model import FIELD, TRAJECTORY, Point, Region, RegionKind
+from mission.spec.motion_check import motion_findings
 from mission.spec.schema import DOMAIN_KEYS, OPERATOR_NAMES, SHAPE_KEYS, default_of
 from mission.spec.start_check import NO_TUBE, Tube
 from mission.spec.task_check import task_findings, weight_findings
@@ -42,6 +43,9 @@ def meaning_findings(data: Any, structural: list[Finding]) -> list[Finding]:  # 
                 findings.extend(task_findings(i, task, kinds or {}))
     findings.extend(_cover_findings(regions))
     findings.extend(window_findings(data, structural))
+    moved = list(motion_findings(data, structural))
+    findings.extend(moved)
+    structural = [*structural, *moved]
     if is_clean(("flight", "guidance"), structural):
         findings.extend(_guidance_findings(data.get("flight", {}), regions))
     if isinstance(regions, dict) and is_clean(_TOWARD[:2], structural):
@@ -106,11 +110,10 @@ def _known_regions(regions: Any, structural: list[Finding]) -> list[Region]:  # 
         path: Path = ("regions", name)
         if all(is_clean((*path, key), structural) for key in SHAPE_KEYS):
             kind = value["kind"] if is_clean((*path, "kind"), structural) else RegionKind.SURVEY
-            shape = {
-                key: part for key, part in value.items() if key not in ("loiter_s", "speed_m_s", "cover", "active_s")
-            }
-            if "active_s" in value and is_clean((*path, "active_s"), structural):
-                shape["active_s"] = value["active_s"]
+            shape = {key: part for key, part in value.items() if key not in ("loiter_s", "speed_m_s", "cover")}
+            for key in ("active_s", "motion"):
+                if not is_clean((*path, key), structural):
+                    shape.pop(key, None)
             known.append(region_of(name, {**shape, "kind": kind}))
     return known
 

@@ -13,12 +13,14 @@ from mission.spec.model import (
     BoundaryDomain,
     CircleShape,
     MissionSpec,
+    NodesDomain,
     PointShape,
     PolygonShape,
     PolygonsShape,
     Region,
     TriangleShape,
 )
+from mission.spec.motion import motion_data
 from mission.spec.tasks import task_data
 
 _CLEARANCES: Final = ("clearance_m", "restricted_clearance_m")
@@ -45,7 +47,7 @@ def document_of(spec: MissionSpec) -> dict[str, Any]:
                 **{key: value for key in _CLEARANCES if (value := getattr(domain, key))},
             }
             if isinstance(domain, BoundaryDomain)
-            else {"nodes": _pairs(domain.nodes_m)}
+            else _nodes(domain)
         ),
         "regions": {region.name: _region(region) for region in spec.regions},
         "mission": {"semantics": spec.semantics.value, "run": spec.run, "laps": laps},
@@ -86,6 +88,11 @@ def _mesh(domain: BoundaryDomain) -> dict[str, Any]:
     return {"smallest_angle_deg": wanted.smallest_angle_deg, **largest}
 
 
+def _nodes(domain: NodesDomain) -> dict[str, Any]:
+    motions = [{"nodes": list(nodes), **motion_data(motion)} for nodes, motion in domain.motions]
+    return {"nodes": _pairs(domain.nodes_m), **({"motions": motions} if motions else {})}
+
+
 def _boundary(shape: AreaShape) -> list[list[float]] | dict[str, Any]:
     if isinstance(shape, PolygonShape) and not shape.holes_m:
         return _pairs(shape.corners_m)
@@ -104,7 +111,9 @@ def _region(region: Region) -> dict[str, Any]:
     speed = {} if region.speed_m_s is None else {"speed_m_s": region.speed_m_s}
     cover = {} if region.cover is None else {"cover": cover_data(region.cover)}
     active = {} if region.active_s is None else {"active_s": [t if math.isfinite(t) else None for t in region.active_s]}
-    return {"kind": region.kind.value, "loiter_s": region.loiter_s, **shape, **clearance, **speed, **cover, **active}
+    motion = {} if region.motion is None else {"motion": motion_data(region.motion)}
+    own = {"kind": region.kind.value, "loiter_s": region.loiter_s}
+    return {**own, **shape, **clearance, **speed, **cover, **active, **motion}
 
 
 def _area(shape: AreaShape) -> dict[str, Any]:

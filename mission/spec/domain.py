@@ -30,6 +30,7 @@ from mission.spec.model import (
     Region,
     TriangleShape,
 )
+from mission.spec.moving import examine_motion
 from mission.spec.outlines import BOUNDARY, Outlines, place, sound_outlines
 from mission.spec.scale import pair
 from mission.spec.start_check import NO_TUBE, Tube, reach, start_findings
@@ -100,6 +101,8 @@ def examine_domain(
     if start_m is not None:
         restricted = {region: members[region.name] for region in regions if _forbids(region) and region.name in members}
         findings.extend(start_findings(start_m, locator, restricted, outlines, tube))
+    if not findings:
+        findings.extend(examine_motion(domain, regions, partition, members)[1])
     findings = list(dict.fromkeys(findings))
     return partition, None if findings else label_triangles(partition.size, members), findings
 

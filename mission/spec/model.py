@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final, Literal
 from mission.geometry.geodesy import LatLon
 from mission.spec.battery import Battery
 from mission.spec.heading import YAW_RATE_DEG_S, Heading
+from mission.spec.motion import Motion
 from mission.spec.task import Task
 from mission.spec.tube import NO_MARGINS, Margins, causes, disturbed_m, disturbed_m_s
 
@@ -61,9 +62,15 @@ class Extension(StrEnum):
 
 @dataclass(frozen=True)
 class NodesDomain:
-    """The convex hull of the nodes, triangulated by Delaunay (the paper's way)."""
+    """The convex hull of the nodes, triangulated by Delaunay (the paper's way).
+
+    Attributes:
+        nodes_m: Where they are at first.
+        motions: Some of them, by number, and how these move.
+    """
 
     nodes_m: tuple[Point, ...]
+    motions: tuple[tuple[tuple[int, ...], Motion], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -195,6 +202,7 @@ class Region:
         cover: How it is covered: a visit of it is complete when its lanes are flown; None where it is only visited.
         active_s: From when to when it is there, by the clock of the trajectory, both included, the end infinite where
             it is there from then on; None where it is there all the time.
+        motion: How it moves; None where it stays where it is drawn.
     """
 
     name: str
@@ -205,6 +213,7 @@ class Region:
     clearance_m: float | None = None
     speed_m_s: float | None = None
     active_s: tuple[float, float] | None = None
+    motion: Motion | None = None
 
     @property
     def forbidden(self) -> bool:
@@ -360,3 +369,10 @@ class MissionSpec:
     tasks: tuple[Task, ...] = ()
     automaton: NamedAutomaton | None = None
     battery: Battery | None = None
+
+    @property
+    def moves(self) -> bool:
+        """Whether a part of its domain moves."""
+        return any(region.motion is not None for region in self.regions) or (
+            isinstance(self.domain, NodesDomain) and bool(self.domain.motions)
+        )

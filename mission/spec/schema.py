@@ -21,6 +21,7 @@ from mission.spec.model import (
     Cost,
     RegionKind,
 )
+from mission.spec.motion import MOTION, NODE_MOTIONS
 from mission.spec.shape_schema import (
     AREA_SHAPES,
     AREAS,
@@ -94,6 +95,7 @@ _DOMAIN: Final = mapping(
             "How far to keep from restricted regions that have no `clearance_m` of their own, m.", default=0.0
         ),
         "mesh": _MESH,
+        "motions": NODE_MOTIONS,
         "corners": {
             "description": "What all points of the file are: [east, north] in metres, or [latitude, longitude] in "
             "degrees (WGS 84), within 50 km of the origin, which is the middle of the domain where there is none.",
@@ -102,7 +104,10 @@ _DOMAIN: Final = mapping(
         },
     },
     oneOf=one_of("nodes", "boundary"),
-    dependentRequired={key: ["boundary"] for key in ("mesh", "clearance_m", "restricted_clearance_m")},
+    dependentRequired={
+        **{key: ["boundary"] for key in ("mesh", "clearance_m", "restricted_clearance_m")},
+        "motions": ["nodes"],
+    },
     examples=[{"boundary": [[0, 0], [150, 0], [150, 100], [0, 100]]}],
 )
 
@@ -153,6 +158,7 @@ _REGION: Final = mapping(
             "maxItems": 2,
             "examples": [[60, 180]],
         },
+        "motion": MOTION,
     },
     oneOf=one_of("triangle", "at", *AREAS),
     **GO_TOGETHER,

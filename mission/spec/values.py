@@ -38,6 +38,7 @@ from mission.spec.model import (
     StripShape,
     TriangleShape,
 )
+from mission.spec.motion import motion_of
 from mission.spec.schema import default_of
 from mission.spec.tasks import task_of
 from mission.spec.tube import margins_of
@@ -103,7 +104,8 @@ def _smoothing(data: Data) -> Smoothing | Literal["corridor"]:
 def domain_of(data: Data) -> NodesDomain | BoundaryDomain:
     """The domain section."""
     if "nodes" in data:
-        return NodesDomain(_points(data["nodes"]))
+        motions = tuple((tuple(map(int, each["nodes"])), motion_of(each)) for each in data.get("motions", []))
+        return NodesDomain(_points(data["nodes"]), motions)
     boundary = data["boundary"]
     return BoundaryDomain(
         area_shape(boundary if isinstance(boundary, dict) else {"polygon": boundary}),
@@ -129,6 +131,7 @@ def region_of(name: str, data: Data) -> Region:
         clearance_m=None if clearance is None else float(clearance),
         speed_m_s=None if speed is None else float(speed),
         active_s=_window(data["active_s"]) if "active_s" in data else None,
+        motion=motion_of(data["motion"]) if "motion" in data else None,
     )
 
 
