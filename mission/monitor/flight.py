@@ -32,6 +32,7 @@ class FlightMonitor:
             counter=laps_of(plan, laps_before, begun=begun),
             laps=laps_asked(plan, laps_before),
             timed=plan.required.timed,
+            moving=plan.moving,
         )
         self._flying = False
 

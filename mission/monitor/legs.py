@@ -82,10 +82,13 @@ class FlightLeg:
         return foreseen.laps, None if over and self.plan.run.recurrent else foreseen.lap_due
 
     def is_clear(self, place_m: Point) -> bool:
-        """Whether the tube about a place touches nothing that must not be entered, as far as the word has come."""
+        """Whether the tube about a place touches nothing that must not be entered, as far as the word has come.
+
+        What moves is taken to stand where it was at the last report.
+        """
         plan, (x, y), half_m = self.plan, place_m, self.plan.certificate.tube_m
         box = shapely.box(x - half_m, y - half_m, x + half_m, y + half_m)
-        state, touched = self.judged.monitor.known.state, plan.locator.meeting(box)
+        state, touched = self.judged.monitor.known.state, self.judged.monitor.meeting(box)
         if state == DEAD or plan.locator.leaves(box):
             return False
         dead = plan.deterministic.targets[state, plan.labelling.letter_of[touched]] == DEAD

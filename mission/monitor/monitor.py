@@ -3,6 +3,10 @@
 Between two reports the vehicle is taken to have moved straight, so no triangle is skipped. Letters follow the same
 rule as the certificate's: one for each triangle that is entered; the label of the first triangle is read under the
 standard semantics only; at the end of a flight that stays, the last label repeats for ever.
+
+Where triangles move, each position is taken back to the point of the fixed triangles of which it is the image then, by
+a clock that begins with the first position that counts; between two reports it is there that the vehicle is taken to
+have moved straight. Until then all stands where it begins.
 """
 
 import math
@@ -12,9 +16,11 @@ from enum import StrEnum
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
-from mission.geometry.arrays import BoolArray
+from mission.geometry.arrays import BoolArray, IntArray
 from mission.geometry.location import OUTSIDE, Locator
+from mission.geometry.moving import MovingPartition
 from mission.geometry.regions import Labelling
 from mission.logic.automata.automaton import CompiledAutomaton
 from mission.logic.automata.rabin import Rabin
@@ -121,6 +127,7 @@ class Monitor:
         counter: What counts laps; by default, of a flight that ends in a stay.
         laps: How many are to be flown in all; None where nobody has said.
         timed: Formulas with bounds in seconds, which the specification has beside that.
+        moving: How the triangles move; None where all of them stand still.
     """
 
     def __init__(
@@ -137,14 +144,17 @@ class Monitor:
         counter: Laps | None = None,
         laps: int | None = 0,
         timed: Sequence[Formula] = (),
+        moving: MovingPartition | None = None,
     ) -> None:
-        self._locator, self._labelling = locator, labelling
+        self._locator, self._labelling, self._moving = locator, labelling, moving
         self._satisfied_by, self._semantics = satisfied_by, semantics
         self._restricted = restricted
         self._watch = FormulaWatch(automata, whole, refutation, labelling.letters)
         self._laps, self._laps_asked = counter or Laps(whole, labelling), laps
         self._in_time = BoundWatch(timed)
-        self._last: tuple[float, Point] | None = None
+        self._began_s = math.inf
+        self._last: tuple[float, Point, Point] | None = None
+        """Time and place of the last report, and which point of the fixed triangles that was."""
         self._inside = True
         self._visits: list[Visit] = []
         self._violations: list[Violation] = []
@@ -162,12 +172,14 @@ class Monitor:
         place = (float(position_m[0]), float(position_m[1]))
         if not all(map(math.isfinite, (t_s, *place))) or (self._last is not None and t_s <= self._last[0]):
             return False
-        before, start = self._last or (t_s, place)
+        self._began_s = min(self._began_s, t_s)
+        point = self._fixed(t_s, (place,))[0]
+        before, start, begin = self._last or (t_s, place, point)
         likely = self._visits[-1].triangle if self._visits else OUTSIDE
-        for triangle, fraction in self._locator.crossed(start, place, likely=likely):
+        for triangle, fraction in self._locator.crossed(begin, point, likely=likely):
             at = (start[0] + fraction * (place[0] - start[0]), start[1] + fraction * (place[1] - start[1]))
             self._enter(triangle, before + fraction * (t_s - before), at)
-        self._last = (t_s, place)
+        self._last = (t_s, place, point)
         return True
 
     def guard(self, t_s: float, position_m: Point) -> None:
@@ -178,7 +190,7 @@ class Monitor:
         place = (float(position_m[0]), float(position_m[1]))
         if not all(map(math.isfinite, (t_s, *place))) or self._violations:
             return
-        triangle = int(self._locator.triangle_at(np.array([place]))[0])
+        triangle = int(self._locator.triangle_at(np.array(self._fixed(t_s, (place,))))[0])
         if triangle == OUTSIDE:
             self._violations.append(Violation(ViolationKind.LEFT_DOMAIN, t_s, place, ()))
         elif self._restricted[triangle]:
@@ -230,16 +242,26 @@ class Monitor:
         return Whereabouts(self._visits[-1].triangle, rounds.state, rounds.due, rounds.laps)
 
     def foreseen(self, places_m: Sequence[Point]) -> "Foreseen":
-        """What the word would be, and the automaton's state, if the vehicle flew straight through places in order."""
+        """What the word would be, and the automaton's state, if the vehicle flew straight through places in order.
+
+        What moves is taken to stand where it was at the last report.
+        """
         laps, letters = self._laps.copy(), list(self.word)
         last = self._visits[-1].triangle if self._visits else OUTSIDE
-        for start, end in pairwise(places_m):
+        for start, end in pairwise(self._fixed(self._now_s, places_m)):
             for triangle, _ in self._locator.crossed(start, end, likely=last):
                 if triangle not in (last, OUTSIDE):
                     letters.append(self._labelling.label(triangle))
                     last = triangle
                     laps.enter(triangle)
         return _foreseen(tuple(letters), laps)
+
+    def meeting(self, area: shapely.Geometry) -> IntArray:
+        """The triangles that have a point in common with an area, as they were at the last report, ascending."""
+        if self._moving is None:
+            return self._locator.meeting(area)
+        corners_m = self._moving.at(self._clock_s(self._now_s)).corners_m
+        return np.flatnonzero(shapely.intersects(shapely.polygons(corners_m), area))
 
     @property
     def known(self) -> "Foreseen":
@@ -284,6 +306,22 @@ class Monitor:
         asked = self._laps_asked
         reason = f"{laps_text(self.laps, asked)}, nothing was violated so far"
         return Outcome(achieved=self.laps >= (1 if asked is None else asked), reason=reason)
+
+    @property
+    def _now_s(self) -> float:
+        """When the last report was."""
+        return -math.inf if self._last is None else self._last[0]
+
+    def _clock_s(self, t_s: float) -> float:
+        """How long the trajectory has been flown, on the clock by which triangles move."""
+        return max(0.0, t_s - self._began_s)
+
+    def _fixed(self, t_s: float, places_m: Sequence[Point]) -> Sequence[Point]:
+        """The points of the fixed triangles of which places are the images at a time."""
+        if self._moving is None:
+            return places_m
+        points = self._moving.pulled_back(np.array([self._clock_s(t_s)]), np.array(places_m))
+        return [(float(x), float(y)) for x, y in points]
 
     def _enter(self, triangle: int, time_s: float, position_m: Point) -> None:
         """Take note of the triangle that the vehicle is in from now on."""
