@@ -79,13 +79,15 @@ class MovingPartition:
         return np.asarray((self.places_m != self.places_m[:1]).any(axis=(0, 2)))
 
     @cached_property
+    def drifts_m_s(self) -> FloatArray:
+        """How fast the vertices move from each instant to the next, and after the last, shape (K, V, 2)."""
+        steps = np.diff(self.places_m, axis=0) / np.diff(self.times_s)[:, None, None]
+        return frozen_floats(np.concatenate((steps, np.zeros_like(self.places_m[:1]))))
+
+    @cached_property
     def fastest_m_s(self) -> float:
         """The largest speed of any vertex."""
-        steps = np.diff(self.places_m, axis=0)
-        if not len(steps):
-            return 0.0
-        speeds = np.hypot(steps[..., 0], steps[..., 1]) / np.diff(self.times_s)[:, None]
-        return float(speeds.max())
+        return float(np.hypot(self.drifts_m_s[..., 0], self.drifts_m_s[..., 1]).max())
 
     def vertices_at(self, time_s: float) -> FloatArray:
         """Where the vertices are at a time, shape (V, 2)."""
@@ -99,10 +101,9 @@ class MovingPartition:
 
     def velocities_at(self, time_s: float) -> FloatArray:
         """How fast the vertices move from a time on, shape (V, 2), m/s."""
-        if not 0.0 <= time_s < self.last_s:
+        if time_s < 0.0:
             return np.zeros_like(self.fixed.vertices_m)
-        k = int(np.searchsorted(self.times_s, time_s, side="right")) - 1
-        return np.asarray((self.places_m[k + 1] - self.places_m[k]) / (self.times_s[k + 1] - self.times_s[k]))
+        return np.asarray(self.drifts_m_s[self._between(np.array([time_s]))[0][0]])
 
     def corners_at(self, times_s: FloatArray, triangles: IntArray) -> FloatArray:
         """The corners of a triangle at each time, both (P,): shape (P, 3, 2)."""

@@ -2,33 +2,20 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.errors import GeometryError
 from mission.geometry.carrying import carried_along
 from mission.geometry.location import Locator
-from mission.geometry.moving import FLATTEST, MovingPartition, rim_of
-from mission.geometry.simplices import Partition
+from mission.geometry.moving import FLATTEST, MovingPartition
 from mission.geometry.triangulation import triangulate_nodes
+from tests.support.drawn_cases import tried
+from tests.support.moving_meshes import shaken, some_mesh
 
 
-def some_mesh(seed: int, nodes: int = 14) -> Partition:
-    """The Delaunay mesh of random nodes in a square of 20 m whose corners are nodes."""
-    inner = np.random.default_rng(seed).uniform(1.0, 19.0, (nodes, 2))
-    return triangulate_nodes(np.concatenate(([[0, 0], [20, 0], [20, 20], [0, 20]], inner)))
-
-
-def shaken(seed: int, most_m: float) -> MovingPartition:
-    """A mesh whose inner vertices go to three random places each."""
-    mesh, rng = some_mesh(seed), np.random.default_rng(seed + 1)
-    steps = rng.uniform(-most_m, most_m, (3, *mesh.vertices_m.shape)) * ~rim_of(mesh)[:, None]
-    places = mesh.vertices_m + np.concatenate((np.zeros((1, *mesh.vertices_m.shape)), steps))
-    return MovingPartition(mesh, np.array([0.0, 2.0, 3.0, 7.0]), places)
-
-
+@tried(40)
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=40, deadline=None)
 def test_each_triangle_is_the_image_of_a_fixed_one(seed: int) -> None:
     moving, rng = shaken(seed, 0.3), np.random.default_rng(seed)
     if moving.first_flat() is not None:
@@ -54,8 +41,8 @@ def test_what_lies_outside_is_its_own_image_and_after_the_last_instant_all_stand
     assert np.abs(moving.vertices_at(2.0) + moving.velocities_at(2.0) - moving.vertices_at(3.0)).max() < 1e-12
 
 
+@tried(60)
 @given(seed=st.integers(0, 10_000), most_m=st.sampled_from([0.3, 1.0, 3.0]))
-@settings(max_examples=60, deadline=None)
 def test_the_first_triangle_that_folds_is_found_exactly(seed: int, most_m: float) -> None:
     moving = shaken(seed, most_m)
     flat, dense = moving.first_flat(), np.linspace(0.0, 7.0, 1401)
