@@ -27,6 +27,9 @@ heading    w |q|^2 - q x q' and w |q|^2 + q x q', q where the     not negative, 
            nose looks, on a step of the law                       rate
 =========  =====================================================  ==========================  =======================
 
+Where triangles move, the first two are judged in time (``moving``): a part of the curve against the hull of each
+triangle while that part is flown, and 0.05 s before and after. The distance may be more than is told.
+
 Without bounds: *mission*, what the file repeats of it; *run*, a walk through the sets that satisfies the mission;
 *path* and *curve*, which join, and where fields steer, lead as the paper's equations say and make the series of their
 path (``fields``); *stops*, *lanes* and *photographs*, in the places and with the times that they need.
@@ -36,7 +39,7 @@ earlier plan covered, and the velocity of a flight that begins in the air; the f
 
 Nothing is shared with the planner but geometry, automata, and the reader of missions. The files in the order in
 which they are best read: ``bernstein``, ``patches``, ``tube``, ``words``, ``proof``; ``written``, ``checker``;
-``motion``, ``flight``, ``lanes``, ``fields``.
+``motion``, ``moving``, ``flight``, ``lanes``, ``fields``.
 """
 
 from mission.verify.plans.checker import JUDGED, Claim, claims

@@ -210,7 +210,8 @@ def _path(plan: Written) -> Verdict:
     if begins != plan.lap or (lap is None) != (plan.lap is None) or (lap and lap[0] >= lap[1]):
         return "the lap of `path` is not that of the trajectory", ""
     if plan.steered:
-        return steering_fault(plan), count(len(path["segments"]), "field")
+        moves = "the fields of `path` are of triangles that stand, and here some move"
+        return moves if plan.moving else steering_fault(plan), count(len(path["segments"]), "field")
     points = np.array(path["points_m"], dtype=np.float64)
     if np.abs(points[0] - plan.data["start_m"]).max() > _SAME * plan.partition.extent_m:
         return "`path` does not begin where the flight does", ""
@@ -218,7 +219,7 @@ def _path(plan: Written) -> Verdict:
         return "the lap of `path` does not close", ""
     if len(points) > 1 and shapely.intersects(plan.ground.closed, shapely.linestrings(points)):
         return "`path` meets what must not be entered", ""
-    return None, count(len(points), "corner")
+    return None, f"{count(len(points), 'corner')}{'' if plan.moving is None else ', beside what moves'}"
 
 
 def _curve(plan: Written) -> Verdict:

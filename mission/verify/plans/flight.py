@@ -88,7 +88,7 @@ def stops_made(plan: Written) -> Verdict:
         return "`stops` are not in order", ""
     begun = plan.labelling.label([*plan.data["run"]["prefix"], *plan.data["run"]["suffix"]][0])
     for number, (s, seconds) in enumerate(stops):
-        _, met, outside = plan.ground.met_at(plan.curve.at(np.array([s])), plan.spec.flight.tube_m)
+        _, met, outside = plan.stop_met(s, plan.spec.flight.tube_m)
         inside = frozenset.intersection(*(plan.labelling.label(triangle) for triangle in met.tolist()))
         whole = {loitering[name] for name in inside & loitering.keys()}
         # In a region in which the flight begins, it stands as long as it still has to.

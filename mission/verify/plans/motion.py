@@ -73,12 +73,13 @@ class Law:
         place = self.knots_s[piece] + x * (rate + x * (growth / 2.0 + x * change / 6.0))
         return place, rate + x * (growth + x * change / 2.0), growth + x * change, change
 
-    def times_s(self, s: FloatArray) -> FloatArray:
-        """When places on the curve (P,) are reached, shape (P,)."""
+    def times_s(self, s: FloatArray, *, leaving: bool = False) -> FloatArray:
+        """When places on the curve (P,) are reached, or left, shape (P,)."""
         low, high = np.zeros(len(s)), np.full(len(s), self.duration_s)
         for _ in range(60):
             middle = 0.5 * (low + high)
-            short = self.jet(middle)[0] < s
+            place = self.jet(middle)[0]
+            short = place <= s if leaving else place < s
             low, high = np.where(short, middle, low), np.where(short, high, middle)
         return high
 
@@ -114,15 +115,20 @@ class Motion(Pieces):
     off: FloatArray
 
 
-def motion_of(curve: Patches, law: Law, breaks: FloatArray | None = None) -> Motion:
-    """The motion along a curve by its law; cut at some parameters of the curve, too."""
+def steps_of(curve: Patches, law: Law, breaks: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
+    """Times between which neither a law nor its curve changes, (K,) both; cut at some parameters of the curve, too."""
     cuts, knots = np.concatenate((curve.begins_s[1:], [] if breaks is None else breaks)), law.knots_s
     # At a knot but for rounding is at the knot.
     after = np.clip(np.searchsorted(knots, cuts), 1, len(knots) - 1)
     off = np.minimum(np.abs(cuts - knots[after - 1]), np.abs(cuts - knots[after]))
     inner = cuts[(cuts > 0.0) & (cuts < law.place_s) & (off > _SAME * law.place_s)]
     edges = np.unique(np.concatenate((law.knots_t_s, law.times_s(inner))))
-    begins, ends = edges[:-1], edges[1:]
+    return edges[:-1], edges[1:]
+
+
+def motion_of(curve: Patches, law: Law, breaks: FloatArray | None = None) -> Motion:
+    """The motion along a curve by its law; cut at some parameters of the curve, too."""
+    begins, ends = steps_of(curve, law, breaks)
     lasts = ends - begins
     middles, _, _, change = law.jet(0.5 * (begins + ends))
     (s0, r0, g0, _), (s1, r1, g1, _) = law.jet(begins), law.jet(ends)

@@ -6,12 +6,13 @@ from itertools import groupby
 import numpy as np
 
 from mission.decimals import count
-from mission.geometry.arrays import BoolArray, IntArray
+from mission.geometry.arrays import IntArray
 from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.automata.safety import safety_of
 from mission.spec.model import Semantics
 from mission.spec.specification import deterministic_of
-from mission.verify.plans.tube import far_enough, stray
+from mission.verify.plans.moving import nearer_in_time, stray_in_time
+from mission.verify.plans.tube import Met, far_enough, stray
 from mission.verify.plans.words import Layers, spells
 from mission.verify.plans.written import Proof, Verdict, Written
 
@@ -25,7 +26,11 @@ def tube_holds(plan: Written) -> Verdict:
         if closed:
             names = sorted({name for t in closed for name in plan.labelling.label(t)})
             return f"its pieces name triangles of {' and '.join(names)}, which must not be entered", ""
-        fault = stray(plan.ground, proof.curve, plan.spec.flight.tube_m, proof.knots_s, proof.sets)
+        claim = plan.spec.flight.tube_m, proof.knots_s, proof.sets
+        if plan.moving is None:
+            fault = stray(plan.ground, proof.curve, *claim)
+        else:
+            fault = stray_in_time(plan.moving, plan.legs_of(proof), *claim)
         if fault:
             return f"{what} {fault}", ""
         drift_m = float(proof.data["landing_m"])
@@ -63,18 +68,28 @@ def far_from_restricted(plan: Written) -> Verdict:
         claimed = proof.data["clearance_m"]
         if (claimed is None) == bool(plan.restricted.any()):
             return "`certificate.clearance_m` is a number where something is restricted", ""
-        fault = None if claimed is None else far_enough(plan.ground, proof.curve, float(claimed))
+        fault = None if claimed is None else _distance_fault(plan, proof, float(claimed))
         if fault:
             return f"`certificate.clearance_m` {fault}", ""
         told.append("nothing restricted" if claimed is None else f"{claimed:.3f} m from what is restricted")
     return None, ", ".join(told)
 
 
+def _distance_fault(plan: Written, proof: Proof, claimed_m: float) -> str | None:
+    """A bound that is told of triangles that move may be far from the truth: it is made of all that they sweep."""
+    if plan.moving is None:
+        return far_enough(plan.ground, proof.curve, claimed_m)
+    return nearer_in_time(plan.moving, plan.legs_of(proof), claimed_m)
+
+
 def layers_of(plan: Written, proof: Proof, *, alone: bool = False) -> tuple[Sets, tuple[int, int] | None]:
     """The sets of a proof with those of the place where the curve begins and of that where it ends; and its lap."""
-    curve, knots, sets, _ = proof
-    which, triangles, _ = plan.ground.met_at(curve.at(np.array([0.0, curve.ends_s[-1]])), plan.spec.flight.tube_m)
-    begin, end = (sorted(set(triangles[which == i].tolist()) & set(sets[-i])) for i in (0, 1))
+    knots, sets, tube_m = proof.knots_s, proof.sets, plan.spec.flight.tube_m
+    begin = sorted(set(plan.begin_met(proof, tube_m)[1].tolist()) & set(sets[0]))
+    end = ended_in(plan, proof).tolist()
+    repeats = plan.lap is not None and proof is plan.proofs[0]
+    if plan.moving is None or repeats:  # else others may come there later
+        end = sorted(set(end) & set(sets[-1]))
     if plan.lap is None or alone:
         return _merged([begin, *sets, end]), None
     lap_s = float(plan.starts_s[plan.lap])
@@ -86,7 +101,7 @@ def layers_of(plan: Written, proof: Proof, *, alone: bool = False) -> tuple[Sets
 
 def ended_in(plan: Written, proof: Proof) -> IntArray:
     """The triangles in which a vehicle may be that comes to rest where the curve of a proof ends."""
-    return plan.ground.met_at(proof.curve.at(proof.curve.ends_s[-1:]), plan.spec.flight.tube_m)[1]
+    return plan.end_met(proof, plan.spec.flight.tube_m)[1]
 
 
 def landed_in(plan: Written, proof: Proof) -> IntArray:
@@ -94,10 +109,9 @@ def landed_in(plan: Written, proof: Proof) -> IntArray:
     return _landing(plan, proof)[1]
 
 
-def _landing(plan: Written, proof: Proof) -> tuple[IntArray, IntArray, BoolArray]:
-    """What is met where the curve of a proof ends while the vehicle lands there, as in ``Ground.met_at``."""
-    half_m = plan.spec.flight.tube_m + float(proof.data["landing_m"])
-    return plan.ground.met_at(proof.curve.at(proof.curve.ends_s[-1:]), half_m)
+def _landing(plan: Written, proof: Proof) -> Met:
+    """What is met where the curve of a proof ends while the vehicle lands there."""
+    return plan.end_met(proof, plan.spec.flight.tube_m + float(proof.data["landing_m"]))
 
 
 def _merged(sets: Sequence[Sequence[int]]) -> Sets:

@@ -19,6 +19,9 @@ from mission.verify.plans.patches import ROUNDING, Patches
 
 _HONEST: Final = 0.97  # a bound that is told is no farther from the truth
 _FEW: Final = 8  # halvings, after which it is not known to be dishonest
+Met = tuple[IntArray, IntArray, BoolArray]
+"""Pairs of a shape and a triangle that meet, and which shapes (K,) may reach beyond the domain."""
+
 _CORNERS: Final = np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
 
 
@@ -36,15 +39,15 @@ class Ground:
         self._locator = Locator(partition)
         self.closed = shapely.union_all(shapely.polygons(partition.corners_m[restricted]))
 
-    def met(self, shapes: np.ndarray) -> tuple[IntArray, IntArray, BoolArray]:
-        """Pairs of a shape and a triangle that meet, and which shapes (K,) may reach beyond the domain."""
+    def met(self, shapes: np.ndarray) -> Met:
+        """What shapes (K,) meet."""
         which, triangles = self._locator.tree.query(shapes, predicate="intersects")
         outside = np.bincount(which, minlength=len(shapes)) == 0
         outside[self._locator.rim.query(shapes, predicate="intersects")[0]] = True
         return which, triangles, outside
 
-    def met_at(self, places_m: FloatArray, half_m: float) -> tuple[IntArray, IntArray, BoolArray]:
-        """The same of squares round places (K, 2)."""
+    def met_at(self, places_m: FloatArray, half_m: float) -> Met:
+        """What is met by squares round places (K, 2)."""
         half = half_m + self.slack_m
         return self.met(shapely.box(*(places_m - half).T, *(places_m + half).T))
 
