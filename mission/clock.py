@@ -43,6 +43,8 @@ class SteadyClock:
     def now_s(self) -> float:
         """Seconds that passed for this program, from what the clock showed at first."""
         seen_s = self._clock.now_s()
+        if seen_s == self._seen_s:
+            return self._shown_s
         passed_s, self._seen_s = seen_s - self._seen_s, seen_s
         counted_s = min(max(passed_s, 0.0), _LONGEST_S)
         self._shown_s += counted_s

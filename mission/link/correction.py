@@ -29,6 +29,7 @@ All of it is frozen where nothing is flown, across gaps, and while the vehicle i
 """
 
 import math
+from collections.abc import Iterable
 from typing import Final
 
 from mission.link.course import Reference
@@ -154,42 +155,48 @@ class Correction:
     def corrected(self, planned: Reference) -> Reference:
         """What to ask for instead of a planned point."""
         (x, y, z), (vx, vy, vz), (ax, ay, az) = planned
-        pull_x, pull_y = (_clipped(-self.calm * _PULL_PER_S * e, _MOST_PULL_M_S) for e in self.error_m)
-        push_x, push_y = (
-            _clipped(self.drag_per_s * v, _MOST_PUSH_M_S2)
-            - _clipped(self.calm * _DAMPING_PER_S * e, _MOST_DAMPING_M_S2)
-            for v, e in zip((vx, vy), self.error_m_s, strict=True)
-        )
+        error_m, error_m_s, offset_m = self.error_m, self.error_m_s, self.offset_m
         return Reference(
-            (x + self.offset_m[0], y + self.offset_m[1], z),
-            (vx + pull_x, vy + pull_y, vz),
-            (ax + push_x, ay + push_y, az),
+            (x + offset_m[0], y + offset_m[1], z),
+            (vx + self._pull_m_s(error_m[0]), vy + self._pull_m_s(error_m[1]), vz),
+            (ax + self._push_m_s2(vx, error_m_s[0]), ay + self._push_m_s2(vy, error_m_s[1]), az),
         )
 
-    def rate_within(self, lean_m_s2: float, planned: Reference) -> float:
-        """The largest rate, up to 1, at which a point of the trajectory is flown without leaning more than that.
+    def _pull_m_s(self, error_m: float) -> float:
+        return _clipped(-self.calm * _PULL_PER_S * error_m, _MOST_PULL_M_S)
 
-        Flown at a rate s, it needs k (s v* - w) + s^2 a* of the lean.
+    def _push_m_s2(self, planned_m_s: float, error_m_s: float) -> float:
+        damping = _clipped(self.calm * _DAMPING_PER_S * error_m_s, _MOST_DAMPING_M_S2)
+        return _clipped(self.drag_per_s * planned_m_s, _MOST_PUSH_M_S2) - damping
+
+    def rate_within(self, lean_m_s2: float, planned: Iterable[Reference]) -> float:
+        """The largest rate, up to 1, at which points of the trajectory are flown without leaning more than that.
 
         Args:
             lean_m_s2: g tan(lean).
-            planned: At the trajectory's own pace.
+            planned: At the trajectory's own pace; not looked at where there is hardly any drag.
         """
-        (still_x, still_y, _), drag = self.drag.lean_m_s2
-        if drag <= _LITTLE_DRAG_PER_S:
+        if self.drag.drag_per_s <= _LITTLE_DRAG_PER_S:
             return 1.0
-        (vx, vy, _), (ax, ay, _) = planned.velocity_m_s, planned.acceleration_m_s2
-        low, high = 0.0, 2.0
-        for _ in range(_HALVINGS):
-            rate = 0.5 * (low + high)
-            east, north = still_x + rate * (drag * vx + rate * ax), still_y + rate * (drag * vy + rate * ay)
-            low, high = (rate, high) if math.hypot(east, north) <= lean_m_s2 else (low, rate)
-        return min(low, 1.0)
+        (still_x, still_y, _), drag = self.drag.lean_m_s2
+        return min(_rate_within(lean_m_s2, (still_x, still_y), drag, point) for point in planned)
 
     def rest(self) -> None:
         """Nothing is flown: ask for the planned points, moved by the offset that was learned."""
         self.error_m = self.error_m_s = (0.0, 0.0)
         self.behind_m, self._seen_s = 0.0, math.inf
+
+
+def _rate_within(lean_m_s2: float, still_m_s2: tuple[float, float], drag_per_s: float, planned: Reference) -> float:
+    """The same for one point: flown at a rate s, it needs k (s v* - w) + s^2 a* of the lean, of it -k w at rest."""
+    (vx, vy, _), (ax, ay, _) = planned.velocity_m_s, planned.acceleration_m_s2
+    low, high = 0.0, 2.0
+    for _ in range(_HALVINGS):
+        rate = 0.5 * (low + high)
+        east = still_m_s2[0] + rate * (drag_per_s * vx + rate * ax)
+        north = still_m_s2[1] + rate * (drag_per_s * vy + rate * ay)
+        low, high = (rate, high) if math.hypot(east, north) <= lean_m_s2 else (low, rate)
+    return min(low, 1.0)
 
 
 def _clipped(value: float, most: float) -> float:

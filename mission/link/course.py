@@ -97,6 +97,8 @@ class Course:
         orders: What is gone by where the trajectory is not flown, but the field where the vehicle is; None else.
         waits: Whether the vehicle waits at its end for another course, and the flight does not end there.
         turned_s: Vehicle time for which the heading was asked; None before the first.
+        duration_s: Time from the start of the trajectory to its end.
+        altitude_m: Height above the take-off point.
     """
 
     def __init__(
@@ -123,6 +125,7 @@ class Course:
             waits: Whether the vehicle waits at its end.
         """
         self._trajectory = trajectory
+        self.duration_s, self.altitude_m = trajectory.duration_s, trajectory.altitude_m
         self.nose = nose or Nose()
         self.heading_rad = heading_rad
         self.yaw_rate_rad_s = 0.0
@@ -132,17 +135,12 @@ class Course:
         self.waits = waits
         self._planned_s = planned_s
         self.turned_s: float | None = None
-        self._blocks: dict[int, list[list[float]]] = {}
+        self._blocks: dict[int, list[tuple[float, ...]]] = {}
 
     @property
     def trajectory(self) -> Flown:
         """What is flown."""
         return self._trajectory
-
-    @property
-    def duration_s(self) -> float:
-        """Time from the start of the trajectory to its end."""
-        return self._trajectory.duration_s
 
     @property
     def lasts_s(self) -> float:
@@ -163,11 +161,6 @@ class Course:
         self.heading_rad, self.turned_s = before.heading_rad, before.turned_s
 
     @property
-    def altitude_m(self) -> float:
-        """Height above the take-off point."""
-        return self._trajectory.altitude_m
-
-    @property
     def laps(self) -> int | None:
         """How often the lap is flown; None where nobody has said."""
         return self._trajectory.laps
@@ -185,27 +178,42 @@ class Course:
         if t_s >= self._trajectory.laps_end_s:
             return False
         self._trajectory = self._trajectory.ended_after(t_s)
+        self.duration_s = self._trajectory.duration_s
         self._blocks.clear()
         return True
 
     def reference(self, t_s: float) -> Reference:
         """The point of the trajectory at a time; at rest before its start and after its end."""
-        within_s = min(max(t_s, 0.0), self.duration_s)
-        point = int(within_s / _STEP_S)
+        at = min(max(t_s, 0.0), self.duration_s) / _STEP_S
+        point = int(at)
         number, row = divmod(point, _BLOCK)
-        nodes = self._block(number)
-        x, y = (_between(nodes[row][axis::2], nodes[row + 1][axis::2], within_s / _STEP_S - point) for axis in (0, 1))
-        return Reference((x[0], y[0], self.altitude_m), (x[1], y[1], 0.0), (x[2], y[2], 0.0))
+        x0, y0, x1, y1, x2, y2, x3, y3, x4, y4, x5, y5 = (self._blocks.get(number) or self._block(number))[row]
+        u, h = at - point, _STEP_S
+        return Reference(
+            (
+                x0 + u * (x1 + u * (x2 + u * (x3 + u * (x4 + u * x5)))),
+                y0 + u * (y1 + u * (y2 + u * (y3 + u * (y4 + u * y5)))),
+                self.altitude_m,
+            ),
+            (
+                (x1 + u * (2.0 * x2 + u * (3.0 * x3 + u * (4.0 * x4 + u * 5.0 * x5)))) / h,
+                (y1 + u * (2.0 * y2 + u * (3.0 * y3 + u * (4.0 * y4 + u * 5.0 * y5)))) / h,
+                0.0,
+            ),
+            (
+                (2.0 * x2 + u * (6.0 * x3 + u * (12.0 * x4 + u * 20.0 * x5))) / (h * h),
+                (2.0 * y2 + u * (6.0 * y3 + u * (12.0 * y4 + u * 20.0 * y5))) / (h * h),
+                0.0,
+            ),
+        )
 
-    def _block(self, number: int) -> list[list[float]]:
-        """x, y, vx, vy, ax, ay at the points of one block of the grid."""
-        found = self._blocks.get(number)
-        if found is None:
-            times = np.arange(number * _BLOCK, (number + 1) * _BLOCK + 1, dtype=np.float64) * _STEP_S
-            found = np.concatenate(self._trajectory.state(times), axis=1).tolist()
-            while len(self._blocks) >= _MOST_BLOCKS:
-                del self._blocks[next(iter(self._blocks))]
-            self._blocks[number] = found
+    def _block(self, number: int) -> list[tuple[float, ...]]:
+        """What each quintic of one block of the grid is, which starts at each of its points (``_quintics``)."""
+        times = np.arange(number * _BLOCK, (number + 1) * _BLOCK + 1, dtype=np.float64) * _STEP_S
+        found = _quintics(*self._trajectory.state(times))
+        while len(self._blocks) >= _MOST_BLOCKS:
+            del self._blocks[next(iter(self._blocks))]
+        self._blocks[number] = found
         return found
 
     def turn(self, reference: Reference, t_s: float, now_s: float) -> float:
@@ -251,17 +259,21 @@ class Course:
         return None if found is None else found._replace(rate_rad_s=0.0)
 
 
-def _between(start: list[float], end: list[float], share: float) -> tuple[float, float, float]:
-    """Position, velocity and acceleration on the quintic between two points of the grid, on one axis."""
+def _quintics(position: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> list[tuple[float, ...]]:
+    """The quintics between points of the grid that follow each other, by the share of the way from one to the next.
+
+    Args:
+        position: At the points, shape (P, 2), metres; likewise the others.
+        velocity: m/s.
+        acceleration: m/s^2.
+
+    Returns:
+        P - 1 rows: the coefficients of the power 0 for x and y, then those of the power 1, up to 5.
+    """
     h = _STEP_S
-    c0, c1, c2 = start[0], h * start[1], 0.5 * h * h * start[2]
-    d = end[0] - c0 - c1 - c2
-    v = h * end[1] - c1 - 2.0 * c2
-    a = h * h * end[2] - 2.0 * c2
+    c0, c1, c2 = position[:-1], h * velocity[:-1], 0.5 * h * h * acceleration[:-1]
+    d = position[1:] - c0 - c1 - c2
+    v = h * velocity[1:] - c1 - 2.0 * c2
+    a = h * h * acceleration[1:] - 2.0 * c2
     c3, c4, c5 = 10.0 * d - 4.0 * v + 0.5 * a, -15.0 * d + 7.0 * v - a, 6.0 * d - 3.0 * v + 0.5 * a
-    u = share
-    return (
-        c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5)))),
-        (c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
-        (2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h),
-    )
+    return list(map(tuple, np.concatenate((c0, c1, c2, c3, c4, c5), axis=1).tolist()))

@@ -35,6 +35,13 @@ class DragEstimate:
         drag_per_s: k, from 0 to ``MOST_DRAG_PER_S``.
     """
 
+    def __init__(self) -> None:
+        """Know nothing of the vehicle yet."""
+        self.drag_per_s = 0.0
+        self._reports: deque[tuple[float, float, float, float, float]] = deque()
+        self._seconds = 0.0
+        self._sums = np.zeros((2, 4))
+
     @property
     def lean_m_s2(self) -> tuple[Vector, float]:
         """What the vehicle leans by the air alone, as an acceleration: that at rest, and its growth by velocity."""
@@ -42,13 +49,6 @@ class DragEstimate:
             return (0.0, 0.0, 0.0), 0.0
         east, north = (self._sums[:, 1] - self.drag_per_s * self._sums[:, 0]) / self._seconds
         return (float(east), float(north), 0.0), self.drag_per_s
-
-    def __init__(self) -> None:
-        """Know nothing of the vehicle yet."""
-        self.drag_per_s = 0.0
-        self._reports: deque[tuple[float, float, float, float, float]] = deque()
-        self._seconds = 0.0
-        self._sums = np.zeros((2, 4))
 
     def work_w_kg(self, moments: tuple[float, float, float]) -> float:
         """What work the vehicle does against the air, per mass: k |v - w|^2; 0 as long as k is not known.

@@ -3,13 +3,13 @@
 import math
 from collections import deque
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from mission.link.arrival import Arrival
 from mission.link.correction import Correction
 from mission.link.course import Course, Reference
 from mission.link.frames import Anchor, Vector, ned_from_enu
-from mission.link.pace import Pace
+from mission.link.pace import Beat, Pace
 from mission.link.stillness import Stillness
 from mission.link.values import LocalSetpoint
 from mission.link.vehicle_clock import VehicleClock
@@ -29,6 +29,36 @@ class _Leg:
     from_s: float
     course: Course
     pace: Pace
+
+
+class _Moment(NamedTuple):
+    """What is flown at a vehicle time, and where on its course that is, by the course's own time.
+
+    That is negative before its start, and stands where no setpoint is sent; up to a promise some are.
+    """
+
+    leg: _Leg
+    beat: Beat
+    elapsed_s: float
+
+    @property
+    def within_s(self) -> float:
+        """The time on the course, at its start before that and at its end after that."""
+        return min(max(self.elapsed_s, 0.0), self.leg.course.duration_s)
+
+    @property
+    def reference(self) -> Reference:
+        """The point to be at, with velocity and acceleration by the pace at which it is passed."""
+        own, beat = self.leg.course.reference(self.within_s), self.beat
+        if beat.rate == 1.0 and beat.growth_per_s == 0.0:
+            return own
+        position, (vx, vy, vz), (ax, ay, az) = own
+        rate, square, growth = beat.rate, beat.rate**2, beat.growth_per_s
+        return Reference(
+            position,
+            (rate * vx, rate * vy, rate * vz),
+            (square * ax + growth * vx, square * ay + growth * vy, square * az + growth * vz),
+        )
 
 
 class Guidance:
@@ -101,7 +131,7 @@ class Guidance:
 
         Not before ``arrives_s``: what was sent is not called back.
         """
-        pace = self._leg_at(at_s).pace
+        pace = self._at(at_s).leg.pace
         if math.isfinite(self._sent_s):
             pace.keep(self._sent_s)
         self._steady_until_s = at_s
@@ -109,12 +139,12 @@ class Guidance:
 
     def course_at(self, at_s: float) -> Course:
         """What is flown at a vehicle time."""
-        return self._leg_at(at_s).course
+        return self._at(at_s).leg.course
 
     def pace_at(self, at_s: float) -> tuple[float, float]:
         """Where the course is, by its own time, and the rate of that, at a vehicle time."""
-        pace = self._leg_at(at_s).pace
-        return self._elapsed_s(at_s), pace.beat(at_s).rate
+        _, beat, elapsed_s = self._at(at_s)
+        return elapsed_s, beat.rate
 
     def end(self, vehicle_s: float) -> None:
         """Lead no further: the trajectory is given up."""
@@ -130,57 +160,41 @@ class Guidance:
 
     def flown_s(self, at_s: float) -> float:
         """How much of the trajectory has been flown at a vehicle time; 0 before its start."""
-        return self._leg_at(at_s).course.planned_s(self._within_s(at_s)) or 0.0
+        moment = self._at(at_s)
+        return moment.leg.course.planned_s(moment.within_s) or 0.0
 
     def trajectory_s(self, at_s: float) -> float | None:
         """Time on the trajectory at a vehicle time; None before its start, after its end, and where none is flown."""
-        elapsed, course = self._elapsed_s(at_s), self._leg_at(at_s).course
+        leg, _, elapsed = self._at(at_s)
+        course = leg.course
         flown = 0.0 <= elapsed <= course.duration_s and at_s <= self._until_s
         return course.planned_s(elapsed) if flown else None
 
     def left_s(self, at_s: float) -> float:
         """What is left of the trajectory at a vehicle time; infinite where it is known that another one follows."""
-        leg = self._leg_at(at_s)
+        leg, _, elapsed_s = self._at(at_s)
         if leg.course.waits or leg is not self._legs[-1]:
             return math.inf
-        return leg.course.duration_s - max(self._elapsed_s(at_s), 0.0)
+        return leg.course.duration_s - max(elapsed_s, 0.0)
 
-    def _leg_at(self, at_s: float) -> _Leg:
-        """What is flown at a vehicle time, as far as that is remembered."""
-        at_s = self._counted_s(at_s)
-        return next((leg for leg in reversed(self._legs) if leg.from_s <= at_s), self._legs[0])
+    def _at(self, at_s: float) -> _Moment:
+        """A vehicle time on what is flown then, as far as that is remembered."""
+        if at_s - self._sent_s > GAP_S and at_s > self._steady_until_s:
+            at_s = self._sent_s
+        leg = self._legs[-1]
+        if leg.from_s > at_s:
+            leg = next((leg for leg in reversed(self._legs) if leg.from_s <= at_s), self._legs[0])
+        beat = leg.pace.beat(at_s)
+        return _Moment(leg, beat, beat.trajectory_s + beat.rate * (at_s - beat.from_s))
 
     def _legs_from(self, at_s: float) -> list[_Leg]:
         """What is flown at a vehicle time, and what is to follow."""
-        now = self._leg_at(at_s)
+        now = self._at(at_s).leg
         return [leg for leg in self._legs if leg.from_s >= now.from_s]
-
-    def _counted_s(self, at_s: float) -> float:
-        """A vehicle time as trajectories count it, which stand where no setpoint is sent; up to a promise some are."""
-        return self._sent_s if at_s - self._sent_s > GAP_S and at_s > self._steady_until_s else at_s
-
-    def _elapsed_s(self, at_s: float) -> float:
-        """Time on the course that is flown; negative before its start."""
-        return self._leg_at(at_s).pace.elapsed_s(self._counted_s(at_s))
-
-    def _within_s(self, at_s: float) -> float:
-        """The same within the course."""
-        return min(max(self._elapsed_s(at_s), 0.0), self._leg_at(at_s).course.duration_s)
 
     def reference(self, at_s: float) -> Reference:
         """The point to be at, at a vehicle time, with velocity and acceleration by the pace at which it is passed."""
-        leg = self._leg_at(at_s)
-        position, velocity, acceleration = leg.course.reference(self._within_s(at_s))
-        beat = leg.pace.beat(at_s)
-        if beat.rate == 1.0 and beat.growth_per_s == 0.0:
-            return Reference(position, velocity, acceleration)
-        square, growth = beat.rate**2, beat.growth_per_s
-        (vx, vy, vz), (ax, ay, az) = velocity, acceleration
-        return Reference(
-            position,
-            (beat.rate * vx, beat.rate * vy, beat.rate * vz),
-            (square * ax + growth * vx, square * ay + growth * vy, square * az + growth * vz),
-        )
+        return self._at(at_s).reference
 
     def observe(
         self, at_s: float, position_m: Vector, velocity_m_s: Vector, attitude_rad: Vector | None = None
@@ -190,14 +204,15 @@ class Guidance:
         Returns:
             Where it should have been, and how fast.
         """
-        planned = self.reference(at_s)
+        moment = self._at(at_s)
+        course, planned = moment.leg.course, moment.reference
         wanted = planned.position_m
         error = (position_m[0] - wanted[0], position_m[1] - wanted[1])
         if self.trajectory_s(at_s) is None or at_s - self._sent_s > GAP_S:
             self.correction.rest()
         else:
             self.correction.observe(at_s, error, planned, velocity_m_s, attitude_rad)
-        facing = self._leg_at(at_s).course.faces(None if attitude_rad is None else attitude_rad[2])
+        facing = course.faces(None if attitude_rad is None else attitude_rad[2])
         self._stillness.observe(at_s, position_m, velocity_m_s, wanted, facing=facing)
         return planned
 
@@ -212,26 +227,27 @@ class Guidance:
         """
         if vehicle_s < self._next_s or vehicle_s > self._until_s:
             return None
-        begun = math.isfinite(self._elapsed_s(vehicle_s))
+        begun = math.isfinite(self._at(vehicle_s).elapsed_s)
         arrives_s = vehicle_s + (self._arrival.follow(vehicle_s) if begun else self._arrival.settle())
         gap = self._pause_until(arrives_s)
         self._sent_s = arrives_s
-        before, self._flown = self._flown, self._leg_at(arrives_s)
+        now = self._at(arrives_s)
+        before, self._flown = self._flown, now.leg
         if before is not self._flown:
             self.course.follow(before.course)
         self._next_s = max(self._next_s + self._period_s, vehicle_s + 0.5 * self._period_s)
         self.correction.know_delay(self._arrival.delay_s)
         if arrives_s > self._steady_until_s and self.trajectory_s(arrives_s) is not None:
-            elapsed_s = self._elapsed_s(arrives_s)
-            ahead = [self.course.reference(elapsed_s + later_s) for later_s in _AHEAD_S]
-            lean_m_s2 = _SHARE_OF_LEAN * self.course.bounds.lean_m_s2
-            most_rate = min(self.correction.rate_within(lean_m_s2, point) for point in ahead)
-            self._flown.pace.adapt(arrives_s, self.correction.behind_m, most_rate, ahead[0], self.correction.calm)
-        reference = self.reference(arrives_s)
+            ahead = (self.course.reference(now.elapsed_s + later_s) for later_s in _AHEAD_S)
+            most_rate = self.correction.rate_within(_SHARE_OF_LEAN * self.course.bounds.lean_m_s2, ahead)
+            own = self.course.reference(now.elapsed_s)
+            self._flown.pace.adapt(arrives_s, self.correction.behind_m, most_rate, own, self.correction.calm)
+        now = self._at(arrives_s)
+        reference = now.reference
         led = self.reference(arrives_s + self.correction.lead_s)
         place = self.reference(arrives_s + self.correction.delay_s)
         asked = self.correction.corrected(led._replace(position_m=place.position_m))
-        yaw_rad = self.course.turn(reference, self._within_s(arrives_s), arrives_s)
+        yaw_rad = self.course.turn(reference, now.within_s, arrives_s)
         setpoint = LocalSetpoint(
             time_boot_ms=round(arrives_s * 1000.0),
             position_ned_m=self.anchor.to_vehicle(asked.position_m),
@@ -244,11 +260,12 @@ class Guidance:
 
     def _pause_until(self, arrives_s: float) -> Gap | None:
         """Let the trajectory go on from where the last setpoint stood, where that is too old."""
-        gap_s, leg = arrives_s - self._sent_s, self._leg_at(self._sent_s)
+        gap_s = arrives_s - self._sent_s
         if gap_s <= GAP_S:
             return None
+        leg, _, elapsed_s = self._at(self._sent_s)
         later = self._legs_from(self._sent_s)[1:]
-        if not later and not 0.0 <= self._elapsed_s(self._sent_s) < leg.course.duration_s:
+        if not later and not 0.0 <= elapsed_s < leg.course.duration_s:
             return None
         leg.pace.pause(self._sent_s, arrives_s)
         for each in later:

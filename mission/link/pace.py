@@ -62,7 +62,10 @@ class Pace:
 
     def beat(self, at_s: float) -> Beat:
         """What holds at a vehicle time; before the first piece that is remembered, the first one."""
-        return next((beat for beat in reversed(self._beats) if beat.from_s <= at_s), self._beats[0])
+        for beat in reversed(self._beats):  # mostly the last one
+            if beat.from_s <= at_s:
+                return beat
+        return self._beats[0]
 
     def elapsed_s(self, at_s: float) -> float:
         """Trajectory time at a vehicle time; negative before its start."""

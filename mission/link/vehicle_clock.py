@@ -60,6 +60,7 @@ class VehicleClock:
         self._other: _Other | None = None
         self._rate = 0.0
         self._shown_s = 0.0
+        self._shown_at_s: float | None = None
         self._seen_s = 0.0
 
     @property
@@ -137,6 +138,7 @@ class VehicleClock:
         passed_ms = 0 if self._newest_ms is None else newest_ms - self._newest_ms
         self._seen_s += min(passed_ms / 1000.0, GAP_S)
         self._newest_ms, self._stamp_ms = newest_ms, stamp_ms
+        self._shown_at_s = None
         samples = self._samples
         samples.append((local_s, newest_ms / 1000.0))
         while len(samples) > 2 and local_s - samples[1][0] >= _WINDOW_S:  # noqa: PLR2004 - a rate needs two
@@ -147,11 +149,13 @@ class VehicleClock:
 
     def now_s(self, local_s: float) -> float | None:
         """The vehicle's time at ``local_s``; None before the vehicle has told any."""
+        if local_s == self._shown_at_s:  # as where nothing was heard in between
+            return self._shown_s
         if not self._samples:
             return None
         heard_s, told_s = self._samples[-1]
         ahead = min(max(local_s - heard_s, 0.0) * self._rate, AHEAD_S)
-        self._shown_s = max(self._shown_s, told_s + ahead)
+        self._shown_s, self._shown_at_s = max(self._shown_s, told_s + ahead), local_s
         return self._shown_s
 
     def ago_s(self, local_s: float, for_s: float) -> float:

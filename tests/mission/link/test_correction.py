@@ -154,7 +154,7 @@ def test_the_rate_is_the_largest_that_the_lean_allows(
     def lean(rate: float) -> float:
         return drag_per_s * math.hypot(*(rate * v - w for v, w in zip(velocity_m_s, wind_m_s, strict=True)))
 
-    rate = correction.rate_within(4.5, planned)
+    rate = correction.rate_within(4.5, [planned])
     assert rate == 0.0 or lean(rate) <= 4.5 * 1.08 + 0.2
     if 0.0 < rate < 0.999:
         assert lean(rate) >= 4.5 * 0.92 - 0.2
