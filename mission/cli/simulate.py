@@ -14,6 +14,7 @@ from mission.cli.inputs import planned, write_named
 from mission.cli.screen import out, print_json, print_warnings
 from mission.monitor.monitor import Outcome
 from mission.plan import FlightPlan
+from mission.plan.carried import is_carried
 from mission.printable import printable
 from mission.simulate import SETTLED, Simulation, judged, simulate_plan
 from mission.spec.model import FIELD
@@ -88,7 +89,9 @@ def _print(plan: FlightPlan, simulation: Simulation, outcome: Outcome, word: tup
     stiffness, damping = simulation.gain[0, 0], simulation.gain[0, 2]
     _line("Vehicle", "x'' = u on each axis (Eq. 5): no sensors, no wind, no limits")
     _line("Tracking", f"u = -K e + v' (Eq. 12), K = [{stiffness:.4g} I, {damping:.4g} I], tau = {tau:g} s")
-    if plan.spec.flight.guidance == FIELD:
+    if is_carried(plan):
+        _line("", "the path of the fields is tracked, unsmoothed, as the moving triangles carry it along (Sec. 4.4)")
+    elif plan.spec.flight.guidance == FIELD:
         _line("", "the smoothed path is tracked, which a flight by the field does not follow")
     (east, north), (to_east, to_north) = simulation.position_m[0], simulation.velocity_m_s[0]
     start_m, start_m_s = float(simulation.distance_m[0]), float(np.hypot(*simulation.velocity_error_m_s[0]))

@@ -6,6 +6,9 @@ e' = (A - B K) e (Eq. 11), critically damped: both eigenvalues of each axis are 
 integrated: with e the error of an axis and d its rate,
 
     e(t) = (e(0) + c t) exp(-t / tau),  d(t) = (c - (e(0) + c t) / tau) exp(-t / tau),  c = d(0) + e(0) / tau.
+
+A mission that is guided by fields in triangles that move has these for its steering law, carried over by time and not
+smoothed: where the velocity of that jumps, d jumps by as much, and the closed form begins again.
 """
 
 import math
@@ -19,7 +22,10 @@ from mission.monitor.flight import FlightMonitor
 from mission.monitor.monitor import Monitor
 from mission.monitor.stage import Stage
 from mission.plan import FlightPlan
+from mission.plan.carried import carried_path, is_carried
 from mission.spec.model import Point
+from mission.steering.moving_path import MovingPath
+from mission.steering.trajectory import Trajectory
 
 _EVERY_S: Final = 0.05
 _MOST_SAMPLES: Final = 100_000
@@ -95,19 +101,60 @@ def simulate_plan(plan: FlightPlan, *, off_m: Point = (0.0, 0.0)) -> Simulation:
 
     Returns:
         The flight, a row at least every 0.05 s, or 100,000 of them.
+
+    Raises:
+        NoPlanError: A triangle through which fields lead moves faster than the vehicle may fly.
     """
-    trajectory, tau = plan.trajectory, plan.spec.flight.time_constant_s
-    if trajectory.laps is None:
-        trajectory = trajectory.ended_after(0.0)
-    count = min(_MOST_SAMPLES, math.ceil(trajectory.duration_s / _EVERY_S) + 1)
-    t_s = np.linspace(0.0, trajectory.duration_s, max(count, 2))
-    position, velocity, acceleration = trajectory.state(t_s)
+    law, tau = _steering_law(plan), plan.spec.flight.time_constant_s
+    count = min(_MOST_SAMPLES, math.ceil(law.duration_s / _EVERY_S) + 1)
+    t_s = np.linspace(0.0, law.duration_s, max(count, 2))
+    position, velocity, acceleration = law.state(t_s)
     error = np.add(plan.start_m, off_m) - position[0]
     rate = np.asarray(plan.spec.start.velocity_m_s) - velocity[0]
+    knots_s, jumps = (law.knots_s, law.jumps_m_s) if isinstance(law, MovingPath) else (t_s[[0, -1]], np.empty((0, 2)))
+    errors, rates = _errors(t_s, tau, (error, rate), knots_s, jumps)
+    return Simulation(t_s, tau, position, velocity, acceleration, errors, rates)
+
+
+def _steering_law(plan: FlightPlan) -> Trajectory | MovingPath:
+    """What is tracked: the trajectory, or the path of the fields in triangles that move."""
+    if is_carried(plan):
+        return carried_path(plan)
+    trajectory = plan.trajectory
+    return trajectory if trajectory.laps is not None else trajectory.ended_after(0.0)
+
+
+def _errors(
+    t_s: FloatArray, tau: float, begins: tuple[FloatArray, FloatArray], knots_s: FloatArray, jumps_m_s: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """The error and its rate at times (N,), both (N, 2).
+
+    Args:
+        t_s: Ascending.
+        tau: The time constant.
+        begins: Both at the first knot, each of shape (2,).
+        knots_s: Shape (P + 1,), between which the velocity of the steering law is continuous.
+        jumps_m_s: By how much it jumps at the inner ones, shape (P - 1, 2).
+    """
+    rows = np.searchsorted(t_s, knots_s[:-1]).tolist()
+    error, rate = begins
+    found = []
+    for number, (row, until) in enumerate(zip(rows, [*rows[1:], len(t_s)], strict=True)):
+        times = np.append(t_s[row:until], knots_s[number + 1]) - knots_s[number]
+        errors, rates = _decaying(times, tau, error, rate)
+        found.append((errors[:-1], rates[:-1]))
+        if number < len(jumps_m_s):
+            error, rate = errors[-1], rates[-1] - jumps_m_s[number]
+    errors, rates = (np.concatenate(each) for each in zip(*found, strict=True))
+    return errors, rates
+
+
+def _decaying(t_s: FloatArray, tau: float, error: FloatArray, rate: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The closed form, for times (N,) from those of the error and its rate on."""
     slope = rate + error / tau
     decay = np.exp(-t_s / tau)[:, None]
     left = (error + slope * t_s[:, None]) * decay
-    return Simulation(t_s, tau, position, velocity, acceleration, left, slope * decay - left / tau)
+    return left, slope * decay - left / tau
 
 
 def judged(plan: FlightPlan, simulation: Simulation) -> Monitor:

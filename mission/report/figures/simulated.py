@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from mission.plan import FlightPlan
+from mission.plan.carried import is_carried
 from mission.report.figures.canvas import drawing
 from mission.report.figures.chart import chart_of
 from mission.report.figures.histories import AXIS_NAMES, MOST_DRAWN, grid_of, name_quantity
@@ -18,7 +19,7 @@ _TRANSIENT = 12.0
 
 
 def true_states(plan: FlightPlan, simulation: Simulation) -> Figure:
-    """Figure 8: position and velocity of the smoothed steering law and of the vehicle; below, how the error decays."""
+    """Figure 8: position and velocity of the steering law and of the vehicle; below, how the error decays."""
     step, shown_s = _step(simulation), _shown_s(simulation)
     early = simulation.t_s <= shown_s
     rows = (
@@ -29,7 +30,7 @@ def true_states(plan: FlightPlan, simulation: Simulation) -> Figure:
     with drawing():
         note = f"Below: the error over the first {shown_s:.3g} s, tau being {simulation.time_constant_s:g} s."
         title = "Steering law and true states"
-        figure, grid = grid_of(plan, title, 3, _legend(), note=note, time=_TIME, own_times=True)
+        figure, grid = grid_of(plan, title, 3, _legend(plan), note=note, time=_TIME, own_times=True)
         for column in range(2):
             for row, (name, true, asked) in enumerate(rows):
                 axes = grid[row][column]
@@ -71,7 +72,7 @@ def true_path(plan: FlightPlan, simulation: Simulation) -> Figure:
     true, planned = simulation.position_m[::step], simulation.asked_position_m[::step]
     with drawing():
         note = "White in the true trajectory: the planned path."
-        figure, axes = chart.figure("Planned path and true trajectory", legend=_legend() + end_handles(), note=note)
+        figure, axes = chart.figure("Planned path and true trajectory", legend=_legend(plan) + end_handles(), note=note)
         chart.draw_domain(axes)
         axes.plot(*true.T, color=FLOWN, lw=FLOWN_PT, zorder=3, gid="true")
         draw_planned(axes, planned, true, chart.em_m)
@@ -81,10 +82,10 @@ def true_path(plan: FlightPlan, simulation: Simulation) -> Figure:
     return figure
 
 
-def _legend() -> list[Artist]:
+def _legend(plan: FlightPlan) -> list[Artist]:
     return [
         Line2D([], [], color=FLOWN, lw=2.4, label="true state"),
-        Line2D([], [], color=PLANNED, lw=1.0, label="steering law, smoothed"),
+        Line2D([], [], color=PLANNED, lw=1.0, label="steering law" if is_carried(plan) else "steering law, smoothed"),
     ]
 
 
