@@ -19,6 +19,7 @@ from mission.link.address import parse_address
 from mission.plan import FlightPlan
 from mission.printable import printable
 from mission.spec.model import FIELD
+from mission.spec.moving import motions_by_name
 
 
 def run(arguments: Namespace) -> int:
@@ -98,6 +99,8 @@ def _print_plan(plan: FlightPlan, name: str) -> None:
     if plan.spec.tasks or plan.spec.automaton:
         for kind, text in plan.written:
             out.print(f"  {kind}  {text}", markup=False, highlight=False)
+    for moved, motion in motions_by_name(plan.spec).items():
+        out.print(f"  moves  {moved} {motion.text}", markup=False, highlight=False)
     for task in plan.dropped:
         out.print(
             f"  dropped  {task.task} (weight {decimal(task.weight)}): {task.reason}", markup=False, highlight=False

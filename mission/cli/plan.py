@@ -25,6 +25,8 @@ from mission.planning.run import Run
 from mission.printable import printable
 from mission.spec.clearances import clearances_by_name
 from mission.spec.model import CORRIDOR, FIELD, Cost
+from mission.spec.motion import motion_data
+from mission.spec.moving import motions_by_name
 from mission.spec.tasks import task_text
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
@@ -118,6 +120,7 @@ def summary(plan: FlightPlan) -> dict[str, object]:
         "frequencies": plan.curve.frequencies,
         "guidance": plan.spec.flight.guidance,
         "covers": [visit.figures() for visit in plan.covers],
+        "motions": {name: motion_data(motion) for name, motion in motions_by_name(plan.spec).items()},
         "bounds": [bound.to_json() for bound in plan.bounds],
         "certificate": {
             "holds": certificate.holds,
@@ -162,6 +165,8 @@ def print_plan(plan: FlightPlan) -> None:
     _print(f"Flight         {extent(plan, 1)}{_stays(plan)}")
     for visit in plan.covers:
         _print(f"Covered        {_lanes(visit)}")
+    for number, (name, motion) in enumerate(motions_by_name(plan.spec).items()):
+        _print(f"{'Moves' if number == 0 else '':<15}{name} {motion.text}")
     _print_certificate(plan)
     for number, bound in enumerate(plan.bounds):
         _print(f"{'In time' if number == 0 else '':<15}{bound.text}")

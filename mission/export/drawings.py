@@ -25,7 +25,10 @@ FLIGHT: Final = "Flight"
 
 
 def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
-    """The boundary and the regions as they are drawn, and where their clearances end; restricted ones stand up."""
+    """The boundary and the regions as they are drawn, and where their clearances end; restricted ones stand up.
+
+    What moves is where it begins, and says how it moves.
+    """
     plan, domain = placed.plan, placed.plan.spec.domain
     ground = boundary_ground(domain) if isinstance(domain, BoundaryDomain) else None
     drawn_as = _round(placed, domain.boundary) if isinstance(domain, BoundaryDomain) else {}
@@ -48,6 +51,7 @@ def areas(placed: PlacedPlan) -> Iterator[MapFeature]:
                     **({"loiter_s": region.loiter_s} if region.loiter_s else {}),
                     **({"speed_m_s": region.speed_m_s} if region.speed_m_s is not None else {}),
                     **({"active": window_text(region)} if region.active_s is not None else {}),
+                    **({"motion": region.motion.text} if region.motion is not None else {}),
                     **_lanes(region.cover),
                     **_round(placed, region.shape),
                 },

@@ -32,6 +32,7 @@ def planned_rows(planned: Mapping[str, Any]) -> list[Row]:
             if (clearances_m := planned["clearances_m"])
             else []
         ),
+        *(("Moves, by the clock of the trajectory", f"{name} {text}") for name, text in planned["motions"].items()),
         *(
             [("Way back from the laps", " ".join(f"T{state}" for state in planned["way_back"]))]
             if planned["way_back"]

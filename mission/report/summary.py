@@ -18,6 +18,7 @@ from mission.report.replay import judged_again
 from mission.report.tracking import distances_m, flown_by_field, tracking_of
 from mission.spec.clearances import clearances_by_name
 from mission.spec.model import FIELD
+from mission.spec.moving import motions_by_name
 from mission.spec.restricted import restricted_as_drawn
 from mission.spec.tasks import task_text
 
@@ -69,6 +70,7 @@ def _planned(plan: FlightPlan) -> dict[str, Any]:
         "altitude_m": plan.trajectory.altitude_m,
         "guidance": plan.spec.flight.guidance,
         "clearances_m": clearances_by_name(plan.spec),
+        "motions": {name: motion.text for name, motion in motions_by_name(plan.spec).items()},
         "covers": [visit.figures() for visit in plan.covers],
     }
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
 
+from mission.decimals import count, decimal
 from mission.spec.shape_schema import Schema, mapping, number, one_of
 
 _LATEST_S: Final = 86_400.0
@@ -27,10 +28,22 @@ class Motion:
     smooth: bool = False
 
     @property
+    def spans_s(self) -> tuple[float, float]:
+        """From when to when it moves; twice the same where it never does."""
+        stands = next((k for k, row in enumerate(self.waypoints) if any(row[1:])), len(self.waypoints)) - 1
+        return self.waypoints[stands][0], self.waypoints[-1][0]
+
+    @property
     def text(self) -> str:
-        """In words: ``moves by [20, 0] m in 40 s``."""
-        last_s, east, north = self.waypoints[-1]
-        return f"moves, and has gone by [{east:g}, {north:g}] m after {last_s:g} s"
+        """In words, after what moves: ``by [20, 0] m from 10 to 40 s``."""
+        (begin_s, end_s), (_, east, north) = self.spans_s, self.waypoints[-1]
+        if begin_s == end_s:
+            return "by nothing"
+        where = f"by [{decimal(east)}, {decimal(north)}] m" if east or north else "out and back"
+        inner = sum(begin_s < time_s < end_s for time_s, *_ in self.waypoints)
+        through = f" through {count(inner, 'way-point')}" if inner else ""
+        when = f"from {decimal(begin_s)} to {decimal(end_s)} s" if begin_s else f"until {decimal(end_s)} s"
+        return f"{where}{through} {when}{', smoothly' if self.smooth and inner else ''}"
 
 
 _MOTION_KEYS: Final[Schema] = {

@@ -24,6 +24,13 @@ _SAME_M: Final = 1e-9
 _NOBODY: Final = -1
 
 
+def motions_by_name(spec: MissionSpec) -> dict[str, Motion]:
+    """What of a mission moves, and how: regions by their names, and ``nodes 4, 10``."""
+    of_nodes = spec.domain.motions if isinstance(spec.domain, NodesDomain) else ()
+    regions = {region.name: region.motion for region in spec.regions if region.motion is not None}
+    return regions | {f"node{'s' * (len(nodes) > 1)} {listed(nodes)}": motion for nodes, motion in of_nodes}
+
+
 def instants_s(motion: Motion) -> FloatArray:
     """Instants between which a motion is straight, shape (K,)."""
     times = np.array([row[0] for row in motion.waypoints])
