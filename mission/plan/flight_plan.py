@@ -27,7 +27,7 @@ from mission.plan.landing import little_room_to_land
 from mission.plan.photographs import Photographs, planned_pictures
 from mission.plan.proved_run import PassedOver
 from mission.plan.tasks import DroppedTask
-from mission.plan.time_bounds import TimeBound, behaviour_flown, bounds_of
+from mission.plan.time_bounds import TimeBound, behaviour_flown, bounds_of, met_at_rest
 from mission.plan.way import Way
 from mission.planning.run import Run
 from mission.planning.transition_system import TransitionSystem
@@ -41,6 +41,7 @@ from mission.steering.joined import JoinedCurve
 from mission.steering.path import SteeringPath
 from mission.steering.polyline import Polyline
 from mission.steering.prover import Prover
+from mission.steering.touched import Touched
 from mission.steering.trajectory import Trajectory
 
 _NO_WAY_BACK = (
@@ -123,7 +124,8 @@ class FlightPlan:
     def bounds(self) -> tuple[TimeBound | AirTime, ...]:
         """What is asked for in seconds, with the margins of every flight within the tube."""
         aloft = AirTime.of(self.spec.flight, self.trajectory.duration_s)
-        in_place = bounds_of(self.required.timed, self.trajectory, self.certificate, self.locator, self.labelling)
+        met = met_at_rest(self.trajectory, self.certificate, self.locator, self.moving)
+        in_place = bounds_of(self.required.timed, self.trajectory, self.certificate, met, self.labelling)
         return (*in_place, *(() if aloft is None else (aloft,)))
 
     @cached_property
@@ -131,7 +133,8 @@ class FlightPlan:
         """The restricted regions that are there for a time only, and when a flight that is not late may be in them."""
         if not self.required.timed:
             return ()
-        flown = behaviour_flown(self.trajectory, self.certificate, self.locator, self.labelling)
+        met = met_at_rest(self.trajectory, self.certificate, self.locator, self.moving)
+        flown = behaviour_flown(self.trajectory, self.certificate, met, self.labelling)
         return closings(self.required.timed, flown)
 
     @property
@@ -326,6 +329,8 @@ def prover_of(
     labelling: Labelling,
     refutation: CompiledAutomaton,
     restricted: BoolArray,
+    *,
+    touched: Touched | None = None,
 ) -> Prover:
     """The prover of a mission with its tube."""
     return Prover(
@@ -336,4 +341,5 @@ def prover_of(
         restricted=restricted,
         tube_m=spec.flight.tube_m,
         landing_m=spec.flight.landing_m,
+        touched=touched,
     )

@@ -29,7 +29,15 @@ def run_along(legs: Iterable[Curve], locator: Locator, *, lap: bool = False) -> 
     """
     *before, last = (_points(leg, _FINE * locator.partition.extent_m) for leg in legs)
     head = _passed(locator, np.concatenate([*before, last[:1]] if lap else [*before, last]))
-    loop = _passed(locator, last)[:-1] if lap else ()
+    return _run(locator, head, _passed(locator, last)[:-1] if lap else ())
+
+
+def run_through(points_m: FloatArray, locator: Locator) -> Run:
+    """The run along a line through points (K, 2), to stay at its end."""
+    return _run(locator, _passed(locator, points_m), ())
+
+
+def _run(locator: Locator, head: tuple[int, ...], loop: tuple[int, ...]) -> Run:
     every = (*head, *loop[1:], head[-1])
     across = locator.partition.neighbours.tolist()
     controls = (0 if here == there else 1 + across[here].index(there) for here, there in pairwise(every))

@@ -18,6 +18,7 @@ from mission.plan.explained import explained
 from mission.plan.feasibility import Feasibility
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.heading import looked_toward
+from mission.plan.in_motion import planned_in_motion
 from mission.plan.kept import Kept
 from mission.plan.narrows import closed_by_clearances
 from mission.plan.pace import trajectory_of
@@ -85,7 +86,9 @@ def planned(
         MissionError: As in ``plan_mission``.
     """
     if spec.moves:
-        raise NoPlanError("regions that move are not planned for yet")
+        if begins.moves or known is not None:
+            raise NoRollingStartError("a map that moves is planned on from rest")
+        return planned_in_motion(spec, lambda still: planned(still, begins, run))
     start = begins.place_m
     if known is not None and _map_of(spec) == _map_of(known.spec):
         partition, labelling, locator = known.partition, known.labelling, known.locator

@@ -6,15 +6,18 @@ every flight within the tube that keeps to the clock of the trajectory.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import groupby
 from typing import Any, Final
 
+import numpy as np
 import shapely
 
+from mission.geometry.arrays import FloatArray, IntArray
 from mission.geometry.location import Locator
+from mission.geometry.moving import MovingPartition
 from mission.geometry.regions import Labelling
 from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import Formula, seconds_text
@@ -22,7 +25,11 @@ from mission.logic.formula.word import Letter
 from mission.logic.timed.behaviour import Behaviour, Piece, behaviour_of, from_to, staying
 from mission.logic.timed.margins import margin_s
 from mission.steering.certificate import Certificate
+from mission.steering.touched import MovingTouched, Timing
 from mission.steering.trajectory import Trajectory
+
+Met = Callable[[float], IntArray]
+"""The triangles that a square of some half width touches."""
 
 FOLLOWED_S: Final = 0.05
 """A flight keeps to the clock of its trajectory to so much, s: setpoints are for moments. A bound has this to spare."""
@@ -74,11 +81,38 @@ class TimeBound:
         return {"formula": str(self.formula), "margin_s": self.margin_s if math.isfinite(self.margin_s) else None}
 
 
+def followed(trajectory: Trajectory) -> Timing:
+    """From when to when a flight that keeps to the clock of its trajectory may be on a part of its curve."""
+
+    def between(begins: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+        last_s = trajectory.time_at(ends, leaving=True) + FOLLOWED_S
+        return np.maximum(0.0, trajectory.time_at(begins) - FOLLOWED_S), last_s
+
+    return between
+
+
+def met_at_rest(
+    trajectory: Trajectory, certificate: Certificate, locator: Locator, moving: MovingPartition | None = None
+) -> Met:
+    """What is touched, of a domain that stands or moves, by a square where the proof of a trajectory ends."""
+    place_m = trajectory.curve.position(certificate.knots_s[-1:])
+
+    def met(half_m: float) -> IntArray:
+        if moving is None:
+            (x, y), half = place_m[0], half_m
+            return locator.meeting(shapely.box(x - half, y - half, x + half, y + half))
+        timing, nowhere = followed(trajectory), np.zeros(moving.fixed.size, dtype=np.bool_)
+        from_s, _ = timing(certificate.knots_s[-1:], certificate.knots_s[-1:])
+        return MovingTouched(moving, nowhere, half_m, timing).rest(place_m, half_m, from_s).triangles
+
+    return met
+
+
 def bounds_of(
     formulas: Sequence[Formula],
     trajectory: Trajectory,
     certificate: Certificate,
-    locator: Locator,
+    met: Met,
     labelling: Labelling,
     *,
     later_s: float = 0.0,
@@ -89,20 +123,20 @@ def bounds_of(
         formulas: The formulas.
         trajectory: What is flown.
         certificate: Of it, as far as it repeats or stays.
-        locator: The domain.
-        labelling: Its labels.
+        met: What is touched where it comes to rest, as from ``met_at_rest``.
+        labelling: The labels of the domain.
         later_s: By how much later all of it is flown, for the vehicle waits where it begins.
     """
     if not formulas:
         return ()
-    flown = behaviour_flown(trajectory, certificate, locator, labelling, Fraction(later_s))
+    flown = behaviour_flown(trajectory, certificate, met, labelling, Fraction(later_s))
     return tuple(TimeBound(formula, margin_s(flown, formula)) for formula in formulas)
 
 
 def behaviour_flown(
     trajectory: Trajectory,
     certificate: Certificate,
-    locator: Locator,
+    met: Met,
     labelling: Labelling,
     later_s: Fraction = Fraction(0),
 ) -> Behaviour:
@@ -115,10 +149,8 @@ def behaviour_flown(
         loop_s = later_s + Fraction(float(trajectory.time_at(trajectory.curve.starts_s[[trajectory.lap]])[0]))
         return behaviour_of(_pieces(times, letters), loop_s, loop_s + Fraction(lap.duration_s))
     # Where it comes to rest it is in the tube for a moment at least; it lands there, and may drift meanwhile.
-    x, y = trajectory.curve.position(certificate.knots_s[-1:])[0]
-    for half_m in (certificate.tube_m, certificate.tube_m + certificate.landing_m):
-        reached = locator.meeting(shapely.box(x - half_m, y - half_m, x + half_m, y + half_m))
-        letters.append(_letters(labelling, reached.tolist()))
+    widths_m = certificate.tube_m, certificate.tube_m + certificate.landing_m
+    letters += [_letters(labelling, met(half_m).tolist()) for half_m in widths_m]
     times[-1] = max(times[-1], later_s + Fraction(trajectory.duration_s))
     return staying(_pieces([*times, times[-1], times[-1] + 1], letters))
 

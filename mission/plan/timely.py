@@ -23,7 +23,7 @@ from mission.plan.best_runs import BestRuns
 from mission.plan.earliest import Earliest, is_place, spans_of
 from mission.plan.steered import Steered, Steering
 from mission.plan.tasks import DroppedTask, Numbers
-from mission.plan.time_bounds import FOLLOWED_S, TimeBound, behaviour_flown, bounds_of
+from mission.plan.time_bounds import FOLLOWED_S, TimeBound, behaviour_flown, bounds_of, met_at_rest
 from mission.plan.windows import around, asking_also, best_of, shunned, waits_s
 from mission.spec.model import FIELD, MissionSpec
 from mission.spec.tasks import task_text
@@ -239,7 +239,8 @@ def _when_all_is_gone(
 ) -> tuple[Trajectory, list[Bound]]:
     """A path as it is flown when a region is gone that it must not meet before; as it was where no wait will do."""
     asked, of = steering.specification.timed, steering.planner
-    met = behaviour_flown(at_once, flown.certificate, steering.search.maps.locator, of.labelling)
+    at_rest = met_at_rest(at_once, flown.certificate, steering.search.maps.locator)
+    met = behaviour_flown(at_once, flown.certificate, at_rest, of.labelling)
     waits = [math.ceil((wait_s + Fraction(FOLLOWED_S)) * 1000 + 1) / 1000.0 for wait_s in waits_s(asked, met)]
     if not waits:
         return at_once, bounds
@@ -272,7 +273,8 @@ def _places(steering: Steering, flown: Steered) -> list[float]:
 def _bounds(steering: Steering, flown: Steered, trajectory: Trajectory, later_s: float = 0.0) -> list[Bound]:
     """What becomes of all that is asked for in seconds, where all of a trajectory is flown so much later."""
     asked, locator = steering.specification.timed, steering.search.maps.locator
-    in_place = bounds_of(asked, trajectory, flown.certificate, locator, steering.planner.labelling, later_s=later_s)
+    met = met_at_rest(trajectory, flown.certificate, locator)
+    in_place = bounds_of(asked, trajectory, flown.certificate, met, steering.planner.labelling, later_s=later_s)
     aloft = AirTime.of(steering.planner.spec.flight, later_s + trajectory.duration_s)
     return [*in_place, *([] if aloft is None else [aloft])]
 

@@ -373,6 +373,6 @@ class MissionSpec:
     @property
     def moves(self) -> bool:
         """Whether a part of its domain moves."""
-        return any(region.motion is not None for region in self.regions) or (
-            isinstance(self.domain, NodesDomain) and bool(self.domain.motions)
-        )
+        of_nodes = self.domain.motions if isinstance(self.domain, NodesDomain) else ()
+        motions = (*(region.motion for region in self.regions), *(motion for _, motion in of_nodes))
+        return any(motion is not None and motion.moves for motion in motions)

@@ -34,6 +34,11 @@ class Motion:
         return self.waypoints[stands][0], self.waypoints[-1][0]
 
     @property
+    def moves(self) -> bool:
+        """Whether it is ever displaced."""
+        return any(east or north for _, east, north in self.waypoints)
+
+    @property
     def text(self) -> str:
         """In words, after what moves: ``by [20, 0] m from 10 to 40 s``."""
         (begin_s, end_s), (_, east, north) = self.spans_s, self.waypoints[-1]

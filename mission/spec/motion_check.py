@@ -15,6 +15,7 @@ _FORMULA: Final[Path] = ("mission", "formula")
 _STANDS_STILL: Final = {
     "active_s": "is there for a time only, and moves",
     "cover": "is covered lane by lane, and moves",
+    "speed_m_s": "has a speed of its own, and moves",
     "at": "is the triangle at a point, and moves",
 }
 """Keys of a region that do not go with ``motion``, and what it would be."""

@@ -117,7 +117,8 @@ def examine_motion(
         f"after {flat.time_s:.1f} s the triangle that is {names}{numbers} at first folds, or is flatter than "
         f"{FLATTEST:.0%} of its longest side"
     )
-    hint = "let the motion end before that, lead it farther from what stays, or let that move too"
+    finer = "" if isinstance(domain, NodesDomain) else ", or give `domain.mesh` a smaller `largest_m`"
+    hint = f"let the motion end before that, lead it farther from what stays{finer}"
     return None, [Finding(moved[max(0, int(owner[corners].max()))][0], message, hint, at_key=True)]
 
 

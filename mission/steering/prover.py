@@ -31,10 +31,7 @@ from mission.spec.model import Semantics
 from mission.steering.certificate import Certificate
 from mission.steering.enclosure import (
     Contacts,
-    ContactSearch,
     Enclosure,
-    RegionDistance,
-    clearance,
     enclose,
     insert_knots,
     split,
@@ -42,6 +39,7 @@ from mission.steering.enclosure import (
 from mission.steering.explanation import Explanation, Lap, explain, place, point
 from mission.steering.joined import JoinedCurve, joins
 from mission.steering.possible_words import Layers, Violations
+from mission.steering.touched import StillTouched, Touched
 
 _CELLS_PER_WAVE = 8
 _FEWEST_CELLS = 128
@@ -88,6 +86,7 @@ class Prover:
         restricted: Shape (M,), the triangles that the tube must never meet.
         tube_m: Half width of the tube on each axis, at least 0.
         landing_m: How far a landing may drift from where the vehicle is in the tube.
+        touched: What the tube touches of a domain that moves, along the one curve whose timing it knows.
     """
 
     def __init__(
@@ -100,6 +99,7 @@ class Prover:
         restricted: BoolArray,
         tube_m: float,
         landing_m: float = 0.0,
+        touched: Touched | None = None,
     ) -> None:
         if not (np.isfinite(tube_m) and tube_m >= 0.0):
             raise ValueError("the half width of a tube is a finite length, at least 0")
@@ -107,8 +107,7 @@ class Prover:
         self._refutation, self._semantics = refutation, semantics
         self._restricted = restricted
         self._tube_m, self._landing_m = float(tube_m), landing_m
-        self._search = ContactSearch(partition)
-        self._distance = RegionDistance(partition, restricted) if restricted.any() else None
+        self._touched = touched or StillTouched(partition, restricted, self._tube_m)
         extent = float(np.ptp(partition.vertices_m, axis=0).max())
         self._finest_m = max(_FINEST_PART_OF_TUBE * self._tube_m, _FINEST_PART_OF_EXTENT * extent)
 
@@ -130,7 +129,7 @@ class Prover:
             raise ValueError("a lap ends where it begins")
         ways = _Ways(float(curve.starts_s[-2]) if repeats else None, begins)
         enclosure = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
-        contacts = self._contacts(enclosure)
+        contacts = self._touched.pieces(enclosure)
         doubt = self._doubt(enclosure, contacts, ways)
         for _ in range(_ROUNDS):
             if doubt is None or len(doubt.certain):
@@ -139,7 +138,7 @@ class Prover:
             if not coarse.any():
                 break
             enclosure = split(curve, enclosure, coarse, _PARTS)
-            contacts = self._contacts(enclosure)
+            contacts = self._touched.pieces(enclosure)
             doubt = self._doubt(enclosure, contacts, ways)
         if doubt is None:
             enclosure, contacts = self._sharpened(curve, enclosure, contacts)
@@ -171,7 +170,7 @@ class Prover:
         """
         grid = enclose(curve, max(_FEWEST_CELLS, _CELLS_PER_WAVE * curve.frequencies))
         enclosure = insert_knots(curve, grid, certificate.knots_s)
-        sets = self._contacts(enclosure).sets
+        sets = self._touched.pieces(enclosure).sets
         layers, _ = self._layers(enclosure.knots_s, sets, float(curve.starts_s[-2]))
         return self._violations(layers, None).at_end()
 
@@ -179,10 +178,9 @@ class Prover:
         """How far from the tube at the end a landing may drift, at most as far as it is said to."""
         layers, _ = self._layers(enclosure.knots_s, contacts.sets, None)
         at_end = self._violations(layers, ways.begins).at_end()
-        end_m = enclosure.points_m[-1:]
 
         def holds(drift_m: float) -> bool:
-            there = self._search.contacts(end_m, end_m, np.array([self._tube_m + drift_m]))
+            there = self._touched.end(enclosure, self._tube_m + drift_m)
             if (there.outside | there.marked(self._restricted)).any():
                 return False
             return not self._violations(Layers((there.sets[0],), None), at_end).exists()
@@ -196,7 +194,7 @@ class Prover:
             coarse = mixed & (enclosure.reach_m > max(self._tube_m, self._finest_m))
             if coarse.any():
                 enclosure = split(curve, enclosure, coarse, _PARTS)
-                contacts = self._contacts(enclosure)
+                contacts = self._touched.pieces(enclosure)
         return enclosure, contacts
 
     def _letters(self, contacts: Contacts) -> IntArray:
@@ -212,8 +210,7 @@ class Prover:
         """What cannot be proved with these pieces; None where all can."""
         unsafe = (contacts.outside | contacts.marked(self._restricted))[1:-1]
         if unsafe.any():
-            points = enclosure.points_m
-            at_knots = self._search.contacts(points, points, np.full(len(points), self._tube_m))
+            at_knots = self._touched.knots(enclosure)
             certain = np.flatnonzero(at_knots.outside | at_knots.marked(self._restricted))
             return _Doubt(unsafe, certain)
         layers, first = self._layers(enclosure.knots_s, contacts.sets, ways.lap_from_s)
@@ -260,18 +257,10 @@ class Prover:
             knots_s=enclosure.knots_s,
             possible=tuple(contacts.sets[1:-1]),
             word=self._sure_word(contacts),
-            clearance_m=None if self._distance is None else clearance(curve, enclosure, self._distance),
+            clearance_m=self._touched.clearance_m(curve, enclosure),
             tube_m=self._tube_m,
             frequencies=curve.frequencies,
         )
-
-    def _contacts(self, enclosure: Enclosure) -> Contacts:
-        """Contacts of the tube at the start, during each piece and at the end: K + 2 of them."""
-        points = enclosure.points_m
-        starts = np.concatenate((points[:1], points[:-1], points[-1:]))
-        ends = np.concatenate((points[:1], points[1:], points[-1:]))
-        widths = self._tube_m + np.concatenate(([0.0], enclosure.remainder_m, [0.0]))
-        return self._search.contacts(starts, ends, widths)
 
     def _unsafe_place(self, enclosure: Enclosure, contacts: Contacts, doubt: _Doubt) -> Explanation:
         """The first place at which the tube leaves, or may leave, the domain, or meets something restricted."""

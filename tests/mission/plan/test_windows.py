@@ -17,7 +17,7 @@ from mission.geometry.geodesy import LatLon
 from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json
 from mission.plan.fence import fence_of
 from mission.plan.rest import Rest, plan_rest
-from mission.plan.time_bounds import FOLLOWED_S, bounds_of
+from mission.plan.time_bounds import FOLLOWED_S, bounds_of, met_at_rest
 from mission.spec.areas import region_ground
 from mission.spec.specification import timed_of
 from mission.verify.plans import claims
@@ -133,7 +133,8 @@ def test_what_is_proved_of_a_window_holds_wherever_in_the_tube_a_flight_is(
     plan = closing_plan(kind="area")
     begin_s, end_s = window[0] / 10, (window[0] + window[1]) / 10
     (asked,) = timed_of(closing(gate=f"[{begin_s}, {end_s}]"))
-    (bound,) = bounds_of([asked], plan.trajectory, plan.certificate, plan.locator, plan.labelling)
+    at_rest = met_at_rest(plan.trajectory, plan.certificate, plan.locator)
+    (bound,) = bounds_of([asked], plan.trajectory, plan.certificate, at_rest, plan.labelling)
     times = np.arange(0.0, plan.trajectory.duration_s, 0.02)
     places = plan.trajectory.position(times) + 0.999 * plan.certificate.tube_m * np.array(aside)
     inside = plan.labelling.triangles_of("gate")
