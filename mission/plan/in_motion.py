@@ -124,7 +124,7 @@ class _Seeker:
                 middle = self.partition.incentres_m[self.map.labelling.triangles_of(region.name)].mean(axis=0)
                 way_m = float(np.hypot(*(middle - spec.start.position_m)))
                 arrived_s = way_m / spec.flight.speed_m_s
-                met[region.name] = (arrived_s, arrived_s)
+                met[region.name] = (arrived_s, arrived_s + region.loiter_s)
             elif region.kind is not RegionKind.RESTRICTED or region.name in named:
                 closed[region.name] = ((0.0, 0.0),)  # what is spoken of is somewhere
         return Guess(closed, met)
@@ -132,12 +132,17 @@ class _Seeker:
     def _round(self, tried: "_Tried") -> FlightPlan:
         """A plan that goes round what is in the way."""
         guesses = [tried.guess]
-        while not _is_kept(tried.plan):
+        while not (_is_kept(tried.plan) and self._stands_over(tried)):
             guesses.append(self._better(tried))
             if guesses[-1] in guesses[:-1] or len(guesses) > _ROUNDS:
                 raise NoPlanError(_reason(tried.plan))
             tried = self._tried(guesses[-1])
         return tried.plan
+
+    def _stands_over(self, tried: "_Tried") -> bool:
+        """Whether what the vehicle stands still over is below it all that time."""
+        held = [region.name for region in self.map.drifting if region.name in tried.guess.met and region.loiter_s]
+        return all(self._arrived(tried.still, name, (span := tried.guess.met[name])) == span for name in held)
 
     def _after_a_wait(self, tried: "_Tried") -> FlightPlan:
         """A plan that waits where it begins until what is in the way is gone."""
@@ -146,7 +151,7 @@ class _Seeker:
         toward_m = looked_toward(still.spec, still.partition, still.labelling)
         wait_s = 0.0
         for _ in range(_MOST_WAITS):
-            if _is_kept(plan):
+            if _is_kept(plan) and not tried.guess.met:
                 return plan
             met = [span for region in self.map.drifting for span in self._met(plan, region.name)]
             if not met or tried.guess.met or wait_s > self.map.moving.last_s:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from mission.geometry.arrays import FloatArray
@@ -14,6 +14,7 @@ from mission.steering.enclosure import enclose
 from mission.steering.joined import JoinedCurve
 from mission.steering.smoothing import FourierCurve
 from mission.steering.touched import MovingTouched, StillTouched
+from tests.support.drawn_cases import tried
 from tests.support.moving_meshes import shaken, some_mesh
 
 TUBE_M = 0.7
@@ -33,7 +34,7 @@ def timing(begins: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=30, deadline=None)
+@tried(30)
 def test_a_triangle_that_a_flight_is_in_is_among_those_of_its_piece(seed: int) -> None:
     moving, curve, rng = shaken(seed, 0.4), wandering(seed), np.random.default_rng(seed)
     if moving.first_flat() is not None:
@@ -71,7 +72,7 @@ def test_in_a_domain_that_stands_it_is_what_is_touched_there() -> None:
 
 
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=15, deadline=None)
+@tried(15)
 def test_the_clearance_is_that_of_dense_samples_or_a_little_less(seed: int) -> None:
     moving, curve = shaken(seed, 0.4), wandering(seed)
     if moving.first_flat() is not None:
