@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb, factorial
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,6 +52,20 @@ def gram(order: int) -> FloatArray:
     )
     differences = derivative_points(np.eye(DEGREE + 1)[None], np.ones(1), order)[0]
     return np.asarray(differences.T @ bernstein @ differences)
+
+
+class _Expanded(NamedTuple):
+    """Taylor expansions about the middles of the parts between knots, which are cut where pieces meet.
+
+    Attributes:
+        begins: Shape (K,), the first part between each knot and the next.
+        powers: Of each part's half width, 0 to 4.
+        sizes: Of the derivatives of order 1 to 5 there.
+    """
+
+    begins: IntArray
+    powers: list[FloatArray]
+    sizes: list[FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,18 +176,32 @@ class BezierCurve:
         h, |p| <= sum_i |p^(i)| h^i / i!. ``values`` is not needed; it is there for curves that are of other kinds.
         """
         del values
-        inner = np.setdiff1d(self.knots_s[(self.knots_s > knots_s[0]) & (self.knots_s < knots_s[-1])], knots_s)
-        begins = np.arange(len(knots_s)) + np.searchsorted(inner, knots_s)
-        cuts = np.insert(knots_s, np.searchsorted(knots_s, inner), inner)
-        middles, half = 0.5 * (cuts[:-1] + cuts[1:]), 0.5 * np.diff(cuts)
-        piece, u = self._placed(middles)
-        bounds = np.zeros(len(middles))
+        begins, powers, sizes = self._expanded(knots_s)
+        bounds = np.zeros(len(powers[0]))
         for further in range(DEGREE + 1 - order):
-            value = self._value(piece, u, order + further)
-            bounds += np.hypot(value[:, 0], value[:, 1]) * half**further / factorial(further)
-        if len(cuts) > len(knots_s):
-            bounds = np.maximum.reduceat(bounds, begins[:-1])
+            bounds += sizes[order + further - 1] * powers[further] / factorial(further)
+        if len(bounds) >= len(knots_s):
+            bounds = np.maximum.reduceat(bounds, begins)
         return np.asarray(bounds * (1.0 + _SLACK))
+
+    def _expanded(self, knots_s: FloatArray) -> _Expanded:
+        """The expansions between knots; the last ones are remembered, as bounds are asked for order by order."""
+        key = knots_s.tobytes()
+        if key not in self._expansions:
+            inner = np.setdiff1d(self.knots_s[(self.knots_s > knots_s[0]) & (self.knots_s < knots_s[-1])], knots_s)
+            begins = (np.arange(len(knots_s)) + np.searchsorted(inner, knots_s))[:-1]
+            cuts = np.insert(knots_s, np.searchsorted(knots_s, inner), inner)
+            half = 0.5 * np.diff(cuts)
+            piece, u = self._placed(0.5 * (cuts[:-1] + cuts[1:]))
+            values = (self._value(piece, u, order) for order in range(1, DEGREE + 1))
+            sizes = [np.hypot(value[:, 0], value[:, 1]) for value in values]
+            self._expansions.clear()
+            self._expansions[key] = _Expanded(begins, [half**power for power in range(DEGREE)], sizes)
+        return self._expansions[key]
+
+    @cached_property
+    def _expansions(self) -> dict[bytes, _Expanded]:
+        return {}
 
     def sampled(self, fewest: int) -> Sampled:
         """The curve at knots that resolve it: ``fewest`` or more, those of its pieces among them."""

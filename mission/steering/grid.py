@@ -87,10 +87,11 @@ def grid_of(curve: Curve, span_s: tuple[float, float], knots: FloatArray, limits
     """
     own_s = np.append(np.minimum(span_s[0] + knots[:-1], span_s[1]), span_s[1])
     _, slopes, bends = curve.jet(own_s)
-    whole = np.union1d(own_s, curve.joints_s if isinstance(curve, JoinedCurve) else [0.0, curve.duration_s])
+    joints = curve.joints_s if isinstance(curve, JoinedCurve) else np.empty(0)
+    whole = np.union1d(own_s, joints[(own_s[0] < joints) & (joints < own_s[-1])])
     # A cell in which pieces meet has the larger bound of both.
-    own, end = np.searchsorted(whole, own_s[:-1]), np.searchsorted(whole, own_s[-1])
-    first, second, third = (np.maximum.reduceat(curve.norm_bounds(whole, order)[:end], own) for order in (1, 2, 3))
+    own = np.searchsorted(whole, own_s[:-1])
+    first, second, third = (np.maximum.reduceat(curve.norm_bounds(whole, order), own) for order in (1, 2, 3))
     first = np.maximum(first, _LEAST_M / knots[-1])
     rates = limits.speed_m_s / first
     for begin, end, rate, speed in slow:

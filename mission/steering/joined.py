@@ -138,15 +138,15 @@ class JoinedCurve:
         """Proved upper bounds of |d^order r / ds^order| between knots, shape (K,), order 1, 2 or 3.
 
         Args:
-            knots_s: Shape (K + 1,), ascending, those at which pieces meet among them.
+            knots_s: Shape (K + 1,), ascending, those between its ends at which pieces meet among them.
             order: 1, 2 or 3.
             values: The derivative at the knots, shape (K + 1, 2), where the caller has it already; where two pieces
                 meet, the longer of the two.
         """
         bounds = np.empty(len(knots_s) - 1)
-        ends = np.searchsorted(knots_s, self.joints_s)
+        ends = np.minimum(np.searchsorted(knots_s, self.joints_s), len(bounds))
         for piece, start, (first, last) in zip(self.pieces, self.joints_s, pairwise(ends), strict=False):
-            if first == last:  # none of the knots is on it
+            if first == last:  # no part is on it
                 continue
             own = slice(first, last + 1)
             at_knots = None if values is None else values[own]

@@ -65,6 +65,32 @@ class _AtKnots(NamedTuple):
     shaken_by: FloatArray
 
 
+class PacingState(NamedTuple):
+    """Values of b inside of the limits, and what these make of them, at the inner knots.
+
+    Attributes:
+        inner: Shape (n - 1,), b.
+        squares: Shape (n + 1,), b at all knots.
+        pulled: Shape (2, n - 1), the acceleration.
+        shaken: Shape (2, n - 1), the jerk over sigma'.
+        slacks: What is left of the three limits.
+        duration_s: The time that it takes.
+        logarithms: Of the three slacks, summed.
+    """
+
+    inner: FloatArray
+    squares: FloatArray
+    pulled: FloatArray
+    shaken: FloatArray
+    slacks: tuple[FloatArray, FloatArray, FloatArray]
+    duration_s: float
+    logarithms: float
+
+    def barrier(self, weight: float) -> float:
+        """The time, weighed, with the logarithmic barrier of the limits."""
+        return weight * self.duration_s - self.logarithms
+
+
 @dataclass(frozen=True, eq=False)
 class PacingProblem:
     """Limits at the inner knots of a grid from one stop to the next; n + 1 knots, n - 1 inner ones.
@@ -159,21 +185,22 @@ class PacingProblem:
         )
         return replace(self, ceilings=ceilings, accelerations=accelerations, jerks=jerks)
 
-    def barrier(self, inner: FloatArray, weight: float) -> float:
-        """The time, weighed, with the logarithmic barrier of the limits; infinite outside of them."""
+    def state(self, inner: FloatArray) -> PacingState | None:
+        """What values of b (n - 1,) come to; None outside of the limits."""
         if not (inner > 0.0).all():
-            return np.inf
+            return None
         squares = self.squares(inner)
-        slacks = self._slacks(inner, *self._strained(squares))
-        if not all((slack > 0.0).all() for slack in slacks):
-            return np.inf
-        return weight * self.duration_s(squares) - sum(float(np.log(slack).sum()) for slack in slacks)
-
-    def newton(self, inner: FloatArray, weight: float) -> tuple[FloatArray, float]:
-        """Newton's step from a point inside, and what the barrier should lose by it."""
-        squares, at, count = self.squares(inner), self._at_knots, len(inner)
         pulled, shaken = self._strained(squares)
-        ceiling, pull_slack, _ = self._slacks(inner, pulled, shaken)
+        slacks = self._slacks(inner, pulled, shaken)
+        if not all((slack > 0.0).all() for slack in slacks):
+            return None
+        logarithms = sum(float(np.log(slack).sum()) for slack in slacks)
+        return PacingState(inner, squares, pulled, shaken, slacks, self.duration_s(squares), logarithms)
+
+    def newton(self, state: PacingState, weight: float) -> tuple[FloatArray, float]:
+        """Newton's step from a state, and what the barrier should lose by it."""
+        inner, squares, pulled, shaken, (ceiling, pull_slack, _), *_ = state
+        at, count = self._at_knots, len(inner)
         room = self.jerks[1:-1] / np.sqrt(inner) - self.third[1:-1] * inner
         lost = -0.5 * self.jerks[1:-1] * inner**-1.5 - self.third[1:-1]
         shake_slack = room**2 - _squared(shaken)
@@ -212,8 +239,8 @@ class PacingProblem:
         bands[1, :-1] += widths * 2.0 * each[:-1] * each[1:] / sums**3
 
 
-def led_inside(problem: PacingProblem, inner: FloatArray) -> FloatArray | None:
-    """Values of b at the inner knots, shape (n - 1,), inside of the limits; from some that need not be.
+def led_inside(problem: PacingProblem, inner: FloatArray) -> PacingState | None:
+    """A state inside of the limits; from values of b at the inner knots, shape (n - 1,), that need not be.
 
     The limits are eased until the values are inside, which are then brought far inside of these; and so on until no
     limit is eased any more.
@@ -222,64 +249,63 @@ def led_inside(problem: PacingProblem, inner: FloatArray) -> FloatArray | None:
         None where that does not come to an end.
     """
     for _ in range(_LEADS):
-        if problem.barrier(inner, 0.0) < np.inf:
-            return inner
+        state = problem.state(inner)
+        if state is not None:
+            return state
         eased = problem.eased(inner)
-        value = eased.barrier(inner, 0.0)
+        state = eased.state(inner)
         for _ in range(_STEPS):
-            moved = _stepped(eased, inner, 0.0, value)
+            moved = None if state is None else _stepped(eased, state, 0.0)
             if moved is None:
                 break
-            inner, value, promised = moved
+            state, promised = moved
+            inner = state.inner
             if promised <= _CENTRED:
                 break
     return None
 
 
-def _stepped(
-    problem: PacingProblem, inner: FloatArray, weight: float, value: float
-) -> tuple[FloatArray, float, float] | None:
-    """A damped step of Newton's method: where it leads, the barrier there, and what it promised to be lost of it.
+def _stepped(problem: PacingProblem, state: PacingState, weight: float) -> tuple[PacingState, float] | None:
+    """A damped step of Newton's method: where it leads, and what it promised to be lost of the barrier.
 
     None where nothing is lost by any, or rounding has left the step's equations no solution.
     """
     try:
-        step, promised = problem.newton(inner, weight)
+        step, promised = problem.newton(state, weight)
     except LinAlgError:
         return None
-    size = 1.0
+    value, size = state.barrier(weight), 1.0
     for _ in range(_HALVINGS):
-        tried = problem.barrier(inner + size * step, weight)
-        if tried <= value - _ENOUGH * size * promised:
-            return inner + size * step, tried, promised
+        tried = problem.state(state.inner + size * step)
+        if tried is not None and tried.barrier(weight) <= value - _ENOUGH * size * promised:
+            return tried, promised
         size *= 0.5
     return None
 
 
-def fastest_squares(problem: PacingProblem, inner: FloatArray, *, rough: bool = True) -> FloatArray:
-    """Values of b at the inner knots, shape (n - 1,), for which the flight takes little more than the least time.
+def fastest_squares(problem: PacingProblem, state: PacingState, *, rough: bool = True) -> FloatArray:
+    """Values of b at all knots, shape (n + 1,), for which the flight takes little more than the least time.
 
     Args:
         problem: The limits.
-        inner: Shape (n - 1,), values inside of them.
-        rough: Whether these are far from the outcome.
+        state: Inside of them.
+        rough: Whether it is far from the outcome.
     """
-    limits = 4.0 * len(inner)
-    present_s = problem.duration_s(problem.squares(inner))
+    limits = 4.0 * len(state.inner)
+    present_s = state.duration_s
     gap_s = min(_GAP * present_s, _MOST_GAP_S)
     weight = limits / (_ROUGHLY * present_s if rough else gap_s * _SHARPEN)
     while True:
         last = limits <= gap_s * weight
-        value = problem.barrier(inner, weight)
         for _ in range(_LAST_STEPS if last else _STEPS):
-            moved = _stepped(problem, inner, weight, value)
+            moved = _stepped(problem, state, weight)
             if moved is None:
-                return inner
-            inner, value, promised = moved
+                return state.squares
+            state, promised = moved
             if promised <= _CENTRED:
                 break
         if last:
-            return inner
+            return state.squares
         weight *= _SHARPEN
 
 

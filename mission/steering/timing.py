@@ -199,21 +199,21 @@ def _fastest(
         problem = PacingProblem(
             places, firm.slopes, firm.bends, beside(grid.third), squares_at_ends, ceilings, accelerations, jerks
         )
-        while problem.barrier(inner, 0.0) == math.inf and not moving:
+        while (state := problem.state(inner)) is None and not moving:
             inner = inner * (_SLOWER if turn == 0 else _NEXT)
-        if problem.barrier(inner, 0.0) == math.inf:
+        if state is None:
             break
-        inner = fastest_squares(problem, inner, rough=turn == 0 or moving)
-        squares = problem.squares(inner)
+        squares = fastest_squares(problem, state, rough=turn == 0 or moving)
         law = law_through(places, np.sqrt(squares), problem.growths(squares))
         if law is None:
+            inner = squares[1:-1]
             continue
         found = strain(law, grid, limits)
         laws.append(_slowed(law, found, moving=moving))
         if found.excess <= (1.0 if moving else _GOOD):
             break
         ceilings, accelerations, jerks = _lowered((ceilings, accelerations, jerks), found, beyond, sharply)
-        inner = start if moving else inner
+        inner = start if moving else squares[1:-1]
     kept = [law for law in laws if law is not None]
     if not kept:
         raise ValueError(f"no law begins and ends at the rates {ends[0]:.3g} and {ends[1]:.3g}")
@@ -286,10 +286,10 @@ def _rolling(
             accelerations,
             jerks,
         )
-        inner = led_inside(problem, start)
-        if inner is None:
+        state = led_inside(problem, start)
+        if state is None:
             break
-        squares = problem.squares(fastest_squares(problem, inner))
+        squares = fastest_squares(problem, state)
         law = law_through(places, np.sqrt(squares[1:]), problem.growths(squares)[1:], growth)
         if law is None:
             break
