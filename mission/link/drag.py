@@ -15,10 +15,8 @@ The prior keeps k at 0 until the velocity has varied enough to tell it.
 from collections import deque
 from typing import Final
 
-import numpy as np
-
 from mission.link.frames import Vector
-from mission.monitor.attitude import horizontal_acceleration
+from mission.monitor.attitude import level_acceleration
 from mission.monitor.gaps import GAP_S
 
 MOST_DRAG_PER_S: Final = 2.0
@@ -26,6 +24,21 @@ MOST_DRAG_PER_S: Final = 2.0
 _WINDOW_S: Final = 0.4
 _PRIOR: Final = 3.0
 """In (m/s)^2 s: a second at 2 m/s, and one at rest, weigh about as much."""
+
+
+class _Axis:
+    """Integrals over the time of a flight, on one level axis."""
+
+    def __init__(self) -> None:
+        """Begin at 0."""
+        self.v = self.z = self.vv = self.vz = 0.0
+
+    def add(self, for_s: float, velocity_m_s: float, braked_m_s2: float) -> None:
+        """Add a stretch with this velocity and this lean less the acceleration, which is z."""
+        self.v += for_s * velocity_m_s
+        self.z += for_s * braked_m_s2
+        self.vv += for_s * velocity_m_s**2
+        self.vz += for_s * (velocity_m_s * braked_m_s2)
 
 
 class DragEstimate:
@@ -40,15 +53,15 @@ class DragEstimate:
         self.drag_per_s = 0.0
         self._reports: deque[tuple[float, float, float, float, float]] = deque()
         self._seconds = 0.0
-        self._sums = np.zeros((2, 4))
+        self._axes = _Axis(), _Axis()
 
     @property
     def lean_m_s2(self) -> tuple[Vector, float]:
         """What the vehicle leans by the air alone, as an acceleration: that at rest, and its growth by velocity."""
         if self.drag_per_s == 0.0:
             return (0.0, 0.0, 0.0), 0.0
-        east, north = (self._sums[:, 1] - self.drag_per_s * self._sums[:, 0]) / self._seconds
-        return (float(east), float(north), 0.0), self.drag_per_s
+        east, north = ((axis.z - self.drag_per_s * axis.v) / self._seconds for axis in self._axes)
+        return (east, north, 0.0), self.drag_per_s
 
     def work_w_kg(self, moments: tuple[float, float, float]) -> float:
         """What work the vehicle does against the air, per mass: k |v - w|^2; 0 as long as k is not known.
@@ -67,19 +80,20 @@ class DragEstimate:
         reports = self._reports
         if reports and not 0.0 < t_s - reports[-1][0] <= GAP_S:
             reports.clear()
-        lean = horizontal_acceleration(np.array([attitude_rad]))[0].tolist()
-        reports.append((t_s, velocity_m_s[0], velocity_m_s[1], lean[0], lean[1]))
+        reports.append((t_s, velocity_m_s[0], velocity_m_s[1], *level_acceleration(*attitude_rad)))
         while len(reports) > 2 and t_s - reports[1][0] >= _WINDOW_S:  # noqa: PLR2004 - a slope needs two
             reports.popleft()
-        if t_s - reports[0][0] < _WINDOW_S:
+        first_s, *first_m_s = reports[0][:3]
+        if t_s - first_s < _WINDOW_S:
             return
-        window = np.array(reports)
-        velocity = window[:, 1:3].mean(axis=0)
-        braked = window[:, 3:5].mean(axis=0) - (window[-1, 1:3] - window[0, 1:3]) / (t_s - window[0, 0])
         weight_s = t_s - reports[-2][0]
         self._seconds += weight_s
-        self._sums += weight_s * np.stack((velocity, braked, velocity**2, velocity * braked), axis=-1)
-        v, z, vv, vz = self._sums.T
-        varied = float((vv - v**2 / self._seconds).sum())
-        together = float((vz - v * z / self._seconds).sum())
+        _, *columns = zip(*reports, strict=True)
+        east, north, lean_east, lean_north = (sum(column) / len(reports) for column in columns)
+        for axis, mean, lean, last, first in zip(
+            self._axes, (east, north), (lean_east, lean_north), velocity_m_s[:2], first_m_s, strict=True
+        ):
+            axis.add(weight_s, mean, lean - (last - first) / (t_s - first_s))
+        varied = sum(axis.vv - axis.v**2 / self._seconds for axis in self._axes)
+        together = sum(axis.vz - axis.v * axis.z / self._seconds for axis in self._axes)
         self.drag_per_s = min(max(together / (varied + _PRIOR), 0.0), MOST_DRAG_PER_S)
