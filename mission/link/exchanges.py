@@ -8,6 +8,7 @@ import math
 from abc import ABC, abstractmethod
 from typing import Final
 
+from mission.link.packing import Message
 from mission.link.plan_values import (
     Partner,
     PlanAnswer,
@@ -21,7 +22,6 @@ from mission.link.plan_values import (
 from mission.link.services import (
     ACCEPTED,
     PASSING,
-    Message,
     parameter_request,
     parameter_setting,
     plan_clearing,

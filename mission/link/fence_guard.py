@@ -15,6 +15,7 @@ from mission.errors import LinkError, MissionError, VehicleError
 from mission.interchange.autopilot_plan import FenceCircle, FencePolygon
 from mission.link.exchanges import Asking, ParameterQuestion, ParameterSetting, PlanReading, PlanWriting, Question
 from mission.link.fence_rules import FenceRules
+from mission.link.packing import Message
 from mission.link.plan_values import Partner, PlanItem, PlanKind
 from mission.link.services import (
     CIRCLE_TO_STAY_IN,
@@ -22,7 +23,6 @@ from mission.link.services import (
     CORNER_TO_STAY_IN,
     CORNER_TO_STAY_OUT_OF,
     GLOBAL_FRAME,
-    Message,
 )
 from mission.link.values import Body
 

@@ -38,6 +38,12 @@ class Frame(NamedTuple):
         return self.data[at : at + 2]
 
     @property
+    def payload(self) -> bytes:
+        """What its message is unpacked from, without the zeros that were cut off its end."""
+        begin = _V1_HEADER if self.data[0] == _V1 else _V2_HEADER
+        return self.data[begin : begin + self.data[1]]
+
+    @property
     def component_id(self) -> int:
         """Which component it says that it comes from."""
         return self.sender[1]

@@ -1,4 +1,6 @@
-"""MAVLink in and out as typed values: with ``framing`` and ``services``, all of the planner that knows the dialect.
+"""MAVLink in and out as typed values: all of the planner that knows the dialect, but for three rooms beside it.
+
+Those are ``framing``, ``packing`` and ``services``.
 
 Message definitions: https://mavlink.io/en/messages/common.html and ardupilotmega.html; the latter contains the former,
 so one dialect serves every vehicle. Frames go out as MAVLink 2, and are understood in either version.
@@ -13,8 +15,8 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from mission.link.frames import angles_of
 from mission.link.framing import Frame, split
+from mission.link.packing import Message, frame_of, message_of
 from mission.link.services import READERS as OF_SERVICES
-from mission.link.services import Message
 from mission.link.signing import Signatures
 from mission.link.values import (
     Acknowledgement,
@@ -172,7 +174,7 @@ def numbers_of(names: Iterable[str]) -> frozenset[int]:
     return frozenset(int(getattr(mavlink, f"MAVLINK_MSG_ID_{name}")) for name in names)
 
 
-_KNOWN: Final = numbers_of(_READERS)
+_READER_OF: Final = {number: reader for name, reader in _READERS.items() for number in numbers_of((name,))}
 
 
 STATES: Final = frozenset(
@@ -203,7 +205,6 @@ class Codec:
         self._mav = mavlink.MAVLink(None, srcSystem=system_id, srcComponent=component_id)
         if signatures is not None:
             self._mav.signing.secret_key, self._mav.signing.sign_outgoing = signatures.key, True
-        self._reader = mavlink.MAVLink(None)  # without the key: what it is given has been judged
 
     @property
     def refused(self) -> int:
@@ -222,14 +223,13 @@ class Codec:
         return [
             frame
             for frame in split(data)[0]
-            if frame.number in _KNOWN and (self._signatures is None or self._signatures.take(frame.data))
+            if frame.number in _READER_OF and (self._signatures is None or self._signatures.take(frame.data))
         ]
 
     def read(self, frame: Frame) -> Received:
         """The message in a frame of ``judged``."""
-        message = self._reader.decode(bytearray(frame.data))
-        body = _READERS[message.get_type()](message)
-        return Received(message.get_srcSystem(), message.get_srcComponent(), body)
+        system_id, component_id = frame.sender
+        return Received(system_id, component_id, _READER_OF[frame.number](message_of(frame)))
 
     def heartbeat(self) -> bytes:
         """The HEARTBEAT of a ground station."""
@@ -277,7 +277,7 @@ class Codec:
         """A frame of any message."""
         if self._signatures is not None:
             self._mav.signing.timestamp = self._signatures.stamp()
-        frame = bytes(message.pack(self._mav))
+        frame = frame_of(message, self._mav)
         self._mav.seq = (self._mav.seq + 1) & 0xFF
         return frame
 
@@ -287,8 +287,8 @@ def asked_last(datagram: bytes) -> Ping | None:
     frames, _ = split(datagram)
     if not frames or frames[-1].number != mavlink.MAVLINK_MSG_ID_PING:
         return None
-    message = mavlink.MAVLink(None).decode(bytearray(frames[-1].data))
-    if message.target_system != 0 or message.get_srcComponent() != AUTOPILOT_COMPONENT:
+    message = message_of(frames[-1])
+    if message.target_system != 0 or frames[-1].component_id != AUTOPILOT_COMPONENT:
         return None
     return Ping(message.time_usec, message.seq, message.target_system)
 

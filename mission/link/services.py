@@ -5,10 +5,11 @@ https://mavlink.io/en/services/mission.html and https://mavlink.io/en/services/p
 
 import struct
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Final
 
 from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
+from mission.link.packing import Message
 from mission.link.plan_values import (
     Partner,
     PlanAnswer,
@@ -19,9 +20,6 @@ from mission.link.plan_values import (
     PlanRequest,
 )
 from mission.link.values import Body, ParameterValue
-
-Message = Any
-"""A message of pymavlink, which ships no types."""
 
 ACCEPTED: Final = int(mavlink.MAV_MISSION_ACCEPTED)
 PASSING: Final = frozenset(
