@@ -53,4 +53,6 @@ class Lookout:
 
 
 def _closing(session: Session, watch: FlightWatch, now_s: float) -> str:
-    return "" if session.guidance is None else watch.closing(now_s, session.guidance.flown_s(now_s))
+    if session.guidance is None or not watch.plan.closings:
+        return ""
+    return watch.closing(now_s, session.guidance.flown_s(now_s))

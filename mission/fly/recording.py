@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Final, Protocol
 
 from mission.errors import reason
@@ -84,7 +83,7 @@ class Routine:
 
     def moved(self, event: Moved) -> Moved:
         """Write a report; returns it as it was written, which is what is to be judged."""
-        event = replace(event, t_s=round(event.t_s, _DIGITS), position_m=_rounded(event.position_m))
+        event = event._replace(t_s=round(event.t_s, _DIGITS), position_m=_rounded(event.position_m))
         if self._is_whole(event):
             self._whole = event
             self._record.write(

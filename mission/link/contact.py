@@ -397,4 +397,4 @@ class Contact:
         self.events.append(Answered(self.vehicle.clock.now_s(now_s), answer.command.name, result))
 
     def _note_texts(self, texts: list[Text], now_s: float) -> None:
-        self.events.extend(Said(self.vehicle.clock.now_s(now_s), *text) for text in texts)
+        self.events.extend([Said(self.vehicle.clock.now_s(now_s), *text) for text in texts])

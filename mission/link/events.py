@@ -1,6 +1,7 @@
 """What a session tells those who record and show the flight; vectors in the domain's frame (ENU, metres)."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from mission.link.course import Reference
 from mission.link.frames import Vector
@@ -68,8 +69,7 @@ class Anchored:
     origin_ned_m: Vector
 
 
-@dataclass(frozen=True, slots=True)
-class Moved:
+class Moved(NamedTuple):
     """The vehicle reported where it is; attitude is roll, pitch, yaw against NED, None before the first.
 
     ``planned_m`` is where it should have been then, ``planned_m_s`` how fast; ``trajectory_s`` is the time on the
@@ -85,8 +85,7 @@ class Moved:
     trajectory_s: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class SetpointSent:
+class SetpointSent(NamedTuple):
     """A setpoint was sent; ``trajectory_s`` as in ``Moved``; ``gap`` is the pause of the trajectory that it ended."""
 
     t_s: float

@@ -56,7 +56,7 @@ class ParameterReading:
 
     def due(self, now_s: float) -> list[str]:
         """The names to ask for now."""
-        if now_s - self._paced_s < _PACE_S:
+        if not self._wanted or now_s - self._paced_s < _PACE_S:
             return []
         self._wanted = [w for w in self._wanted if w.attempts < _ATTEMPTS or now_s - w.asked_s < _AGAIN_S]
         due: list[str] = []

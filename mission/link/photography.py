@@ -30,12 +30,13 @@ class Photography:
 
     Attributes:
         channel: What carries its commands, and no others.
+        stretches: What is photographed of the trajectory.
     """
 
     def __init__(self, channel: RequestChannel, stretches: tuple[Photographs, ...]) -> None:
         """Photograph these stretches; the trigger is taken to be off."""
         self.channel = channel
-        self._stretches = stretches
+        self.stretches = stretches
         self._stretch: Photographs | None = None
         self._due: Command | None = _RATE if stretches else None
         self._again_s = -math.inf
@@ -45,7 +46,7 @@ class Photography:
 
     def follow(self, stretches: tuple[Photographs, ...]) -> None:
         """Photograph these stretches from now on, of another trajectory."""
-        self._stretches = stretches
+        self.stretches = stretches
 
     @property
     def unfinished(self) -> bool:
@@ -97,7 +98,7 @@ class Photography:
     def _stretch_at(self, trajectory_s: float | None) -> Photographs | None:
         if trajectory_s is None:
             return None
-        return next((each for each in self._stretches if each.begin_s <= trajectory_s < each.end_s), None)
+        return next((each for each in self.stretches if each.begin_s <= trajectory_s < each.end_s), None)
 
 
 def _beginning(stretch: Photographs) -> Command:

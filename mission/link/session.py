@@ -148,8 +148,8 @@ class Session:
     def tend(self, now_s: float, *, over: bool = False) -> None:
         """Switch the camera as the trajectory asks, set the geofence, and put both back once the flight is over."""
         self.contact.tend_fence(now_s, over=over or self.stage is Stage.DONE)
-        vehicle_s = self.vehicle.clock.now_s(now_s)
-        flown_s = vehicle_s if self.stage is Stage.FLY else None
+        photographs = self.stage is Stage.FLY and self.contact.photography.stretches
+        flown_s = self.vehicle.clock.now_s(now_s) if photographs else None
         self.contact.switch_camera(None if flown_s is None else self.lead.photographed_s(flown_s), now_s)
 
     def depart(self, course: Course, tie: Anchoring | Anchor, photographs: tuple[Photographs, ...] = ()) -> None:

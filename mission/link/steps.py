@@ -5,7 +5,7 @@ An acknowledgement never ends a step; only telemetry does. Times in steps are th
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 from mission.link.fence_guard import FenceGuard
 from mission.link.messages import disarm
@@ -25,8 +25,7 @@ _FENCED_WITHIN_S: Final = 600.0
 """Vehicle time, which may be a simulator's that hurries: questions that are in vain end sooner, by the clock here."""
 
 
-@dataclass(frozen=True, slots=True)
-class Scene:
+class Scene(NamedTuple):
     """What a step is judged by.
 
     Attributes:

@@ -75,6 +75,8 @@ class TextAssembler:
 
     def overdue(self, now_s: float) -> list[Text]:
         """Texts whose missing pieces are not waited for any longer, with dots in their places."""
+        if not self._pending:
+            return []
         late = [group for group, pending in self._pending.items() if now_s - pending.since_s > _PATIENCE_S]
         return [self._pending.pop(group).text() for group in late]
 

@@ -5,7 +5,7 @@ Message definitions: https://mavlink.io/en/messages/common.html.
 
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
-from typing import Final
+from typing import Final, NamedTuple
 
 from mission.link.frames import Vector
 from mission.link.plan_values import PlanBody
@@ -335,8 +335,7 @@ Body = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Received:
+class Received(NamedTuple):
     """One message and who sent it."""
 
     system_id: int

@@ -259,6 +259,8 @@ class VehicleState:
             self.wind = body if math.isfinite(body.speed_m_s + body.from_deg) else None
 
     def _note(self, texts: list[Text], local_s: float) -> list[Text]:
+        if not texts:
+            return texts
         at_s = self.clock.now_s(local_s)
         self._heard.extend(Heard(-math.inf if at_s is None else at_s, text) for text in texts)
         return texts

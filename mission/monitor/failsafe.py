@@ -6,13 +6,12 @@ Beyond the certified tube nothing is proved, but the reported word still decides
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from mission.monitor.verdict import Verdict
 
 
-@dataclass(frozen=True)
-class Situation:
+class Situation(NamedTuple):
     """What is known of the vehicle at one moment.
 
     Attributes:

@@ -1,6 +1,5 @@
 """Reasons to give a flight up: a table of situations, and their order."""
 
-from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -32,14 +31,14 @@ CAUSES: tuple[tuple[dict[str, Any], str], ...] = (
 
 @pytest.mark.parametrize("change", [{}, {"verdict": Verdict.TRUE}, {"error_m": 9.0}])
 def test_nothing_grave_is_no_reason_to_stop(change: dict[str, Any]) -> None:
-    assert not reason_to_stop(replace(FINE, **change))
+    assert not reason_to_stop(FINE._replace(**change))
 
 
 @pytest.mark.parametrize(("change", "reason"), CAUSES)
 def test_each_cause_has_its_reason(change: dict[str, Any], reason: str) -> None:
-    assert reason in reason_to_stop(replace(FINE, **change))
+    assert reason in reason_to_stop(FINE._replace(**change))
 
 
 @pytest.mark.parametrize(("graver", "lesser"), list(combinations(CAUSES, 2)))
 def test_the_graver_cause_is_told(graver: tuple[dict[str, Any], str], lesser: tuple[dict[str, Any], str]) -> None:
-    assert graver[1] in reason_to_stop(replace(FINE, **lesser[0] | graver[0]))
+    assert graver[1] in reason_to_stop(FINE._replace(**lesser[0] | graver[0]))
