@@ -50,6 +50,7 @@ def law_of(plan: FlightPlan) -> FieldLaw:
         acceleration_m_s2=min(limits.acceleration_m_s2, lean_m_s2),
         braking_m_s2=_BRAKES_BY * min(limits.acceleration_m_s2, lean_m_s2),
         margin_m=margin_m(plan.spec.flight),
+        moving=plan.moving,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from mission.geometry.arrays import FloatArray
+from mission.geometry.arrays import FloatArray, IntArray
 from mission.link.arrival import Arrival
 from mission.link.course import Course, Reference
 from mission.link.errand import Order
@@ -52,7 +52,9 @@ class FieldGuidance:
         self._report: tuple[float, Vector, Vector] | None = None
         self._asked = course.reference(0.0)
         self._asked_s = -math.inf
-        self._walls: dict[tuple[int, bool], FloatArray] = {}
+        self._drift = np.zeros(2)
+        """How fast what stands moved where the vehicle was when the last setpoint was made, m/s."""
+        self._walls: dict[tuple[int, bool], IntArray] = {}
         self._whole_cost = math.inf
 
     @property
@@ -157,7 +159,7 @@ class FieldGuidance:
         ahead_s = max(vehicle_s - reported_s, 0.0) + self._arrival.delay_s
         position = np.array([x, y]) + ahead_s * velocity
         errand = self._orders.errand
-        stands = self.off_m <= _STANDS_M and math.hypot(vx, vy) <= _STANDS_M_S and not any(self._asked.velocity_m_s)
+        stands = self.off_m <= _STANDS_M and self._keeps_still(velocity)
         order = errand.order(where, vehicle_s, stands=stands)
         if order is None:
             return self._at_rest(self._asked.position_m[:2] if stands else (x, y))
@@ -169,15 +171,19 @@ class FieldGuidance:
         self, order: Order, where: Whereabouts, position: FloatArray, velocity: FloatArray, vehicle_s: float
     ) -> Reference:
         law = self._orders.law
+        frame = law.frame(vehicle_s + self._arrival.delay_s - self._begun_s)
         if order.enter is None:
-            point = law.stands_m[order.triangle]
+            point = law.stand_m(order.triangle, frame)
+            self._drift = law.drift(order.triangle, point, frame)
             if float(np.hypot(*(point - position))) <= _NEAR_M:
-                return self._at_rest((float(point[0]), float(point[1])))
-            wanted = law.standing(point, position)
+                return self._moving_with(point)
+            wanted = law.standing(point, position) + self._drift
         else:
             facet = int(np.flatnonzero(law.partition.neighbours[order.triangle] == order.enter)[0])
-            wanted = self._taken_up(law.leaving(order.triangle, facet, position), velocity, vehicle_s)
-        vx, vy = law.guarded(wanted, position, velocity, self._walls_of(where)).tolist()
+            self._drift = law.drift(order.triangle, position, frame)
+            wanted = self._taken_up(law.leaving(order.triangle, facet, position, frame), velocity, vehicle_s)
+        guarded = law.guarded(wanted, position, velocity, self._walls_of(where), frame=frame, drift_m_s=self._drift)
+        vx, vy = guarded.tolist()
         return Reference(
             (float(position[0]), float(position[1]), self.course.altitude_m), (vx, vy, 0.0), (0.0, 0.0, 0.0)
         )
@@ -191,7 +197,12 @@ class FieldGuidance:
         size = float(np.hypot(*change))
         return wanted if size <= most else np.asarray(before + change * most / size)
 
-    def _walls_of(self, where: Whereabouts) -> FloatArray:
+    def _keeps_still(self, velocity: FloatArray) -> bool:
+        """Whether the vehicle was to stand, and does, against what stands there."""
+        (vx, vy), (asked_x, asked_y, _) = velocity - self._drift, self._asked.velocity_m_s
+        return math.hypot(vx, vy) <= _STANDS_M_S and (asked_x, asked_y) == tuple(self._drift.tolist())
+
+    def _walls_of(self, where: Whereabouts) -> IntArray:
         key = (where.state, self._orders.errand.returning)
         if key not in self._walls:
             closed = self._orders.policy.closed(where.state, returning=self._orders.errand.returning)
@@ -199,4 +210,10 @@ class FieldGuidance:
         return self._walls[key]
 
     def _at_rest(self, place_m: tuple[float, ...]) -> Reference:
-        return Reference((place_m[0], place_m[1], self.course.altitude_m), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        self._drift = np.zeros(2)
+        return self._moving_with(np.array(place_m))
+
+    def _moving_with(self, point: FloatArray) -> Reference:
+        """To stand at a point that drifts as what stands there."""
+        (x, y), (east, north) = point.tolist(), self._drift.tolist()
+        return Reference((x, y, self.course.altitude_m), (east, north, 0.0), (0.0, 0.0, 0.0))
