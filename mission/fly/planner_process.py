@@ -6,8 +6,8 @@ amended; and the new plan. A thread here writes and reads, so that not even a fu
 the process, the flight is told that no plan comes.
 
 Before anything is asked for, what a flight might ask for is rehearsed: so all that is read or made once is there, and
-how long an answer takes is known, one for which nothing can be kept of the plan that is flown, and one for which ways
-are. Garbage is collected between answers, not while somebody waits for one.
+how long an answer takes for each of its goals is known, one for which nothing can be kept of the plan that is flown,
+and one for which ways are. Garbage is collected between answers, not while somebody waits for one.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ from typing import IO, Any, Final, TypeVar
 import numpy as np
 
 from mission.errors import MissionError, SpecError
-from mission.fly.replanner import PlanAnswer, PlanRequest, answered, may_keep
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered, goals_of, may_keep
 from mission.plan import FlightPlan, plan_from_json, plan_to_json
 from mission.plan.rest import Rest
 from mission.plan.stages import foresee
@@ -54,28 +54,25 @@ class PlannerProcess:
     """Plans beside the loop; the process is started by ``prepare``.
 
     Attributes:
+        takes_s: How long an answer took, on the clock here, for which nothing could be kept.
         trouble: Why no answer will come any more, in plain words; empty while one may.
     """
 
     def __init__(self) -> None:
         """Start nothing yet."""
-        self._took_s, self.trouble = {True: _TAKES_S, False: _TAKES_S}, ""  # by whether ways may be kept
+        self.takes_s, self.trouble = _TAKES_S, ""
+        self._goal_s = {True: _TAKES_S, False: _TAKES_S}  # by whether ways may be kept
         self._requests: queue.SimpleQueue[PlanRequest | FlightPlan | bytes | None] = queue.SimpleQueue()
         self._answers: queue.SimpleQueue[PlanAnswer] = queue.SimpleQueue()
-        self._foreseen_s, self._prepared = -math.inf, threading.Event()
+        self._foreseen_s = -math.inf
+        self._foresights = self._awaited = self._prepared = 0
         self._thread: threading.Thread | None = None
         self._process: Popen[bytes] | None = None
         self._workers = ThreadPoolExecutor(max_workers=1)
 
-    @property
-    def takes_s(self) -> float:
-        """How long an answer took, on the clock here, for which nothing could be kept."""
-        return self._took_s[False]
-
-    @property
-    def takes_kept_s(self) -> float:
-        """The same where ways could be."""
-        return self._took_s[True]
+    def takes_about_s(self, goals: int, *, kept: bool) -> float:
+        """How long an answer takes, by how long others took for each of their goals, and as if one had more."""
+        return (1 + goals) * self._goal_s[kept]
 
     def prepare(self, plan: FlightPlan) -> None:
         """Start the process, and let it become acquainted with a plan."""
@@ -83,20 +80,23 @@ class PlannerProcess:
             self._thread = threading.Thread(target=self._serve, daemon=True)
             self._thread.start()
         self._requests.put(plan)
-        self._requests.put(_mission_text(plan.spec)[0].encode())  # its map, to which a change may lead back
+        self._prepare_for(_mission_text(plan.spec)[0].encode())  # its map, to which a change may lead back
 
     def foresee(self, mission: bytes) -> None:
         """Let the process prepare for a mission file: what does not depend on where it is begun is there then."""
         if self._thread is not None:
-            self._prepared.clear()
-            self._foreseen_s = time.monotonic()
-            self._requests.put(mission)
+            self._prepare_for(mission)
+            self._foreseen_s, self._awaited = time.monotonic(), self._foresights
+
+    def _prepare_for(self, mission: bytes) -> None:
+        self._foresights += 1
+        self._requests.put(mission)
 
     @property
     def ready(self) -> bool:
         """Whether that is done, or nobody should wait for it any longer."""
         late = time.monotonic() - self._foreseen_s > _PREPARES_WITHIN_S
-        return late or self._prepared.is_set() or bool(self.trouble)
+        return late or self._prepared >= self._awaited or bool(self.trouble)
 
     def ask(self, request: PlanRequest) -> None:
         """Begin to plan."""
@@ -146,7 +146,7 @@ class PlannerProcess:
             if isinstance(request, bytes):
                 _send(to_it, json.dumps({"foreseen": request.decode()}))
                 _received(from_it)
-                self._prepared.set()
+                self._prepared += 1
                 continue
             asked = [request] if isinstance(request, PlanRequest) else _rehearsed(request)
             for each in asked:
@@ -158,12 +158,16 @@ class PlannerProcess:
                 answer = json.loads(_received(from_it))
                 made = plan_from_json(answer["plan"]) if answer["plan"] else None
                 took_s = time.monotonic() - began_s
+                goal_s = took_s / (1 + goals_of(each.plan, each.rest.word, each.amended, returns=each.returns))
                 if each is request:
                     self._answers.put(
                         PlanAnswer(each.number, made, answer["plan"], answer["refusal"], stopped=answer["stopped"])
                     )
-                    took_s = max(took_s, _FORGETS * self._took_s[kept])
-                self._took_s[kept] = took_s
+                    took_s = max(took_s, _FORGETS * self.takes_s)
+                    goal_s = max(goal_s, _FORGETS * self._goal_s[kept])
+                self._goal_s[kept] = goal_s
+                if not kept:
+                    self.takes_s = took_s
 
 
 def _rehearsed(plan: FlightPlan) -> list[PlanRequest]:
@@ -175,7 +179,8 @@ def _rehearsed(plan: FlightPlan) -> list[PlanRequest]:
     at_s = 0.5 * float(leg.law.knots_t_s[np.flatnonzero(leg.law.rates == 0.0)[1:2]].sum())
     place, velocity, acceleration = (tuple(each[0].tolist()) for each in plan.trajectory.state(at_s))
     flight = replace(plan.spec.flight, speed_m_s=_SLOWER * plan.spec.flight.speed_m_s)
-    onward = PlanRequest(0, plan, Rest((), place, velocity, acceleration, flown_s=at_s))
+    # After a letter, what is left is written as it will be later.
+    onward = PlanRequest(0, plan, Rest(plan.certificate.word[:1], place, velocity, acceleration, flown_s=at_s))
     slowly = replace(onward, amended=replace(plan.spec, flight=flight))
     return [slowly, slowly, onward]
 

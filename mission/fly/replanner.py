@@ -1,20 +1,29 @@
 """Who plans in flight, beside the loop: what is asked, what is answered, and a planner for flights in lock-step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, Protocol, TypeVar
 
 import numpy as np
 
-from mission.errors import MissionError
+from mission.errors import AutomatonSizeError, MissionError
+from mission.fly.cause import Cause
+from mission.logic.formula.operators import Operator
+from mission.logic.formula.progression import left_of
+from mission.logic.formula.syntax import postorder
+from mission.logic.formula.word import Letter
 from mission.plan import FlightPlan, plan_to_json
 from mission.plan.kept import flown_alike
 from mission.plan.rest import Rest, plan_rest, plan_return
+from mission.spec.amendment import asks_the_same
 from mission.spec.model import MissionSpec
+from mission.spec.specification import of_mission
 
 _TAKES_S: Final = 0.1
 _MORE: Final = 1.15
+_WANTED: Final = frozenset({Operator.EVENTUALLY, Operator.UNTIL})
 _SAME: Final = 1e-3
 """m, m/s and m/s^2: rounding, and what a sampled curve leaves."""
 
@@ -69,9 +78,8 @@ class Replanner(Protocol):
         """How long an answer takes about, on the clock here, where nothing of the plan that is flown may be kept."""
         ...
 
-    @property
-    def takes_kept_s(self) -> float:
-        """The same where ways of it may be."""
+    def takes_about_s(self, goals: int, *, kept: bool) -> float:
+        """How long it takes where so much is left to be done (``goals_of``), and ways may be kept or not."""
         ...
 
     @property
@@ -116,9 +124,9 @@ class SynchronousReplanner:
         self._now_s = now_s
         self._answer: tuple[float, PlanAnswer] | None = None
 
-    @property
-    def takes_kept_s(self) -> float:
+    def takes_about_s(self, goals: int, *, kept: bool) -> float:
         """As long as any."""
+        del goals, kept
         return self.takes_s
 
     def prepare(self, plan: FlightPlan) -> None:
@@ -158,9 +166,25 @@ def may_keep(flown: MissionSpec, amended: MissionSpec | None) -> bool:
     return amended is None or flown_alike(flown, amended)
 
 
-def expected_s(replanner: Replanner, flown: MissionSpec, amended: MissionSpec | None) -> float:
-    """How long the answer takes at most, on the clock here, to what is asked for while a mission is flown."""
-    return _MORE * (replanner.takes_kept_s if may_keep(flown, amended) else replanner.takes_s)
+def goals_of(
+    plan: FlightPlan, word: Sequence[Letter], amended: MissionSpec | None = None, *, returns: bool = False
+) -> int:
+    """How much is left to be done after a word, or of what is asked for instead: what the formula wants some time."""
+    if returns:
+        return 1
+    formula = plan.required.formula
+    if amended is not None and not asks_the_same(amended, plan.spec):
+        formula = of_mission(amended, ()).formula
+    else:
+        with suppress(AutomatonSizeError):
+            formula = left_of(formula, word)
+    return sum(node.operator in _WANTED for node in postorder(formula))
+
+
+def expected_s(replanner: Replanner, plan: FlightPlan, word: Sequence[Letter], cause: Cause) -> float:
+    """How long the answer takes at most, on the clock here, to what is asked for after a word of a plan's flight."""
+    goals = goals_of(plan, word, cause.amended, returns=cause.returns)
+    return _MORE * replanner.takes_about_s(goals, kept=may_keep(plan.spec, cause.amended))
 
 
 def answered(request: PlanRequest) -> PlanAnswer:

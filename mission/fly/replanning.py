@@ -184,7 +184,8 @@ class Replanning:
         watch, session = self._watch, self._session
         # What is flown then may have been asked for in this very turn.
         coming_s = vehicle_s + _SOONEST_S
-        takes_s = max(session.vehicle.clock.rate, 1.0) * expected_s(self.replanner, watch.plan.spec, cause.amended)
+        expects_s = expected_s(self.replanner, watch.plan, watch.monitor.word, cause)
+        takes_s = max(session.vehicle.clock.rate, 1.0) * expects_s
         at_s = vehicle_s + max(takes_s, self._late_s) + _AHEAD_S
         coming, outside = guidance.course_at(coming_s), watch.tracking.excess_s > 0.0
         if outside and not coming.waits:

@@ -10,7 +10,7 @@ from threading import Event
 import pytest
 
 from mission.fly.planner_process import PlannerProcess
-from mission.fly.replanner import PlanAnswer, PlanRequest, answered, may_keep
+from mission.fly.replanner import PlanAnswer, PlanRequest, answered, goals_of, may_keep
 from mission.plan.rest import Rest
 from tests.support.small_missions import SMALL, plan_of
 
@@ -47,12 +47,17 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
     planner = PlannerProcess()
     try:
         planner.prepare(plan)
-        for foreseen in (SMALL, "no mission: ["):
-            planner.foresee(foreseen.encode())
+        for foreseen in ((SMALL,), ("no mission: [",), (SMALL, SMALL)):
+            for mission in foreseen:
+                planner.foresee(mission.encode())
             assert not planner.ready
             wait_until(lambda: planner.ready)
         told, refusal, stopped = (asked_of(planner, each) for each in (request, refused, too_fast))
-        assert planner.takes_s != planner.takes_kept_s  # as they were rehearsed
+        few, more, kept_more = (
+            planner.takes_about_s(goals, kept=kept) for goals, kept in ((1, False), (3, False), (3, True))
+        )
+        assert more == pytest.approx(2.0 * few)
+        assert more != kept_more  # as they were rehearsed
         assert told.number == request.number
         assert told.text == answered(request).text
         assert not told.stopped
@@ -75,6 +80,15 @@ def test_nothing_is_kept_of_what_is_flown_otherwise() -> None:
     assert may_keep(spec, None)
     assert may_keep(spec, replace(spec, formula="F goal", flight=replace(spec.flight, laps=2)))
     assert not may_keep(spec, replace(spec, flight=replace(spec.flight, speed_m_s=1.0)))
+
+
+def test_what_is_left_has_fewer_goals() -> None:
+    plan = plan_of(SMALL)
+    home, none, goal = frozenset({"home"}), frozenset[str](), frozenset({"goal"})
+    assert [goals_of(plan, word) for word in ((), (home, none), (home, none, goal))] == [2, 2, 1]
+    assert goals_of(plan, (), returns=True) == 1
+    assert goals_of(plan, (), replace(plan.spec, formula="F goal & F home & F (goal & F home)")) == 3
+    assert goals_of(plan, (home, none, goal), replace(plan.spec, description="another")) == 1
 
 
 @pytest.mark.parametrize("place", [(9.0, 25.0)])
