@@ -150,28 +150,29 @@ class PlannerProcess:
                 continue
             asked = [request] if isinstance(request, PlanRequest) else _rehearsed(request)
             for each in asked:
-                kept = may_keep(each.plan.spec, each.amended)
                 began_s = time.monotonic()
                 its_own = each.plan is made
                 _send(to_it, _written(each, sends=each.plan is not known and not its_own, its_own=its_own))
                 known = each.plan
+                goals = goals_of(each.plan, each.rest.word, each.amended, returns=each.returns)
                 answer = json.loads(_received(from_it))
                 made = plan_from_json(answer["plan"]) if answer["plan"] else None
-                took_s = time.monotonic() - began_s
-                goal_s = took_s / (1 + goals_of(each.plan, each.rest.word, each.amended, returns=each.returns))
-                if each is request:
+                self._learn(each, goals, time.monotonic() - began_s, least=_FORGETS if each is request else 0.0)
+                if each is request:  # whoever finds that it comes too late asks at once for another
                     self._answers.put(
                         PlanAnswer(each.number, made, answer["plan"], answer["refusal"], stopped=answer["stopped"])
                     )
-                    took_s = max(took_s, _FORGETS * self.takes_s)
-                    goal_s = max(goal_s, _FORGETS * self._goal_s[kept])
-                self._goal_s[kept] = goal_s
-                if not kept:
-                    self.takes_s = took_s
+
+    def _learn(self, asked: PlanRequest, goals: int, took_s: float, *, least: float) -> None:
+        """Expect answers as late as this one, and no sooner than by a part of what was expected."""
+        kept = may_keep(asked.plan.spec, asked.amended)
+        self._goal_s[kept] = max(took_s / (1 + goals), least * self._goal_s[kept])
+        if not kept:
+            self.takes_s = max(took_s, least * self.takes_s)
 
 
 def _rehearsed(plan: FlightPlan) -> list[PlanRequest]:
-    """What a flight might ask for half way to the first of its rests, or laps: to fly on, or a little more slowly.
+    """What a flight might ask for half way to the first of its rests, or laps: to fly more slowly, or by another map.
 
     The first answer of all is late, and tells nothing of how long others take.
     """
@@ -179,10 +180,11 @@ def _rehearsed(plan: FlightPlan) -> list[PlanRequest]:
     at_s = 0.5 * float(leg.law.knots_t_s[np.flatnonzero(leg.law.rates == 0.0)[1:2]].sum())
     place, velocity, acceleration = (tuple(each[0].tolist()) for each in plan.trajectory.state(at_s))
     flight = replace(plan.spec.flight, speed_m_s=_SLOWER * plan.spec.flight.speed_m_s)
-    # After a letter, what is left is written as it will be later.
-    onward = PlanRequest(0, plan, Rest(plan.certificate.word[:1], place, velocity, acceleration, flown_s=at_s))
-    slowly = replace(onward, amended=replace(plan.spec, flight=flight))
-    return [slowly, slowly, onward]
+    # After a letter, what is left is written as it will be later; in another order the same regions are another map.
+    onward = Rest(plan.certificate.word[:1], place, velocity, acceleration, flown_s=at_s)
+    slowly = PlanRequest(0, plan, onward, amended=replace(plan.spec, flight=flight))
+    elsewhere = replace(slowly, amended=replace(plan.spec, regions=plan.spec.regions[::-1]))
+    return [slowly, slowly, elsewhere]
 
 
 def _written(asked: PlanRequest, *, sends: bool, its_own: bool) -> str:
