@@ -12,6 +12,7 @@ from mission.report.figures.automaton import automaton
 from mission.report.figures.canvas import WRITERS
 from mission.report.figures.coverage import coverage
 from mission.report.figures.histories import control_signals, time_histories, tracked_states
+from mission.report.figures.moments import flown_moments, planned_moments, true_moments
 from mission.report.figures.partition import annotated_partition
 from mission.report.figures.paths import flown_path, planned_path, smoothed_path
 from mission.report.figures.quotient import quotient
@@ -67,7 +68,25 @@ class _OfCoverage:
     draw: Callable[[FlightPlan, Record | None], Figure]
 
 
-PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
+@dataclass(frozen=True)
+class _OfMotion:
+    """Drawn where something moves."""
+
+    picture: Picture
+    draw: Callable[[FlightPlan], Figure]
+
+
+@dataclass(frozen=True)
+class _OfFlightAndMotion:
+    """Drawn of a flight where something moves."""
+
+    picture: Picture
+    draw: Callable[[FlightPlan, Record], Figure]
+
+
+_Entry = _OfPlan | _OfFlight | _OfCoverage | _OfMotion | _OfFlightAndMotion
+
+PICTURES: tuple[_Entry, ...] = (
     _OfPlan(
         Picture(
             "02_partition.png",
@@ -162,6 +181,24 @@ PICTURES: tuple[_OfPlan | _OfFlight | _OfCoverage, ...] = (
         ),
         coverage,
     ),
+    _OfMotion(
+        Picture(
+            "12_moments.png",
+            "The flight at several moments",
+            "Where triangles and regions are at several moments of the motion and of the flight, by the clock of the "
+            "trajectory; what is flown by then is strong, what is still to come is thin.",
+        ),
+        planned_moments,
+    ),
+    _OfFlightAndMotion(
+        Picture(
+            "13_flown_moments.png",
+            "What was flown, at several moments",
+            "Where triangles and regions were at several moments of the motion and of the flight, and where the "
+            "vehicle had reported to be by then; what it reported later is thin.",
+        ),
+        flown_moments,
+    ),
 )
 
 
@@ -184,10 +221,16 @@ def save_all(
     for entry in PICTURES:
         if isinstance(entry, _OfPlan):
             figure = entry.draw(plan)
+        elif isinstance(entry, _OfMotion):
+            if plan.moving is None:
+                continue
+            figure = entry.draw(plan)
         elif isinstance(entry, _OfCoverage):
             if not plan.covers:
                 continue
             figure = entry.draw(plan, record)
+        elif isinstance(entry, _OfFlightAndMotion) and plan.moving is None:
+            continue
         elif record is not None:
             figure = entry.draw(plan, record)
         else:
@@ -209,11 +252,14 @@ def save_simulated(
 ) -> tuple[Path, ...]:
     """Draw Figures 8 to 10 of a simulated flight into a folder, in each of these formats; return what was drawn.
 
+    Where something moves, also where it is at several moments.
+
     Raises:
         OSError: The folder cannot be written to.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    files = [_write(draw(plan, simulation), folder / name, formats) for name, draw in _SIMULATED.items()]
+    drawn = _SIMULATED if plan.moving is None else {**_SIMULATED, "11_true_moments.png": true_moments}
+    files = [_write(draw(plan, simulation), folder / name, formats) for name, draw in drawn.items()]
     return tuple(file for written in files for file in written)
 
 

@@ -34,6 +34,7 @@ from mission.report.figures.canvas import (
 )
 from mission.report.figures.filtering import round_number
 from mission.report.figures.fitting import Placed
+from mission.report.moving import drifting, partition_at, shape_at
 from mission.report.palette import (
     BLACK,
     FILL_ALPHA,
@@ -46,7 +47,7 @@ from mission.report.palette import (
     WHITE,
 )
 from mission.spec.areas import Ground, boundary_ground, region_ground
-from mission.spec.model import BoundaryDomain, RegionKind
+from mission.spec.model import BoundaryDomain, Region, RegionKind
 from mission.spec.windows import window_text
 
 WIDTH_PT = 620.0
@@ -57,6 +58,11 @@ LEGEND_ROW_PT = 17.0
 PAD_PT = 14.0
 SCALE_STRIP_PT = 26.0
 MOST_TRIANGLES_DRAWN_STRONG = 150
+_FADING = (0.75, 0.5, 0.3)
+_LATER = len(_FADING)
+_OF_THE_WAY = 25
+_SHORT_WAY_PT = 8.0
+_NARROW_EM = 8.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,17 +74,20 @@ class Chart:
         kinds: What each region is for, by name, in the order of the mission file.
         fence: Where the vehicle may fly; None where the mesh alone says that.
         grounds: The areas of regions that have one, by name.
+        time_s: The time on the clock of the trajectory of which it is the map; None for that of the whole flight, where
+            what moves is drawn where it begins, and its later places are outlined.
     """
 
     plan: FlightPlan
     kinds: dict[str, RegionKind]
     fence: Ground | None = None
     grounds: dict[str, Ground] = field(default_factory=dict)
+    time_s: float | None = None
 
-    @property
+    @cached_property
     def partition(self) -> Partition:
         """The mesh."""
-        return self.plan.partition
+        return partition_at(self.plan, self.time_s or 0.0)
 
     @property
     def labelling(self) -> Labelling:
@@ -94,31 +103,33 @@ class Chart:
 
     @cached_property
     def titles(self) -> dict[str, str]:
-        """The name of each region, and when it is there if that is for a time only."""
-        texts = {region.name: window_text(region) for region in self.plan.spec.regions}
-        return {name: f"{name} ({text})" if text else name for name, text in texts.items()}
+        """The name of each region, and when it is there if that is for a time only, or how it moves."""
+        return {region.name: _title(region) for region in self.plan.spec.regions}
 
     @cached_property
     def shapes(self) -> dict[str, BaseGeometry]:
         """Each region as it is drawn, but for what lies outside of the domain."""
-        shapes = {
-            name: polygonal(shapely.intersection(self.grounds[name].drawn, self.land))
-            if name in self.grounds
-            else union_of(self.partition, self.labelling.triangles_of(name))
-            for name in self.kinds
-        }
+        shapes = {name: self.shape_at(name, self.time_s or 0.0) for name in self.kinds}
         return {name: shape for name, shape in shapes.items() if shape.area > 0.0}
+
+    def shape_at(self, name: str, time_s: float) -> BaseGeometry:
+        """A region as it is drawn at a time."""
+        if name not in self.grounds:
+            return union_of(partition_at(self.plan, time_s), self.labelling.triangles_of(name))
+        drawn = shape_at(self.plan, name, self.grounds[name].drawn, time_s)
+        return polygonal(shapely.intersection(drawn, self.land))
 
     @cached_property
     def margins(self) -> list[tuple[str, BaseGeometry, BaseGeometry]]:
         """Colour of each clearance, the ground between the outline and where it ends, and the line where it ends."""
-        of_regions = [(KIND_COLOUR[self.kinds[name]], ground) for name, ground in self.grounds.items()]
-        bounds = [] if self.fence is None else [(BLACK, self.fence)]
+        of_regions = [(name, KIND_COLOUR[self.kinds[name]], ground) for name, ground in self.grounds.items()]
+        bounds = [] if self.fence is None else [("", BLACK, self.fence)]
         found = []
-        for colour, ground in (*bounds, *of_regions):
-            more = polygonal(shapely.intersection(shapely.symmetric_difference(ground.drawn, ground.kept), self.land))
+        for name, colour, ground in (*bounds, *of_regions):
+            drawn, kept = (shape_at(self.plan, name, each, self.time_s or 0.0) for each in (ground.drawn, ground.kept))
+            more = polygonal(shapely.intersection(shapely.symmetric_difference(drawn, kept), self.land))
             if ground.clearance_m > 0.0 and not more.is_empty:
-                found.append((colour, more, shapely.intersection(ground.kept.boundary, self.land)))
+                found.append((colour, more, shapely.intersection(kept.boundary, self.land)))
         return found
 
     @cached_property
@@ -162,7 +173,7 @@ class Chart:
         To the right of it ``beside_pt`` points are left empty.
         """
         west, south, east, north = self.limits_m
-        handles = self._kind_handles() + legend
+        handles = self.kind_handles() + legend
         map_width, map_height = (east - west) / self.em_m, (north - south) / self.em_m
         width = LEFT_PT + map_width + RIGHT_PT + beside_pt
         rows = _rows(handles, width - 20)
@@ -233,8 +244,32 @@ class Chart:
                     lines, colors=colour, linewidths=1.0, linestyles=[MARGIN_DASHES], zorder=1.55, gid="margin"
                 )
             )
+        for name in self._later:
+            self._draw_later(axes, name)
 
-    def _kind_handles(self) -> list[Artist]:
+    @property
+    def _later(self) -> list[str]:
+        """The regions whose later places are outlined."""
+        return [name for name in drifting(self.plan) if name in self.shapes] if self.time_s is None else []
+
+    def _draw_later(self, axes: Axes, name: str) -> None:
+        """Where a region is later, ever fainter, and the way that it goes."""
+        begin_s, end_s = drifting(self.plan)[name]
+        colour, times = KIND_COLOUR[self.kinds[name]], np.linspace(begin_s, end_s, _LATER + 1)
+        for time_s, alpha in zip(times[1:].tolist(), _FADING, strict=True):
+            rim = outline_of(self.shape_at(name, time_s))
+            axes.add_patch(
+                PathPatch(rim, facecolor="none", edgecolor=colour, alpha=alpha, linewidth=1.3, zorder=1.5, gid="later")
+            )
+        finely = np.linspace(begin_s, end_s, _OF_THE_WAY)
+        way = np.array([shapely.get_coordinates(self.shape_at(name, t).centroid)[0] for t in finely.tolist()])
+        if shapely.LineString(way).length > _SHORT_WAY_PT * self.em_m:
+            axes.plot(*way.T, color=colour, lw=1.2, zorder=1.7, gid="way")
+            arrow = {"arrowstyle": "-|>,head_length=0.6,head_width=0.25", "color": colour, "lw": 1.2, "shrinkA": 0.0}
+            axes.annotate("", xy=way[-1], xytext=way[-2], arrowprops={**arrow, "shrinkB": 0.0}, zorder=1.7)
+
+    def kind_handles(self) -> list[Artist]:
+        """The entries of a legend for what a map has of the mission."""
         present = [kind for kind in RegionKind if any(self.kinds[name] is kind for name in self.shapes)]
         handles: list[Artist] = [
             Patch(
@@ -245,6 +280,9 @@ class Chart:
             )
             for kind in present
         ]
+        if self._later:
+            label = "later places, ever fainter"
+            handles.append(Line2D([], [], color=QUIET, lw=1.3, alpha=_FADING[0], label=label))
         if self.margins:
             face = (BLACK, MARGIN_ALPHA)
             handles.append(Patch(facecolor=face, edgecolor=BLACK, linestyle=MARGIN_DASHES, label="clearance"))
@@ -270,8 +308,8 @@ class Chart:
         axes.text(x + length + 6 * self.em_m, y, f"{length:g} m", fontsize=9.5, va="center", gid="scale")
 
 
-def chart_of(plan: FlightPlan) -> Chart:
-    """The chart of a plan's domain."""
+def chart_of(plan: FlightPlan, time_s: float | None = None) -> Chart:
+    """The chart of a plan's domain, at a time where that is given."""
     domain, regions = plan.spec.domain, plan.spec.regions
     grounds = {region.name: region_ground(region, domain) for region in regions}
     return Chart(
@@ -279,6 +317,7 @@ def chart_of(plan: FlightPlan) -> Chart:
         {region.name: region.kind for region in regions},
         boundary_ground(domain) if isinstance(domain, BoundaryDomain) else None,
         {name: ground for name, ground in grounds.items() if ground is not None},
+        time_s,
     )
 
 
@@ -332,6 +371,13 @@ def _rows(handles: list[Artist], width_pt: float) -> list[list[Artist]]:
         rows[-1].append(handle)
         used += own
     return rows
+
+
+def _title(region: Region) -> str:
+    if region.motion is not None:
+        return f"{region.name}\n{in_width(region.motion.text, _NARROW_EM)}"
+    text = window_text(region)
+    return f"{region.name} ({text})" if text else region.name
 
 
 def outline_of(shape: BaseGeometry) -> Path:

@@ -151,7 +151,7 @@ def reported(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Mapping[st
 def test_the_same_plan_and_flight_give_the_same_bytes(reported: tuple[Path, Mapping[str, Any]], tmp_path: Path) -> None:
     folder, _ = reported
     drawn = save_all(plan_of(PAPER_TOUR), record_of(plan_of(PAPER_TOUR)), tmp_path)
-    covering = {"11_coverage.png"}
+    covering = {"11_coverage.png", "12_moments.png", "13_flown_moments.png"}
     assert {entry.picture.file for entry in PICTURES} - {picture.file for picture in drawn} == covering
     assert len(drawn) == 9
     for picture in drawn:
