@@ -19,6 +19,7 @@ from mission.logic.automata.automaton import compile_to_alphabet
 from mission.logic.formula.operators import Operator
 from mission.logic.formula.syntax import postorder
 from mission.plan.best_runs import best_runs, objective_of
+from mission.plan.carried import carried_path, is_carried
 from mission.plan.flight_plan import FlightPlan, prover_of
 from mission.plan.heading import looked_toward
 from mission.plan.pace import trajectory_of
@@ -28,7 +29,7 @@ from mission.plan.slow_parts import slow_parts
 from mission.plan.still_life import Guess, MovingMap, Span, asserted
 from mission.plan.time_bounds import followed
 from mission.spec.domain import build_domain, restricted_triangles
-from mission.spec.model import CORRIDOR, FIELD, MissionSpec, RegionKind
+from mission.spec.model import CORRIDOR, MissionSpec, RegionKind
 from mission.spec.moving import moving_of
 from mission.spec.specification import of_mission
 from mission.steering.touched import MovingTouched
@@ -64,12 +65,14 @@ def planned_in_motion(spec: MissionSpec, planned: Planned) -> FlightPlan:
     moving = moving_of(spec, partition, labelling)
     if moving is None:
         raise ValueError("nothing moves")
-    if spec.flight.guidance == FIELD or spec.flight.replan:
-        key = "guidance: field" if spec.flight.guidance == FIELD else "replan: true"
-        raise NoPlanError(f"a flight with `{key}` {_STANDS_STILL} leave that out")
+    if spec.flight.replan:
+        raise NoPlanError(f"a flight with `replan: true` {_STANDS_STILL} leave that out")
     if spec.smoothing != CORRIDOR:
         raise NoPlanError(f"the path of the fields {_STANDS_STILL} write `smoothing: {CORRIDOR}`")
-    return _Seeker(MovingMap(spec, moving, labelling), partition, planned).plan()
+    plan = _Seeker(MovingMap(spec, moving, labelling), partition, planned).plan()
+    if is_carried(plan):
+        carried_path(plan)  # raises where a triangle of it moves too fast
+    return plan
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,40 @@
+"""Plans of flights by the field on maps that move: their run, its path in space, and what moves too fast."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mission.errors import NoPlanError
+from mission.plan import FlightPlan, plan_mission
+from mission.plan.carried import carried_path
+from mission.plan.policy import policy_of
+from mission.spec.model import FIELD, MissionSpec
+from tests.support.drifting_missions import drifting
+
+
+def by_field(spec: MissionSpec, limit_m_s: float = 8.0) -> FlightPlan:
+    flight, limits = replace(spec.flight, guidance=FIELD), replace(spec.limits, speed_m_s=limit_m_s)
+    return plan_mission(replace(spec, flight=flight, limits=limits))
+
+
+def test_the_path_of_its_fields_goes_through_the_triangles_of_its_run() -> None:
+    plan = by_field(drifting("F (S1 & F G home) & G !K", "{velocity_m_s: [0, -0.3], until_s: 20}"))
+    assert plan.certificate.holds
+    path = carried_path(plan)
+    times = np.linspace(0.0, path.duration_s, 4001)
+    position, velocity, _ = path.state(times)
+    passed = plan.locator.triangle_at(path.moving.pulled_back(times, position))
+    passed = passed[np.flatnonzero(np.append(True, np.diff(passed)))]
+    left = iter(plan.run.states)  # one that is passed within a step is not seen
+    assert all(triangle in left for triangle in passed.tolist())
+    assert len(passed) > 0.8 * len(plan.run.states)
+    assert np.linalg.norm(velocity, axis=1).max() <= 8.0
+    assert policy_of(plan).possible[:, ~plan.restricted].any(axis=0).all()
+
+
+def test_what_moves_faster_than_the_vehicle_may_fly_is_refused() -> None:
+    moves = "{velocity_m_s: [0, 4.3], from_s: 18, until_s: 28}"
+    told = r"triangle \d+, .* too fast: from 18.0 s on its corner that is \(64, 12\) m .* at 4.3 m/s, and .* is 4.2$"
+    with pytest.raises(NoPlanError, match=told):
+        by_field(drifting("F (K & F G home)", moves, "survey"), limit_m_s=4.2)
