@@ -47,11 +47,12 @@ RULES: Final[Mapping[Fault, Mapping[Flavour, Rule]]] = {
             Rule(LANDS, LANDS, COMPLETES, astray=True),
         ),
         (Fault.GPS_LOST_BRIEFLY, FINE, FINE),
-        # PX4 stops landing once its estimator has gone over to where the receiver says that it is.
+        # PX4 stops landing once its estimator has gone over to where the receiver says that it is. Where it was about
+        # to lift off, it is disarmed before.
         (
             Fault.ESTIMATOR,
             Rule(LANDS, LANDS, COMPLETES, astray=True),
-            Rule(HOLDS, HOLDS, COMPLETES, astray=True),
+            Rule(LANDS, HOLDS, COMPLETES, astray=True),
         ),
         (Fault.MOTOR, FINE, FINE),
         (Fault.BATTERY, Rule(STAYS, LANDS, COMPLETES), Rule(STAYS, LANDS, COMPLETES)),
