@@ -29,11 +29,12 @@ def autopilot_plan(placed: PlacedPlan, firmware: str) -> AutopilotPlan:
     """Everything that an autopilot needs to fly a plan by itself; ``firmware`` is a key of ``FIRMWARE``.
 
     Raises:
-        SpecError: The plan keeps bounds in seconds: an autopilot that flies waypoints keeps no time law.
+        SpecError: The plan keeps bounds in seconds, or regions move, and whoever flies waypoints keeps no time law.
     """
     plan = placed.plan
-    if plan.required.timed:
-        message = f"{plan.required.timed[0]} is proved of the trajectory, and who flies waypoints keeps no time law"
+    if plan.required.timed or plan.spec.moves:
+        what = f"{plan.required.timed[0]} is" if plan.required.timed else "what it meets of regions that move is"
+        message = f"{what} proved of the trajectory, and who flies waypoints keeps no time law"
         hint = "fly it with `mission fly`, or export .kml, .geojson or .gpx to look at"
         raise SpecError((Fault(0, 0, "mission", message, hint),), plan.spec.name)
     return AutopilotPlan(

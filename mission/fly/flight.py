@@ -319,10 +319,12 @@ class Flight:
         self.session.stop(reason, self.clock.now_s(), lands=True)
 
     def stop(self, reason: str) -> None:
-        """Give the flight up, once."""
+        """Give the flight up, once; the vehicle does not hold where what must not be entered will come."""
         if not self._given_up and self.session.ending is None:
+            coming = self.watch.coming(self.newest_s)
+            reason = joined(reason, coming and f"{coming}: it lands")
             self.record.write("event", self.newest_s, name="stop", reason=reason)
-            self.session.stop(reason, self.clock.now_s())
+            self.session.stop(reason, self.clock.now_s(), lands=bool(coming))
 
     def result(self) -> FlightResult:
         """The verdict on the flight, written down.
@@ -366,6 +368,9 @@ class Flight:
                 self.record.write("event", self.newest_s, name="failure", traceback=format_exception(error))
         left = ""
         if not gone():
+            with contextlib.suppress(Exception):
+                if self.watch.coming(self.newest_s):
+                    self.stop(str(why))
             retreat(self.session, transport, self.clock, why, gone=gone, turned=self._take_what_can_be_taken)
             left = self.session.left
             if self._unfinished is not None and self.session.vehicle.heartbeats_disarmed >= HEARTBEATS:

@@ -5,6 +5,7 @@ from typing import Final
 
 from mission.fly.by_field import is_sealed
 from mission.fly.watch import FlightWatch
+from mission.link.guidance import Guidance
 from mission.link.session import Session
 from mission.monitor.failsafe import Situation, reason_to_stop
 from mission.monitor.stage import Stage
@@ -53,6 +54,8 @@ class Lookout:
 
 
 def _closing(session: Session, watch: FlightWatch, now_s: float) -> str:
-    if session.guidance is None or not watch.plan.closings:
+    guidance = session.guidance
+    if guidance is None or not (watch.plan.closings or watch.plan.moving):
         return ""
-    return watch.closing(now_s, session.guidance.flown_s(now_s))
+    waits = isinstance(guidance, Guidance) and guidance.course_at(now_s).waits
+    return watch.closing(now_s, guidance.flown_s(now_s), waits=waits)

@@ -143,12 +143,16 @@ class Heeding:
         if self._replanning.held:
             self._answer(Request.HOLD, "the vehicle holds already", granted=False)
             return
+        if coming := self._watch.coming(vehicle_s, soon=True):
+            self._answer(Request.HOLD, f"{coming}; the plan is flown on", granted=False)
+            return
         self._replanning.hold(guidance, vehicle_s)
         self._replanning.held = True
         self._answer(Request.HOLD, "the vehicle slows to rest on its path and holds there", granted=True)
 
     def _resume(self, guidance: Guidance, vehicle_s: float) -> None:
-        if why := self._replanning.go_on(guidance, vehicle_s):
+        closing = self._watch.closing(vehicle_s, guidance.flown_s(vehicle_s)) if self._replanning.held else ""
+        if why := closing or self._replanning.go_on(guidance, vehicle_s):
             self._answer(Request.RESUME, why, granted=False)
         else:
             self._answer(Request.RESUME, "the plan is flown on", granted=True)

@@ -4,6 +4,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,7 +40,9 @@ from mission.monitor.stage import WATCHED, Stage
 from mission.monitor.tracking import TrackingWatch
 from mission.plan import FlightPlan
 from mission.plan.closings import ahead, entered
+from mission.plan.drifting import Drifting
 from mission.report.tracking import Tracking
+from mission.spec.air_time import landing_s
 
 if TYPE_CHECKING:
     from mission.spec.model import Point
@@ -202,18 +205,47 @@ class FlightWatch:
         names = f" {', '.join(first.names)}" if first.names else ""
         return f"the vehicle {first.kind}{names}"
 
-    def closing(self, now_s: float, flown_s: float) -> str:
-        """What comes of restricted regions that are there for a time only, in plain words; empty where nothing does.
+    def closing(self, now_s: float, flown_s: float, *, waits: bool = False) -> str:
+        """What comes of restricted regions that are there for a time only, or move; empty where nothing does.
 
         Args:
             now_s: The vehicle's time.
             flown_s: How much of the trajectory has been flown by then.
+            waits: Whether the vehicle waits where it is.
         """
         late_s = 0.0 if self.began_s is None else max(0.0, now_s - self.began_s - flown_s)
         if name := entered(self.plan.closings, (each.formula for each in self.monitor.bounds if each.met is False)):
             return f"the vehicle was in {name}"
-        name = ahead(self.plan.closings, flown_s, late_s)
-        return f"the flight is {late_s:.1f} s late and would come into {name}" if name else ""
+        if name := ahead(self.plan.closings, flown_s, late_s):
+            return f"the flight is {late_s:.1f} s late and would come into {name}"
+        if waits:
+            return "the vehicle cannot wait on" if self.coming(now_s, soon=True) else ""
+        if self._drifting is not None and (name := self._drifting.ahead(flown_s, late_s)):
+            return f"the flight is {late_s:.1f} s late and would come into {name}, which moves"
+        return ""
+
+    def coming(self, now_s: float | None, *, soon: bool = False) -> str:
+        """What moves and comes to where the vehicle would hold on its way, in plain words; empty where nothing does.
+
+        Args:
+            now_s: The vehicle's time; None before it is known.
+            soon: Whether only that counts which comes while a landing may last.
+        """
+        if self._drifting is None or self.began_s is None or now_s is None or self._stage is not Stage.FLY:
+            return ""
+        braking_m = math.hypot(*self.velocity_m_s) ** 2 / (2.0 * self.plan.spec.limits.acceleration_m_s2)
+        clock_s = max(0.0, now_s - self.began_s)
+        found = self._drifting.comes(self.place_m, self.plan.certificate.tube_m + braking_m, clock_s)
+        until_s = landing_s(self.plan.spec.flight.altitude_m) if soon else math.inf
+        if found is None or found[0] - clock_s > until_s:
+            return ""
+        return f"{found[1]} moves to where the vehicle would hold, in {found[0] - clock_s:.0f} s"
+
+    @cached_property
+    def _drifting(self) -> Drifting | None:
+        """What moves and must not be entered; such a mission is flown by one plan alone."""
+        plan = self.legs.legs[0].plan
+        return None if plan.moving is None else Drifting(plan, plan.moving)
 
     def _moved(self, event: Moved) -> None:
         event = self._routine.moved(event)

@@ -21,7 +21,8 @@ class Situation(NamedTuple):
         verdict: What is known of the word flown so far.
         astray: Whether it has been too far off its trajectory for too long.
         error_m: The largest tracking error on an axis now.
-        closing: What comes of restricted regions that are there for a time only, in plain words; empty for nothing.
+        closing: What comes of restricted regions that are there for a time only, or move, in plain words; empty for
+            nothing.
         sealed: Whether the task cannot be completed from where the vehicle is, whatever is flown.
     """
 

@@ -72,12 +72,13 @@ def flight_cautions(flight: Flight, limits: Limits) -> tuple[str, ...]:
 
 
 def window_cautions(regions: Iterable[Region]) -> tuple[str, ...]:
-    """What does not guard a flight from restricted regions that are there for a time only."""
+    """What does not guard a flight from restricted regions that are there for a time only, or move."""
+    guarded = "no part of the vehicle's own geofence, which stands all the time"
     return tuple(
-        f"regions.{region.name}: it is restricted {window_text(region)} alone, and no part of the vehicle's own "
-        "geofence, which stands all the time"
+        f"regions.{region.name}: it {'moves' if region.forbidden else f'is restricted {window_text(region)} alone'}, "
+        f"and is {guarded}"
         for region in regions
-        if region.kind is RegionKind.RESTRICTED and not region.forbidden
+        if region.kind is RegionKind.RESTRICTED and (region.motion is not None or not region.forbidden)
     )
 
 

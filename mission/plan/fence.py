@@ -14,7 +14,7 @@ import shapely
 from shapely.geometry.polygon import orient
 from shapely.ops import polylabel
 
-from mission.geometry.arrays import FloatArray
+from mission.geometry.arrays import BoolArray, FloatArray
 from mission.geometry.geodesy import LatLon
 from mission.geometry.places import places_at_offsets
 from mission.interchange.autopilot_plan import FenceCircle, FencePolygon
@@ -80,23 +80,36 @@ def region_shape(plan: FlightPlan, name: str) -> shapely.Geometry:
     return _outlined(plan.partition.corners_m[plan.labelling.triangles_of(name)])
 
 
+def drifts(plan: FlightPlan) -> BoolArray:
+    """The triangles that move at some time, shape (M,)."""
+    if plan.moving is None:
+        return np.zeros(plan.partition.size, dtype=np.bool_)
+    return np.asarray(plan.moving.moves[plan.partition.triangles].any(axis=1))
+
+
+def shunned(plan: FlightPlan) -> BoolArray:
+    """Where no flight that satisfies a plan is ever, beside what is restricted, shape (M,)."""
+    never = (plan.deterministic.targets == DEAD).all(axis=0)
+    never[plan.labelling.letter_of[plan.run.states[0]]] = False  # where the flight begins need not be read
+    return np.asarray(never[plan.labelling.letter_of] & ~plan.restricted)
+
+
 def fence_of(plan: FlightPlan) -> Fence:
     """The geofence of a plan: its domain, out of what is restricted, and out of where no flight that satisfies it is.
 
     The last is what the mission's own automaton never reads, from none of its states, such as the regions of ``G !K``
-    or what two regions of ``G !(a & b)`` have in common. A region that is only to be avoided for a time is no part.
+    or what two regions of ``G !(a & b)`` have in common. What is only to be avoided for a time is no part, nor is what
+    moves: a fence stands.
     """
-    domain = plan.spec.domain
+    domain, stands = plan.spec.domain, ~drifts(plan)
     around = _circle(domain.boundary, -domain.clearance_m) if isinstance(domain, BoundaryDomain) else None
     restricted = [
         Fenced(region_shape(plan, region.name), _circle(region.shape, clearance_of(region, domain)))
         for region in plan.spec.regions
-        if region.forbidden
+        if region.forbidden and stands[plan.labelling.triangles_of(region.name)].all()
     ]
-    never = (plan.deterministic.targets == DEAD).all(axis=0)
-    never[plan.labelling.letter_of[plan.run.states[0]]] = False  # where the flight begins need not be read
-    shunned = never[plan.labelling.letter_of] & ~plan.restricted
-    shapes = [Fenced(_outlined(plan.partition.corners_m[shunned]))] if shunned.any() else []
+    never = shunned(plan) & stands
+    shapes = [Fenced(_outlined(plan.partition.corners_m[never]))] if never.any() else []
     return fence_around(plan.start_m, Fenced(domain_shape(plan), around), [*restricted, *shapes])
 
 

@@ -65,6 +65,7 @@ _ROOM: Final = 3.0  # tubes
 _ROUNDING: Final = 1e-6
 _LEAST_ROOM_M: Final = 0.5
 _CLOCK: Final = "the mission has bounds in seconds from the beginning of its trajectory: its rest is not planned anew"
+_MOVES: Final = "regions of the mission move by the clock of its trajectory: nothing is planned anew while it is flown"
 _LOST: Final = "what was flown so far violates the mission: nothing that is flown from here satisfies it"
 
 
@@ -117,6 +118,8 @@ def plan_rest(plan: FlightPlan, rest: Rest, amended: MissionSpec | None = None) 
     spec = plan.spec if amended is None else amended
     if plan.required.timed or timed_of(spec):
         raise NoPlanError(_CLOCK)
+    if plan.spec.moves or spec.moves:
+        raise NoPlanError(_MOVES)
     if spec.origin != plan.spec.origin:
         raise SpecError((Fault(0, 0, "domain.origin", "what is amended has another origin than what is flown"),))
     if not _asks_the_same(spec, plan.spec):
@@ -152,6 +155,8 @@ def plan_return(plan: FlightPlan, rest: Rest) -> FlightPlan:
         NoPlanError: No way back violates nothing, or there is no proof.
         AutomatonSizeError: What must not be done asks for too large an automaton.
     """
+    if plan.spec.moves:
+        raise NoPlanError(_MOVES)
     return _returning(plan, plan.spec, rest, rest.begins, ())
 
 

@@ -42,6 +42,8 @@ def motion_findings(data: Any, structural: list[Finding]) -> Iterator[Finding]: 
                 yield Finding((section, name, key), f"`{shortened(str(name))}` {what}", hint, at_key=True)
     if moved and is_clean(("mission",), structural):
         yield from _of_what_is_asked(data.get("mission", {}), data.get("regions"))
+    if moved:
+        yield from _of_what_is_planned_in_flight(data)
 
 
 def _motions(data: dict[str, Any], structural: list[Finding]) -> Iterator[tuple[Path, dict[str, Any]]]:
@@ -70,3 +72,14 @@ def _of_what_is_asked(mission: Any, regions: Any) -> Iterator[Finding]:  # noqa:
         if any(node.operator is Operator.NEXT for node in postorder(parsed)):
             message = "X counts triangles, and here some move"
             yield Finding(_FORMULA, message, "say it without X, or take `motion` away")
+
+
+def _of_what_is_planned_in_flight(data: dict[str, Any]) -> Iterator[Finding]:
+    """What asks for plans while the mission is flown."""
+    flight, hint = data.get("flight"), "take `{}` away, or `motion`"
+    if isinstance(flight, dict) and flight.get("replan"):
+        message = "nothing is planned anew in flight where something moves"
+        yield Finding(("flight", "replan"), message, hint.format("replan"))
+    if "battery" in data:
+        message = "a return in time is planned in flight, and nothing is planned anew where something moves"
+        yield Finding(("battery",), message, hint.format("battery"), at_key=True)

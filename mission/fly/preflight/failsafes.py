@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from mission.fly.preflight.rows import ARDUPILOT, PX4, Asked, Judgement, Level, Row, Setting, Told, worst
+from mission.spec.finding import listed
 
 _GO, _CAUTION, _NO_GO = Level.GO, Level.CAUTION, Level.NO_GO
 _FALLS: Final = "it would fall: choose an action that flies"
@@ -182,7 +183,8 @@ def _fence(asked: Asked, told: Told) -> Judgement:
         return Judgement(Level.UNKNOWN, f"{next(iter(settings))} is not known")
     if state.value <= 0.0:
         if asked.fenced:
-            return Judgement(_GO, f"off ({state}) until the flight sets its own")
+            left_out = f", without {listed(asked.unfenced)}, which moves" if asked.unfenced else ""
+            return Judgement(_GO, f"off ({state}) until the flight sets its own{left_out}")
         return Judgement(_CAUTION, f"off ({state})", "a fence is a second guard, of the vehicle's own")
     if told.autopilot == ARDUPILOT:
         kinds = int(values["FENCE_TYPE"].value) if "FENCE_TYPE" in values else 0

@@ -39,6 +39,7 @@ def asked_of(plan: FlightPlan, link: LinkOptions, *, fenced: bool = True) -> Ask
         disturbance_m_s2=spec.flight.disturbance_m_s2,
         battery=spec.battery,
         fenced=fenced,
+        unfenced=tuple(region.name for region in spec.regions if region.forbidden and region.motion is not None),
         system_id=link.system_id,
         chosen=link.vehicle_id != 0,
     )

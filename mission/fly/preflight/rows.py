@@ -60,6 +60,7 @@ class Asked:
         disturbance_m_s2: What the proof allows for, on each axis.
         battery: What the file says of it.
         fenced: Whether the flight sets a geofence of its own.
+        unfenced: Restricted regions that are no part of that, for they move.
         system_id: Ours on the link.
         chosen: Whether the vehicle was named by its system id.
     """
@@ -76,6 +77,7 @@ class Asked:
     disturbance_m_s2: float
     battery: Battery | None = None
     fenced: bool = True
+    unfenced: tuple[str, ...] = ()
     system_id: int = 255
     chosen: bool = False
 

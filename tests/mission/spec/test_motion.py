@@ -80,6 +80,8 @@ def test_nodes_move_with_their_triangles() -> None:
         (drifting_text(more="active_s: [3, 9]"), "is there for a time only, and moves"),
         (drifting_text(kind="survey", more="cover: {spacing_m: 3}"), "is covered lane by lane, and moves"),
         (drifting_text(formula="X S1"), "X counts triangles"),
+        (drifting_text().replace("speed_m_s: 4", "replan: true, speed_m_s: 4"), "nothing is planned anew in flight"),
+        (f"{drifting_text()}battery: {{current_a: 14.5}}", "a return in time is planned in flight"),
     ],
 )
 def test_what_cannot_be_is_refused_in_one_line_each(text: str, message: str) -> None:

@@ -1,0 +1,64 @@
+"""Flights among regions that move, with both autopilots: late ones, ones that hold, and what their records say.
+
+The plans are made as if nothing moved; what moves is chosen so that it meets nothing of a flight that is on time.
+"""
+
+import numpy as np
+import pytest
+import shapely
+
+from mission.fly import FlightOptions
+from mission.fly.requests import Request
+from mission.monitor.stage import Stage
+from mission.verify.logs.flight_record import track_of_record
+from tests.closed_loop.test_requests import Asked
+from tests.support.drifting_flights import k_at, planned_still
+from tests.support.replanned import Replanned
+
+BEHIND = "{velocity_m_s: [0, 2], from_s: 11, until_s: 31}"
+"""It is on the way from home to S1 a second after that was flown, at 19 s, and gone before the way back, at 48 s."""
+
+LATER = "{velocity_m_s: [0, 2], from_s: 57, until_s: 77}"
+
+
+def apart_m(flight: Replanned) -> np.ndarray:
+    """How far the vehicle was from the region at each report, by the polygon where it is then."""
+    track = track_of_record(flight.record)
+    since_s = track.t_s - track.word_from_s
+    places = zip(np.maximum(since_s, 0.0).tolist(), track.position_m, strict=True)
+    return np.array([k_at(flight.plan.spec, t).distance(shapely.Point(place)) for t, place in places])
+
+
+@pytest.mark.parametrize(("flavour", "late"), [("ardupilot", True), ("px4", False)])
+def test_one_that_a_link_makes_late_holds_before_it_would_come_into_it(flavour: str, late: bool) -> None:  # noqa: FBT001 - what is expected
+    """The link takes a second from soon after the start on; ArduPilot is kept by that for longer than there is."""
+    flight = Replanned(planned_still(motion=BEHIND), flavour, "link, delay_s: 0.5, at_s: 20")
+    assert flight.result.achieved is not late
+    if late:
+        assert flight.result.reason.startswith("the flight is 1.1 s late and would come into K, which moves; ")
+        assert apart_m(flight).min() > 20.0
+    else:
+        assert 0.5 < apart_m(flight).min() < 2.0
+
+
+@pytest.mark.parametrize("flavour", ["ardupilot", "px4"])
+def test_who_waits_where_the_region_will_come_lands_in_time(flavour: str) -> None:
+    asked = Asked((15.5, Request.HOLD))
+    options = FlightOptions(land_when_stopped=False)
+    flight = Replanned(planned_still(motion=LATER), flavour, at_step=asked.look, requests=asked, options=options)
+    ((*_, granted),) = asked.answers
+    assert granted
+    why = "the vehicle cannot wait on; K moves to where the vehicle would hold, in 43 s: it lands"
+    assert flight.result.reason.startswith(why)
+    assert any(line.get("stage") == Stage.DONE for line in flight.events("stage"))
+    assert apart_m(flight).min() > 5.0
+
+
+def test_to_wait_is_refused_where_the_region_comes_soon_and_to_go_on_while_it_is_in_the_way() -> None:
+    asked = Asked((3.0, Request.HOLD), (8.0, Request.RESUME), (24.0, Request.RESUME), (26.0, Request.LAND))
+    Replanned(planned_still(motion=BEHIND), "px4", at_step=asked.look, requests=asked)
+    assert [granted for *_, granted in asked.answers] == [True, False, True, True]
+    assert asked.answers[1][2] == "the flight is 3.1 s late and would come into K, which moves"
+    asked = Asked((15.5, Request.HOLD), (16.0, Request.LAND))
+    Replanned(planned_still(motion=BEHIND), "px4", at_step=asked.look, requests=asked)
+    assert asked.answers[0][2] == "K moves to where the vehicle would hold, in 1 s; the plan is flown on"
