@@ -161,6 +161,7 @@ class FlightWatch:
         laps = self.plan.trajectory.laps if guidance is None else guidance.course.laps
         if self._trajectory.legs is not self.plan.trajectory.legs or laps != self._trajectory.laps:
             self._trajectory = replace(self.plan.trajectory, laps=laps)
+        since_s = 0.0 if self.began_s is None or newest_s is None else max(0.0, newest_s - self.began_s)
         counted, place = self.monitor.progress, float(self._trajectory.parameter(flown_s)[0])
         leg_starts_s = self.plan.leg_starts_s
         return Progress(
@@ -183,13 +184,13 @@ class FlightWatch:
             speed_m_s=None if self.altitude_m is None else math.hypot(*self.velocity_m_s),
             error_m=self.tracking.error_m if session.stage is Stage.FLY else None,
             battery_percent=None if session.vehicle.battery is None else session.vehicle.battery.percent,
-            nearest=None if self.altitude_m is None else self._nearness.of(self.plan, self.place_m),
+            nearest=None if self.altitude_m is None else self._nearness.of(self.plan, self.place_m, since_s),
             plan=self.plan,
             place_m=None if self.altitude_m is None else self.place_m,
             heading_rad=None if session.vehicle.attitude is None else session.vehicle.attitude.angles_rad[2],
             word=self.monitor.word,
             bounds=self.legs.bounds,
-            since_s=0.0 if self.began_s is None or newest_s is None else max(0.0, newest_s - self.began_s),
+            since_s=since_s,
         )
 
     def covered(self, laps: int | None) -> tuple[Covered, ...]:

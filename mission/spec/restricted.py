@@ -1,15 +1,27 @@
 """What must not be entered, as it is drawn: distances of flights are measured to that."""
 
-import shapely
+from collections.abc import Callable
+from functools import partial
 
+import numpy as np
+import shapely
+from shapely.affinity import translate
+
+from mission.geometry.arrays import IntArray
+from mission.geometry.moving import MovingPartition
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.spec.areas import region_ground
 from mission.spec.model import MissionSpec
+from mission.spec.motion import Motion
+from mission.spec.moving import displacement_m
+
+ShapeAt = Callable[[float], shapely.Geometry]
+"""Where something is at a time on the clock of the trajectory."""
 
 
 def restricted_as_drawn(spec: MissionSpec, partition: Partition, labelling: Labelling) -> dict[str, shapely.Geometry]:
-    """Restricted regions without their clearances, by their names.
+    """Restricted regions without their clearances, by their names, where they are at first.
 
     Args:
         spec: The mission.
@@ -22,3 +34,33 @@ def restricted_as_drawn(spec: MissionSpec, partition: Partition, labelling: Labe
         name: union_of(partition, labelling.triangles_of(name)) if ground is None else ground.drawn
         for name, ground in grounds.items()
     }
+
+
+def restricted_that_move(spec: MissionSpec, labelling: Labelling, moving: MovingPartition | None) -> dict[str, ShapeAt]:
+    """Where those of them that move are, by their names.
+
+    Args:
+        spec: The mission.
+        labelling: The labels of its triangles.
+        moving: How these move; None where all of them stand still.
+    """
+    if moving is None:
+        return {}
+    found: dict[str, ShapeAt] = {}
+    motions = {region.name: region.motion for region in spec.regions}
+    for name, drawn in restricted_as_drawn(spec, moving.fixed, labelling).items():
+        triangles, motion = labelling.triangles_of(name), motions[name]
+        if motion is not None:
+            found[name] = partial(_moved, drawn, motion)
+        elif moving.moves[moving.fixed.triangles[triangles]].any():
+            found[name] = partial(_carried, moving, triangles)
+    return found
+
+
+def _moved(drawn: shapely.Geometry, motion: Motion, time_s: float) -> shapely.Geometry:
+    east_m, north_m = displacement_m(motion, np.array([time_s]))[0]
+    return translate(drawn, east_m, north_m)
+
+
+def _carried(moving: MovingPartition, triangles: IntArray, time_s: float) -> shapely.Geometry:
+    return union_of(moving.at(time_s), triangles)

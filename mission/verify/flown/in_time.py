@@ -1,9 +1,11 @@
 """Bounds in seconds, judged on a log: when the vehicle was in a region for certain, and when it may have been."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby, pairwise
+from typing import Final
 
 import numpy as np
 
@@ -14,10 +16,13 @@ from mission.logic.timed.behaviour import Piece, from_to, so_far, staying
 from mission.logic.timed.judge import satisfied
 from mission.logic.timed.margins import margin_s, settled_s, unbroken
 from mission.spec.air_time import longest_text
+from mission.verify.flown.over import Over
 from mission.verify.flown.possible import Ground, plain_intervals
 from mission.verify.flown.reach import Reaches
 
 _NOTHING: Letter = frozenset()
+_BETWEEN_M: Final = 0.5
+_MOST_BEGINNINGS: Final = 12
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,18 @@ class Timing:
     began_s: tuple[float, float]
     whole: bool
     laps: bool
+
+
+def beginnings(began_s: tuple[float, float], fastest_m_s: float) -> tuple[float, ...]:
+    """Times at which a trajectory may have begun, the latest first; what moves does so little between them.
+
+    Args:
+        began_s: The earliest and the latest.
+        fastest_m_s: How fast anything moves.
+    """
+    earliest_s, latest_s = began_s
+    more = min(_MOST_BEGINNINGS, math.ceil(fastest_m_s * (latest_s - earliest_s) / _BETWEEN_M))
+    return tuple(np.linspace(latest_s, earliest_s, 1 + more).tolist())
 
 
 def air_time(longest_s: float | None, aloft_s: tuple[float, float] | None) -> tuple[BoundFlown, ...]:
@@ -128,14 +145,14 @@ def _since(told: Sequence[Piece], began_s: Fraction) -> list[Piece]:
 
 def _pieces(ground: Ground, reaches: Reaches) -> Iterator[Piece]:
     """What is known between each report and the next, both included; alike ones that follow each other are one."""
-    at = ground.locator.triangle_at(reaches.position_m)
-    plain = plain_intervals(ground, reaches, at)
+    over = ground.over(reaches)
+    at, plain = over.at, plain_intervals(ground, over)
     letters: list[tuple[tuple[Letter, Letter], int, int]] = []
     for index, is_plain in enumerate(plain.tolist()):
         here = _label(ground, int(at[index]))
         if not is_plain and not reaches.jumps[max(index - 1, 0) : index + 1].any():
             letters.append(((here, here), index, index))  # the report itself
-        letters.append(((here, here) if is_plain else _between(ground, reaches, index), index, index + 1))
+        letters.append(((here, here) if is_plain else _between(ground, over, index), index, index + 1))
     last = _label(ground, int(at[-1]))
     letters.append(((last, last), len(at) - 1, len(at) - 1))
     times = [Fraction(t_s) for t_s in reaches.t_s.tolist()]
@@ -144,11 +161,11 @@ def _pieces(ground: Ground, reaches: Reaches) -> Iterator[Piece]:
         yield Piece(from_to(times[parts[0][1]], times[parts[-1][2]], closed=True), *known)
 
 
-def _between(ground: Ground, reaches: Reaches, index: int) -> tuple[Letter, Letter]:
+def _between(ground: Ground, over: Over, index: int) -> tuple[Letter, Letter]:
     """What surely held, and what may have, after a report and before the next."""
-    area, numbers = reaches.area(index), ground.labelling.letter_of
-    letters = [ground.labelling.letters[k] for k in np.unique(numbers[ground.locator.meeting(area)]).tolist()]
-    if ground.locator.leaves(area):
+    numbers = ground.labelling.letter_of
+    letters = [ground.labelling.letters[k] for k in np.unique(numbers[over.within(index)]).tolist()]
+    if over.leaves(index):
         letters.append(_NOTHING)
     return frozenset.intersection(*letters), frozenset.union(*letters)
 

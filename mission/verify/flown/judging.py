@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Final
 
@@ -25,12 +25,13 @@ from mission.report.reading import LaterPlan
 from mission.spec.camera import spacing_of
 from mission.spec.domain import build_domain, restricted_triangles
 from mission.spec.model import MissionSpec, Semantics
-from mission.spec.restricted import restricted_as_drawn
+from mission.spec.moving import moving_of
+from mission.spec.restricted import restricted_as_drawn, restricted_that_move
 from mission.spec.specification import Specification, deterministic_of, of_mission
 from mission.spec.tasks import task_formula, task_text, timed_formula
 from mission.verify.flown.covered import CoveredShare, ToCover, covered_shares
-from mission.verify.flown.in_time import BoundFlown, Timing, air_time, bounds_flown
-from mission.verify.flown.nearness import Deviation, Nearness, deviation_of, nearness_of
+from mission.verify.flown.in_time import BoundFlown, Timing, air_time, beginnings, bounds_flown
+from mission.verify.flown.nearness import Deviation, Nearness, deviation_of, nearness_of, nearness_of_moving
 from mission.verify.flown.possible import Doubt, Entered, Following, Ground, follow
 from mission.verify.flown.reach import FASTEST_M_S, Reaches
 from mission.verify.logs.track import Track
@@ -39,6 +40,7 @@ ALL: Final = "all"
 """In the place of a region: all pictures, wherever they were taken."""
 
 _PATH_STEP_M: Final = 0.1
+_UNTOLD: Final = "what it met depends on when its trajectory began, which the log does not tell"
 _NOTICED_S: Final = 1.0
 """So late an autopilot that is led no longer brakes; where it flew on for longer, that is where it is found."""
 
@@ -125,7 +127,12 @@ def judged(
         AutomatonSizeError: The mission asks for an automaton that is too large.
         NoPlanError: The mission recurs and has no plan.
     """
-    return _Judge(spec, track, plan, legs, fastest_m_s).judged()
+    judge, begins_s = _Judge(spec, track, plan, legs, fastest_m_s), (track.word_from_s, track.began_by_s)
+    if judge.moving is None:
+        return judge.judged(begins_s)
+    found = [judge.judged((t_s, t_s)) for t_s in beginnings(begins_s, judge.moving.fastest_m_s)]
+    agreed = len({each.achieved for each in found}) == 1
+    return found[0] if agreed else replace(found[0], achieved=None, reason=_UNTOLD, at_s=None, violations=())
 
 
 class _Judge:
@@ -138,8 +145,10 @@ class _Judge:
         fastest_m_s: float,
     ) -> None:
         self._spec, self._track, self._compared = spec, track, plan
+        self._began_s = track.word_from_s, track.began_by_s
         self._partition, self._labelling = _domain(spec, plan)
         self._restricted = restricted_triangles(spec, self._labelling)
+        self.moving = moving_of(spec, self._partition, self._labelling)
         self._locator = Locator(self._partition)
         self._reaches = _reaches(spec, track, fastest_m_s)
         self._whole = track.begins_whole and track.ends_whole
@@ -152,7 +161,9 @@ class _Judge:
         if recurs:
             self._legs = legs or (LaterPlan(-math.inf, plan or plan_mission(spec), 0),)
 
-    def judged(self) -> Judged:
+    def judged(self, began_s: tuple[float, float]) -> Judged:
+        """What is known if the trajectory began between two times."""
+        self._began_s = began_s
         found = self._followed(self._automaton, self._restricted)
         covered = covered_shares(self._reaches, self._to_cover(found), whole=self._whole)
         laps = self._laps(found)
@@ -170,11 +181,7 @@ class _Judge:
             word=self._word(found.entered),
             violations=tuple(found.violations),
             doubts=(*found.doubts, *self._after()),
-            nearness=nearness_of(
-                self._reaches,
-                restricted_as_drawn(self._spec, self._partition, self._labelling),
-                whole=self._whole,
-            ),
+            nearness=self._nearness(),
             covered=covered,
             bounds=bounds,
             wishes=self._wishes(),
@@ -189,15 +196,18 @@ class _Judge:
         return deterministic_of(required.formula, required.given, self._labelling.letters)
 
     def _in_time(self, formulas: Sequence[Formula]) -> tuple[BoundFlown, ...]:
-        track = self._track
-        ground = Ground(self._locator, self._labelling, self._restricted, self._automaton.whole, self._spec.semantics)
-        latest_s = track.word_from_s if track.moves_from_s is None else track.moves_from_s
-        timing = Timing((track.word_from_s, latest_s), track.ends_whole, laps=bool(self._legs))
+        ground = self._ground(self._automaton, self._restricted)
+        timing = Timing(self._began_s, self._track.ends_whole, laps=bool(self._legs))
         found = bounds_flown(formulas, ground, self._reaches, timing)
-        return found if track.begins_whole else tuple(BoundFlown(each.formula, None, None, None) for each in found)
+        whole = self._track.begins_whole
+        return found if whole else tuple(BoundFlown(each.formula, None, None, None) for each in found)
+
+    def _ground(self, automaton: Conjunction, restricted: BoolArray) -> Ground:
+        read = self._labelling, restricted, automaton.whole, self._spec.semantics
+        return Ground(self._locator, *read, self.moving, self._began_s[0])
 
     def _followed(self, automaton: Conjunction, restricted: BoolArray) -> Following:
-        ground = Ground(self._locator, self._labelling, restricted, automaton.whole, self._spec.semantics)
+        ground = self._ground(automaton, restricted)
         return follow(ground, self._reaches, self._track.word_from_s, begins_whole=self._track.begins_whole)
 
     def _decided(
@@ -337,6 +347,16 @@ class _Judge:
             if region.cover is not None
         }
         return {**counts, ALL: len(times)}
+
+    def _nearness(self) -> tuple[Nearness, ...]:
+        shapes = restricted_as_drawn(self._spec, self._partition, self._labelling)
+        moving = restricted_that_move(self._spec, self._labelling, self.moving)
+        still = {name: shape for name, shape in shapes.items() if name not in moving}
+        found = nearness_of(self._reaches, still, whole=self._whole)
+        if self.moving is None:
+            return found
+        clock_s, fastest_m_s = np.maximum(self._track.t_s - self._began_s[0], 0.0), self.moving.fastest_m_s
+        return (*found, *nearness_of_moving(self._reaches, moving, clock_s, fastest_m_s, whole=self._whole))
 
     def _deviation(self) -> Deviation | None:
         if self._compared is None:

@@ -8,6 +8,7 @@ import shapely
 
 from mission.geometry.arrays import FloatArray
 from mission.spec.model import Point
+from mission.spec.restricted import ShapeAt
 from mission.verify.flown.reach import Reaches
 
 
@@ -18,7 +19,7 @@ class Nearness:
     Attributes:
         region: Its name.
         least_m: The smallest distance of the straight lines through the reports, but for those across gaps; 0 where
-            they meet it.
+            they meet it. Of a region that moves, that of the reports themselves from where it is then.
         t_s: When that was.
         position_m: Where.
         surely_m: The vehicle was nowhere nearer than this, whatever it did between the reports.
@@ -55,6 +56,31 @@ def nearness_of(reaches: Reaches, shapes: Mapping[str, shapely.Geometry], *, who
         whole: Whether the log has the flight from begin to end.
     """
     return tuple(_nearness(reaches, name, shape, whole=whole) for name, shape in shapes.items())
+
+
+def nearness_of_moving(
+    reaches: Reaches, shapes: Mapping[str, ShapeAt], clock_s: FloatArray, fastest_m_s: float, *, whole: bool
+) -> tuple[Nearness, ...]:
+    """How near a flight came to each shape that moves.
+
+    Args:
+        reaches: As in ``nearness_of``.
+        shapes: Where they are, by the names of their regions.
+        clock_s: The time of each report by which they move, shape (N,).
+        fastest_m_s: They move no faster.
+        whole: As in ``nearness_of``.
+    """
+    found = []
+    for name, shape_at in shapes.items():
+        here = np.array([shape_at(t_s) for t_s in clock_s.tolist()])
+        ends: FloatArray = shapely.distance(here, shapely.points(reaches.position_m))
+        nearest = int(np.argmin(ends))
+        # Between two reports, from the nearer of them in time: half of the way, and of what the region moves.
+        between = reaches.reach_m + 0.5 * (reaches.apart_m + fastest_m_s * reaches.gap_s)
+        surely_m = float((np.minimum(ends[:-1], ends[1:]) - between).min(initial=ends[nearest]))
+        told = float(ends[nearest]), float(reaches.t_s[nearest]), _pair(reaches.position_m[nearest])
+        found.append(Nearness(name, *told, max(surely_m, 0.0) if whole else 0.0))
+    return tuple(found)
 
 
 def deviation_of(reaches: Reaches, path_m: FloatArray) -> Deviation:

@@ -4,6 +4,8 @@ Between two positions that are close in time the straight line between them coun
 where other regions are within reach of that line, the vehicle may have been in them. In a gap it may have gone through
 whatever is within reach, again and again. So the flight is followed as a set of pairs of a triangle and a state of the
 deterministic automaton of the mission; what all of them agree on is known, and all else is open.
+
+Where triangles move, all of this is about the triangles, wherever they are meanwhile (``over``).
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -14,10 +16,12 @@ import numpy as np
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.location import OUTSIDE, Locator
+from mission.geometry.moving import MovingPartition
 from mission.geometry.regions import Labelling
 from mission.logic.automata.rabin import DEAD, Rabin
 from mission.monitor.monitor import Violation, ViolationKind
 from mission.spec.model import Semantics
+from mission.verify.flown.over import MovingOver, Over
 from mission.verify.flown.reach import Reaches
 
 MOST_PAIRS: Final = 200_000
@@ -71,6 +75,8 @@ class Ground:
         restricted: Shape (M,), triangles that must not be entered.
         automaton: Of the mission, deterministic, over the numbers of the letters.
         semantics: Whether the label of the first triangle is read.
+        moving: How the domain moves; None where it stands.
+        began_s: From when on it does, on the clock of the reports.
     """
 
     locator: Locator
@@ -78,6 +84,14 @@ class Ground:
     restricted: BoolArray
     automaton: Rabin
     semantics: Semantics
+    moving: MovingPartition | None = None
+    began_s: float = 0.0
+
+    def over(self, reaches: Reaches) -> Over:
+        """What a flight was over."""
+        if self.moving is None:
+            return Over(self.locator, reaches)
+        return MovingOver(self.locator, reaches, self.moving, self.began_s)
 
     def step(self, state: int, triangle: int) -> int:
         """The state after a triangle was entered; -1 where nothing is accepted any more."""
@@ -119,14 +133,15 @@ class _Follower:
     def __init__(self, ground: Ground, reaches: Reaches, word_from_s: float, *, begins_whole: bool) -> None:
         self._ground, self._reaches, self._from_s = ground, reaches, word_from_s
         self._begins_whole = begins_whole
-        self._at = ground.locator.triangle_at(reaches.position_m)
+        self._over = ground.over(reaches)
+        self._at = self._over.at
         self._found = Following()
         self._inside = True
 
     def followed(self) -> Following:
         """Look at each interval that may hold more than a stay in one triangle."""
         spelled = int(np.searchsorted(self._reaches.t_s, self._from_s))
-        plain = plain_intervals(self._ground, self._reaches, self._at)
+        plain = plain_intervals(self._ground, self._over)
         for index in np.flatnonzero(~plain[:spelled]).tolist():
             self._guard(index)
         if spelled < len(self._at):
@@ -198,7 +213,7 @@ class _Follower:
         gap = bool(self._reaches.is_open[index])
         walk = [] if gap else self._walk(index)
         line = [triangle for triangle, _ in walk]
-        within = self._ground.locator.meeting(self._reaches.area(index))
+        within = self._over.within(index)
         safe = set(within[~self._ground.restricted[within]].tolist())
         if gap or any(map(self._is_bad, line)):
             self._found.pairs = self._astray(safe | {begin}, begin, end)
@@ -218,9 +233,8 @@ class _Follower:
 
     def _walk(self, index: int) -> list[tuple[int, float]]:
         """The triangles on the straight line, and when each is entered."""
-        (begin, end), time_s = self._reaches.position_m[index : index + 2].tolist(), float(self._reaches.t_s[index])
-        crossed = self._ground.locator.crossed(tuple(begin), tuple(end), likely=int(self._at[index]))
-        return [(triangle, time_s + share * float(self._reaches.gap_s[index])) for triangle, share in crossed]
+        time_s, lasts_s = float(self._reaches.t_s[index]), float(self._reaches.gap_s[index])
+        return [(triangle, time_s + share * lasts_s) for triangle, share in self._over.line(index)]
 
     def _beside(self, triangle: int, allowed: set[int]) -> Iterator[int]:
         return (each for each in self._ground.locator.partition.neighbours[triangle].tolist() if each in allowed)
@@ -270,7 +284,7 @@ class _Follower:
                 return
         end = int(self._at[index + 1])
         if not self._is_bad(end):
-            within = self._ground.locator.meeting(reports.area(index))
+            within = self._over.within(index)
             end = next(iter(within[self._ground.restricted[within]].tolist()), OUTSIDE)
         self._violated(end, float(reports.t_s[index + 1]), reports.position_m[index + 1])
 
@@ -288,36 +302,29 @@ class _Follower:
 
     def _doubt(self, index: int, known: set[int], *, differs: bool) -> None:
         """Take note of what may have happened, but for what is known, where it makes a difference."""
-        area, labelling = self._reaches.area(index), self._ground.labelling
-        within = self._ground.locator.meeting(area)
+        within, labelling = self._over.within(index), self._ground.labelling
         sure = {name for triangle in known if triangle != OUTSIDE for name in labelling.label(triangle)}
         letters = np.unique(labelling.letter_of[within]).tolist()
         regions = {name for letter in letters for name in labelling.letters[letter]} - sure
         restricted = self._restricted_names(within.tolist()) - sure
-        outside = OUTSIDE not in known and self._ground.locator.leaves(area)
+        outside = OUTSIDE not in known and self._over.leaves(index)
         if differs or restricted or outside:
             begin_s, end_s = self._reaches.t_s[index : index + 2].tolist()
             names = tuple(sorted(regions)), tuple(sorted(restricted))
             self._found.doubts.append(Doubt(begin_s, end_s, *names, outside=outside))
 
 
-def plain_intervals(ground: Ground, reaches: Reaches, at: IntArray) -> BoolArray:
+def plain_intervals(ground: Ground, over: Over) -> BoolArray:
     """Intervals all of whose reach lies well inside one triangle that may be entered, shape (N - 1,).
 
     Args:
         ground: What the flight is judged on.
-        reaches: Its N reports.
-        at: Shape (N,), the triangle of each report.
+        over: What it was over at its N reports.
     """
-    partition, positions = ground.locator.partition, reaches.position_m
+    at = over.at
     same = (at[:-1] == at[1:]) & (at[:-1] != OUTSIDE)
     same &= ~ground.restricted[at[:-1]]
-    triangles = np.where(same, at[:-1], 0)
-    heights = partition.heights_m[triangles]
-    nearest = np.minimum(
-        *((partition.barycentric(triangles, ends) * heights).min(axis=1) for ends in (positions[:-1], positions[1:]))
-    )
-    plain: BoolArray = same & (nearest > 1.05 * reaches.reach_m + 1e-6)
+    plain: BoolArray = same & (over.depth_m(np.where(same, at[:-1], 0)) > 1.05 * over.reaches.reach_m + 1e-6)
     return plain
 
 

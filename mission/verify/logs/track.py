@@ -64,6 +64,11 @@ class Track:
         object.__setattr__(self, "t_s", frozen_floats(self.t_s))
         object.__setattr__(self, "position_m", frozen_floats(self.position_m))
 
+    @property
+    def began_by_s(self) -> float:
+        """The latest time at which its trajectory may have begun; the earliest is ``word_from_s``."""
+        return self.word_from_s if self.moves_from_s is None else self.moves_from_s
+
 
 def track_of(flight: Airborne, origin: LatLon | None, start_m: Point) -> Track:
     """Bring a flight into the domain.
