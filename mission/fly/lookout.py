@@ -55,7 +55,7 @@ class Lookout:
 
 def _closing(session: Session, watch: FlightWatch, now_s: float) -> str:
     guidance = session.guidance
-    if guidance is None or not (watch.plan.closings or watch.plan.moving):
+    # By the field nothing is late: it goes by where what moves is then.
+    if not isinstance(guidance, Guidance) or not (watch.plan.closings or watch.plan.moving):
         return ""
-    waits = isinstance(guidance, Guidance) and guidance.course_at(now_s).waits
-    return watch.closing(now_s, guidance.flown_s(now_s), waits=waits)
+    return watch.closing(now_s, guidance.flown_s(now_s), waits=guidance.course_at(now_s).waits)
