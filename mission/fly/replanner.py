@@ -162,8 +162,8 @@ class SynchronousReplanner:
 
 
 def may_keep(flown: MissionSpec, amended: MissionSpec | None) -> bool:
-    """Whether ways of the plan of a mission may be flown on as they are, if that is amended."""
-    return amended is None or flown_alike(flown, amended)
+    """Whether most ways of the plan of a mission may be flown on as they are, if that is amended."""
+    return amended is None or (flown_alike(flown, amended) and asks_the_same(flown, amended))
 
 
 def goals_of(

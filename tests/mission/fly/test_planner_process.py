@@ -75,10 +75,11 @@ def test_it_answers_what_is_asked_and_its_end_is_told() -> None:
         planner.close()
 
 
-def test_nothing_is_kept_of_what_is_flown_otherwise() -> None:
+def test_little_is_kept_where_another_thing_is_asked_for_or_it_is_flown_otherwise() -> None:
     spec = plan_of(SMALL).spec
     assert may_keep(spec, None)
-    assert may_keep(spec, replace(spec, formula="F goal", flight=replace(spec.flight, laps=2)))
+    assert may_keep(spec, replace(spec, regions=spec.regions[:2], flight=replace(spec.flight, laps=2)))
+    assert not may_keep(spec, replace(spec, formula="F goal"))
     assert not may_keep(spec, replace(spec, flight=replace(spec.flight, speed_m_s=1.0)))
 
 
