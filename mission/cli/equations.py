@@ -34,6 +34,7 @@ def equations(plan: FlightPlan) -> list[dict[str, object]]:
             "conditions": [condition._asdict() for condition in field.conditions],
             "cost": field.cost,
             "equilibrium_m": None if field.equilibrium_m is None else field.equilibrium_m.tolist(),
+            **({} if field.in_motion is None else {"in_motion": field.in_motion._asdict()}),
         }
         for field in fields_of_run(plan)
     ]
@@ -60,6 +61,9 @@ def _print_field(field: TriangleField) -> None:
         _line(f"Eq. {equation}", _conditions(tuple(conditions)))
     if field.equilibrium_m is not None:
         _line("rest at", f"{_vector(field.equilibrium_m)} m")
+    if field.in_motion is not None:
+        margin, speed = field.in_motion
+        _line("in motion", f"all of that by {margin:.4g} at least, at any time; at most {speed:.4g} m/s in space")
     _line("Eq. 19", f"J = {round(field.cost, _DIGITS):.3g} m^2/s^2")
 
 

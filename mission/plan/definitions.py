@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,7 @@ from mission.steering.facet_control import (
     stay_margins,
     stay_velocities,
 )
+from mission.steering.moving_fields import MovingFields
 
 
 class Condition(NamedTuple):
@@ -38,6 +39,18 @@ class Condition(NamedTuple):
     margin_m_s: float
 
 
+class InMotion(NamedTuple):
+    """What holds of a field at every moment while its triangle moves (Sec. 4.4).
+
+    Attributes:
+        margin_m_s: By how much the tightest of its conditions holds, across the facets as they move.
+        speed_m_s: The largest speed in space.
+    """
+
+    margin_m_s: float
+    speed_m_s: float
+
+
 @dataclass(frozen=True, eq=False)
 class TriangleField:
     """The field of one triangle of a run under one control.
@@ -53,6 +66,7 @@ class TriangleField:
         conditions: What the velocities have to meet: Eq. 13 to 15, or to stay, Eq. 21.
         cost: J of Eq. 19, m^2/s^2.
         equilibrium_m: Where a field that stays comes to rest, ENU; None of one that leaves.
+        in_motion: Where something moves: all else is of the triangle as it is at first.
     """
 
     triangle: int
@@ -65,6 +79,7 @@ class TriangleField:
     conditions: tuple[Condition, ...]
     cost: float
     equilibrium_m: FloatArray | None
+    in_motion: InMotion | None = None
 
 
 def fields_of_run(plan: FlightPlan) -> tuple[TriangleField, ...]:
@@ -75,7 +90,14 @@ def fields_of_run(plan: FlightPlan) -> tuple[TriangleField, ...]:
     speed_m_s = plan.spec.flight.speed_m_s
     passed = dict.fromkeys(zip(plan.run.states, plan.run.controls, strict=True))
     whole = plan.partition
-    return tuple(_field(whole, triangle, control, speed_m_s) for triangle, control in passed)
+    fields = tuple(_field(whole, triangle, control, speed_m_s) for triangle, control in passed)
+    if plan.moving is None:
+        return fields
+    velocities = np.stack([field.velocities_m_s for field in fields])
+    moving = MovingFields(plan.moving, np.array([field.triangle for field in fields]), velocities)
+    margins = moving.margins(np.array([field.control for field in fields]))
+    figures = zip(margins.tolist(), moving.speeds_m_s.max(axis=0).tolist(), strict=True)
+    return tuple(replace(field, in_motion=InMotion(*each)) for field, each in zip(fields, figures, strict=True))
 
 
 def _field(whole: Partition, triangle: int, control: int, speed_m_s: float) -> TriangleField:
