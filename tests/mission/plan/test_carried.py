@@ -12,6 +12,7 @@ from mission.plan.carried import carried_path
 from mission.plan.definitions import fields_of_run
 from mission.plan.policy import policy_of
 from mission.spec.model import FIELD, MissionSpec
+from tests.support.carried_plans import drifting_by_field
 from tests.support.drifting_missions import drifting
 from tests.support.drifting_plans import standing
 
@@ -62,3 +63,20 @@ def test_each_of_its_fields_tells_what_holds_at_any_time() -> None:
         else:
             assert tuple(field.in_motion) == pytest.approx((drawn, plan.spec.flight.speed_m_s))
     assert all(field.in_motion is None for field in fields_of_run(replace(plan, spec=standing(plan.spec))))
+
+
+def test_ways_that_become_narrow_at_some_time_count_as_longer() -> None:
+    """K comes to rest 2 m below the boundary: what leads through there was wide before."""
+    plan = drifting_by_field(motion="{velocity_m_s: [0, 2], until_s: 30}")
+    assert plan.moving is not None
+    drawn, drifts = (
+        policy_of(each).moves.system.weights[:, 1:] for each in (replace(plan, spec=standing(plan.spec)), plan)
+    )
+    assert (drifts >= drawn).all()
+    corners = plan.moving.at(30.0).corners_m
+    middles = (np.roll(corners, -1, axis=1) + np.roll(corners, -2, axis=1)) / 2.0
+    across = plan.partition.neighbours
+    above = (np.abs(middles - [72.0, 89.0]) < [8.0, 0.9]).all(axis=2) & (across >= 0)
+    above &= ~plan.restricted[across] & ~plan.restricted[:, None]
+    assert above.sum() >= 6
+    assert (drifts > 1.5 * drawn)[above].all()
