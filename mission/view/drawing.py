@@ -22,7 +22,7 @@ from mission.report.palette import BLACK, BLUE, FLOWN, MESH, QUIET, VERMILLION, 
 
 MAP_ID: Final = "map"
 AUTOMATON_ID: Final = "automaton"
-_MESH_LABEL, _FIELDS_LABEL = "triangles", "fields of the run"
+_MESH_LABEL, _FIELDS_LABEL, _MOVED_LABEL = "triangles", "fields of the run", "what moves, where it is"
 _PX_A_PT: Final = 4.0 / 3.0
 _MARGIN_PT: Final = 10.0
 _RIM_PT: Final = 4.0
@@ -34,7 +34,8 @@ _ARROWS_ACROSS: Final = 36
 def figures(plan: FlightPlan) -> dict[str, Any]:
     """Both figures as JSON values, what can be switched on the map, and where the states of the automaton stand.
 
-    The sources ``flown`` (t, x, y), ``cursor`` (t, x, y, angle) and ``present`` (x, y) are for the page to fill.
+    The sources ``flown`` (t, x, y), ``cursor`` (t, x, y, angle), ``present`` (x, y) and ``moved`` (xs, ys) are for the
+    page to fill. Where something moves, the map is that of the beginning, but for the outlines that ``moved`` has.
     """
     scene = scene_of(plan, None)
     nowhere = Flown(np.empty(0), np.empty((0, 2)), {})
@@ -45,6 +46,8 @@ def figures(plan: FlightPlan) -> dict[str, Any]:
     _draw_mesh(ground, plan)
     _draw_fields(ground, plan)
     ground.renderers = [*ground.renderers[:1], *ground.renderers[1 + len(paths) :], *paths]  # between land and the rest
+    moved = ColumnDataSource({"xs": [], "ys": []}, name="moved")
+    ground.add_glyph(moved, MultiLine(line_color=VERMILLION, line_width=2.5), name=_MOVED_LABEL)
     nose = Ray(length=_NOSE_PX, length_units="screen", angle="angle", line_color=VERMILLION, line_width=5)
     ground.add_glyph(cursor, nose, level="overlay")
     part, arrangement = shown_part(plan)
@@ -56,7 +59,9 @@ def figures(plan: FlightPlan) -> dict[str, Any]:
     return {
         "documents": {"page": document.to_json(deferred=False)},
         "items": [{"docid": "page", "roots": roots, "root_ids": [*roots]}],
-        "layers": layer_colours(scene) | {FLOWN_LABEL: FLOWN, _MESH_LABEL: MESH, _FIELDS_LABEL: QUIET},
+        "layers": layer_colours(scene)
+        | {FLOWN_LABEL: FLOWN, _MESH_LABEL: MESH, _FIELDS_LABEL: QUIET}
+        | ({} if plan.moving is None else {_MOVED_LABEL: VERMILLION}),
         "states": dict(zip(map(str, part.states), arrangement.nodes.round(1).tolist(), strict=True)),
         "key": [printable(line) for line in (*part.key, *part.note.splitlines())],
     }

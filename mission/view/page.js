@@ -40,6 +40,7 @@
     drawn.cursor.data = known ? {t: [now.t], x: [now.x], y: [now.y], angle: [angle]} : {t: [], x: [], y: [], angle: []};
     const places = now.states.map((each) => drawn.told.states[each]).filter((each) => each !== undefined);
     drawn.present.data = {x: places.map(([x]) => x), y: places.map(([, y]) => y)};
+    drawn.moved.data = now.moved;
   }
 
   function drawPath() {
@@ -119,7 +120,7 @@
     if (shownPlan !== plan) return;
     const [doc] = Bokeh.documents.slice(-1);
     const model = (name) => doc.get_model_by_name(name);
-    drawn = {told, flown: model("flown"), cursor: model("cursor"), present: model("present")};
+    drawn = {told, flown: model("flown"), cursor: model("cursor"), present: model("present"), moved: model("moved")};
     addSwitches(told.layers, doc);
     byId("key").replaceChildren(...told.key.map((words) => {
       const line = document.createElement("li");

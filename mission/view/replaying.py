@@ -111,6 +111,7 @@ class _View:
         plan, monitor, (place_m, altitude_m) = leg.plan, leg.judged.monitor, place
         counted, trajectory = monitor.progress, plan.trajectory
         on_curve_s = float(trajectory.parameter(trajectory_s)[0])
+        since_s = t_s - monitor.visits[0].entered_s if monitor.visits else 0.0
         return Progress(
             stage=stage,
             waiting_for="",
@@ -129,13 +130,13 @@ class _View:
             altitude_m=altitude_m,
             speed_m_s=speed_m_s,
             error_m=error_m,
-            nearest=self._nearness.of(plan, place_m),
+            nearest=self._nearness.of(plan, place_m, since_s),
             plan=plan,
             place_m=place_m,
             heading_rad=heading_rad,
             word=monitor.word,
             bounds=self._legs.bounds,
-            since_s=t_s - monitor.visits[0].entered_s if monitor.visits else 0.0,
+            since_s=since_s,
         )
 
 
