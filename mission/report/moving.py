@@ -1,14 +1,12 @@
 """Where regions that move are at a time, as they are drawn."""
 
 import numpy as np
-import shapely
 from shapely.geometry.base import BaseGeometry
 
-from mission.geometry.regions import union_of
 from mission.geometry.simplices import Partition
 from mission.plan import FlightPlan
 from mission.spec.motion import Motion
-from mission.spec.moving import displacement_m
+from mission.spec.moving import shape_then
 
 
 def partition_at(plan: FlightPlan, time_s: float) -> Partition:
@@ -31,10 +29,7 @@ def _span_s(motion: Motion | None, last_s: float) -> tuple[float, float]:
 
 def shape_at(plan: FlightPlan, name: str, shape: BaseGeometry, time_s: float) -> BaseGeometry:
     """A shape that is drawn of a region, at a time: it goes along as a whole, or is what its triangles are then."""
-    if name not in drifting(plan):
+    if plan.moving is None or name not in drifting(plan):
         return shape
     motion = next(region.motion for region in plan.spec.regions if region.name == name)
-    if motion is None:
-        return union_of(partition_at(plan, time_s), plan.labelling.triangles_of(name))
-    (offset,) = displacement_m(motion, np.array([time_s]))
-    return shapely.transform(shape, lambda points: points + offset)
+    return shape_then(shape, motion, plan.moving, plan.labelling.triangles_of(name), time_s)

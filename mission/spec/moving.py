@@ -5,12 +5,13 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
+import shapely
 from scipy.interpolate import PchipInterpolator
 
-from mission.geometry.arrays import BoolArray, FloatArray
+from mission.geometry.arrays import BoolArray, FloatArray, IntArray
 from mission.geometry.carrying import carried_along
 from mission.geometry.moving import FLATTEST, MovingPartition, rim_of
-from mission.geometry.regions import Labelling
+from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.spec.finding import Finding, Path, listed
 from mission.spec.model import BoundaryDomain, MissionSpec, NodesDomain, Region
@@ -45,6 +46,24 @@ def displacement_m(motion: Motion, times_s: FloatArray) -> FloatArray:
     rows, knots = np.array(motion.waypoints), instants_s(motion)
     offsets = PchipInterpolator(rows[:, 0], rows[:, 1:])(knots) if motion.smooth else rows[:, 1:]
     return np.stack([np.interp(times_s, knots, offsets[:, axis]) for axis in (0, 1)], axis=1)
+
+
+def shape_then(
+    shape: shapely.Geometry, motion: Motion | None, moving: MovingPartition, triangles: IntArray, time_s: float
+) -> shapely.Geometry:
+    """A shape that is drawn of a region, at a time: it goes along as a whole, or is what its triangles are then.
+
+    Args:
+        shape: As it is drawn.
+        motion: The region's own; None where only nodes of it move.
+        moving: How the triangles move.
+        triangles: Those of the region.
+        time_s: On the clock of the trajectory.
+    """
+    if motion is None:
+        return union_of(moving.at(time_s), triangles)
+    (offset,) = displacement_m(motion, np.array([time_s]))
+    return shapely.transform(shape, lambda points: points + offset)
 
 
 def moving_of(spec: MissionSpec, partition: Partition, labelling: Labelling) -> MovingPartition | None:

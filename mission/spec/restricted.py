@@ -3,18 +3,14 @@
 from collections.abc import Callable
 from functools import partial
 
-import numpy as np
 import shapely
-from shapely.affinity import translate
 
-from mission.geometry.arrays import IntArray
 from mission.geometry.moving import MovingPartition
 from mission.geometry.regions import Labelling, union_of
 from mission.geometry.simplices import Partition
 from mission.spec.areas import region_ground
 from mission.spec.model import MissionSpec
-from mission.spec.motion import Motion
-from mission.spec.moving import displacement_m
+from mission.spec.moving import shape_then
 
 ShapeAt = Callable[[float], shapely.Geometry]
 """Where something is at a time on the clock of the trajectory."""
@@ -46,21 +42,11 @@ def restricted_that_move(spec: MissionSpec, labelling: Labelling, moving: Moving
     """
     if moving is None:
         return {}
-    found: dict[str, ShapeAt] = {}
+    drawn = restricted_as_drawn(spec, moving.fixed, labelling)
     motions = {region.name: region.motion for region in spec.regions}
-    for name, drawn in restricted_as_drawn(spec, moving.fixed, labelling).items():
-        triangles, motion = labelling.triangles_of(name), motions[name]
-        if motion is not None:
-            found[name] = partial(_moved, drawn, motion)
-        elif moving.moves[moving.fixed.triangles[triangles]].any():
-            found[name] = partial(_carried, moving, triangles)
-    return found
-
-
-def _moved(drawn: shapely.Geometry, motion: Motion, time_s: float) -> shapely.Geometry:
-    east_m, north_m = displacement_m(motion, np.array([time_s]))[0]
-    return translate(drawn, east_m, north_m)
-
-
-def _carried(moving: MovingPartition, triangles: IntArray, time_s: float) -> shapely.Geometry:
-    return union_of(moving.at(time_s), triangles)
+    triangles = {name: labelling.triangles_of(name) for name in drawn}
+    return {
+        name: partial(shape_then, shape, motions[name], moving, triangles[name])
+        for name, shape in drawn.items()
+        if moving.moves[moving.fixed.triangles[triangles[name]]].any()
+    }
