@@ -24,7 +24,8 @@ radians; places are east and north in the domain of the mission, and arrays of t
 - ``load_mission(file)``, ``parse_mission(bytes)``: a mission, ``MissionSpec``, or ``SpecError`` with all its faults.
 - ``plan_mission(spec)``: its plan, ``FlightPlan``, or ``NoPlanError``: ``partition`` and ``labelling`` (triangles),
   ``system`` (T), ``automaton`` (A), ``run``, ``path``, ``trajectory``, ``certificate``; ``shortest_runs(plan)`` gives
-  all best runs, ``fields_of_run(plan)`` the fields with their equations, ``product_steps(plan)`` delta_P.
+  all best runs, ``fields_of_run(plan)`` the fields with their equations, ``product_steps(plan)`` delta_P, and where
+  something moves ``carried_path(plan)`` the path of the fields in space.
 - ``plan_to_json(plan)``, ``plan_from_json(text)``: the plan as text, and back, bit by bit.
 - ``simulate_plan(plan)``: the paper's own closed loop along it.
 - ``verify_plan(plan)``: each of its claims, judged anew.
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from mission.fly import FlightOptions, FlightResult, VehicleOptions
     from mission.library import fly_plan, judge_flight, verify_plan
     from mission.plan import FlightPlan, plan_from_json, plan_mission, plan_to_json, shortest_runs
+    from mission.plan.carried import carried_path
     from mission.plan.definitions import fields_of_run, product_steps
     from mission.simulate import Simulation, simulate_plan
     from mission.spec.loader import load_mission, parse_mission
@@ -56,6 +58,7 @@ _PLACES = {
     "mission.fly": ("FlightOptions", "FlightResult", "VehicleOptions"),
     "mission.library": ("fly_plan", "judge_flight", "verify_plan"),
     "mission.plan": ("FlightPlan", "plan_from_json", "plan_mission", "plan_to_json", "shortest_runs"),
+    "mission.plan.carried": ("carried_path",),
     "mission.plan.definitions": ("fields_of_run", "product_steps"),
     "mission.simulate": ("Simulation", "simulate_plan"),
     "mission.spec.loader": ("load_mission", "parse_mission"),
@@ -79,6 +82,7 @@ __all__ = [
     "SpecError",
     "VehicleError",
     "VehicleOptions",
+    "carried_path",
     "fields_of_run",
     "fly_plan",
     "judge_flight",
