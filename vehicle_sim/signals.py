@@ -182,8 +182,9 @@ class Setpoint:
         """Refuse values that no controller can follow."""
         asked = (*self.position_ned_m, *self.velocity_ned_m_s, *self.acceleration_ned_m_s2)
         asked += (self.yaw_rad, self.yaw_rate_rad_s, self.thrust_m_s2, *(self.lean_ne_rad or ()))
-        if not all(value is None or isfinite(value) for value in asked):
-            raise ValueError("a setpoint's components are finite numbers or absent")
+        for value in asked:
+            if value is not None and not isfinite(value):
+                raise ValueError("a setpoint's components are finite numbers or absent")
 
     @property
     def asks_motion(self) -> bool:

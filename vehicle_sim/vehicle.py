@@ -337,11 +337,8 @@ class Vehicle:
         estimate = self._estimator.step(time_s, sensors.imu, sensors.new_gps, sensors.new_baro, sensors.new_compass)
         self.autopilot.observe(time_s, estimate)
         if steps % self._autopilot_steps == 0:
-            self.battery.drain(
-                self.airframe.power_w,
-                self._autopilot_steps * self.config.step_s,
-                self.autopilot.settings.battery_thresholds,
-            )
+            power_w, for_s = self.airframe.power_w, self._autopilot_steps * self.config.step_s
+            self.battery.drain(power_w, for_s, self.autopilot.settings.battery_thresholds)
             if self.faults.advance(time_s, armed=self.autopilot.armed, flying=self.autopilot.flying):
                 self._suffer()
             self.autopilot.advance(self._command.thrust_m_s2, self._felt_wind(estimate))

@@ -79,7 +79,7 @@ class FenceWatch:
 
     def forbids(self, place: Vector, home: Vector, origin: Geodetic) -> bool:
         """Whether the kinds that are watched forbid to be at a place."""
-        return any(self.excess_m(kind, place, home, origin) >= 0.0 for kind in self._watched())
+        return bool(self.enabled) and any(self.excess_m(kind, place, home, origin) >= 0.0 for kind in self._watched())
 
     def look(self, now_s: float, place: Vector, home: Vector, origin: Geodetic) -> FenceType:
         """Look at where the vehicle is (or will come to rest) and return the kinds that are freshly breached.

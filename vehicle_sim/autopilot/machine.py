@@ -33,7 +33,7 @@ from vehicle_sim.autopilot.state import State
 from vehicle_sim.autopilot.tasks import GuidedTask, HoldTask, LandTask, ReturnTask, TakeoffTask, Task, stopping_place
 from vehicle_sim.geodesy import ned_offset_m
 from vehicle_sim.parameters import Action, FenceType, Flavour, FlightSettings
-from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, PartialVector, Setpoint, Vector
+from vehicle_sim.signals import FREE, CameraOrder, Estimate, Guidance, Limits, PartialVector, Setpoint, Vector
 
 _ALIGNS_ABOVE_M: Final = 2.5
 """Height from which the iron in the ground disturbs no compass: EKF3_MAG_FINAL_RESET_ALT."""
@@ -50,7 +50,7 @@ class Machine(State):
 
     def configure(self, settings: FlightSettings) -> None:
         """Go by other settings from now on, in what is flown as in what is asked next."""
-        self.settings = settings
+        self.settings, self._limits = settings, settings.limits()
         self.pilot.hand = settings.hand
         self.guard.configure(settings)
         self._task.configure(settings)
@@ -333,7 +333,7 @@ class Machine(State):
 
     def _refresh(self) -> None:
         """Make the guidance of the present task."""
-        task, speeds, limits = self._task, self._speeds, self.settings.limits()
+        task, speeds, limits = self._task, self._speeds, self._limits
         self.slowed = False
         if self._looked_at is not None and self._estimate.origin is not None:
             place = ned_offset_m(self._estimate.origin, self._looked_at)
@@ -349,14 +349,14 @@ class Machine(State):
             setpoint = within_fence(setpoint, self._estimate, settings, self.guard.fence, self._home_ned_m)
             self.slowed = setpoint is not task.setpoint
             speed, acceleration = settings.setpoint_speed_m_s, settings.setpoint_acceleration_m_s2
-        speed = task.speed_m_s or speed
-        self.guidance = Guidance(
-            setpoint,
-            limits._replace(
-                speed_m_s=speeds.get(SpeedAxis.HORIZONTAL, speed),
-                acceleration_m_s2=acceleration,
-                climb_m_s=speeds.get(SpeedAxis.UP, task.climb_m_s or limits.climb_m_s),
-                descent_m_s=speeds.get(SpeedAxis.DOWN, task.descent_m_s or limits.descent_m_s),
-                yaw_rate_rad_s=min(limits.yaw_rate_rad_s, self._yaw_rate_rad_s, task.yaw_rate_rad_s),
-            ),
+        limits = Limits(
+            speeds.get(SpeedAxis.HORIZONTAL, task.speed_m_s or speed),
+            speeds.get(SpeedAxis.UP, task.climb_m_s or limits.climb_m_s),
+            speeds.get(SpeedAxis.DOWN, task.descent_m_s or limits.descent_m_s),
+            acceleration,
+            limits.braking_m_s2,
+            limits.vertical_acceleration_m_s2,
+            limits.tilt_rad,
+            min(limits.yaw_rate_rad_s, self._yaw_rate_rad_s, task.yaw_rate_rad_s),
         )
+        self.guidance = Guidance(setpoint, limits)

@@ -66,7 +66,7 @@ class State:
         self.mission = Mission(self.flavour)
         self.texts: deque[StatusText] = deque(texts.BOOTED[flavour], maxlen=_MOST_TEXTS)
         self.camera_orders: deque[CameraOrder] = deque(maxlen=_MOST_TEXTS)
-        self.settings = settings
+        self.settings, self._limits = settings, settings.limits()
         self._battery = battery
         self._estimate = estimate
         self._now_s = 0.0
@@ -98,7 +98,7 @@ class State:
         self.path = FlownPath()
         self._task: Task = LevelTask(estimate)
         self.slowed = False
-        self.guidance = Guidance(None, self.settings.limits())
+        self.guidance = Guidance(None, self._limits)
 
     # What can be seen from outside.
 

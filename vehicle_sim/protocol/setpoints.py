@@ -6,7 +6,7 @@ its bit is set or its value is not a number, and says what it cannot do. After A
 PX4 `mavlink_receiver.cpp`.
 """
 
-from math import cos, isfinite, isnan, sin
+from math import cos, isnan, sin
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from vehicle_sim.autopilot import Mode, Severity
@@ -158,16 +158,16 @@ class SetpointService:
         yaw_rate_rad_s: float | None,
     ) -> None:
         """Hand a setpoint to the autopilot; one with a component that is no number is dropped, the last one holds."""
-        asked = (*position, *velocity, *acceleration, yaw_rad, yaw_rate_rad_s)
-        if not all(value is None or isfinite(value) for value in asked):
+        try:
+            setpoint = Setpoint(
+                position_ned_m=position,
+                velocity_ned_m_s=velocity,
+                acceleration_ned_m_s2=acceleration,
+                yaw_rad=yaw_rad,
+                yaw_rate_rad_s=yaw_rate_rad_s,
+            )
+        except ValueError:
             return
-        setpoint = Setpoint(
-            position_ned_m=position,
-            velocity_ned_m_s=velocity,
-            acceleration_ned_m_s2=acceleration,
-            yaw_rad=yaw_rad,
-            yaw_rate_rad_s=yaw_rate_rad_s,
-        )
         self._host.vehicle.autopilot.setpoint(setpoint)
 
     def _stop(self) -> None:
