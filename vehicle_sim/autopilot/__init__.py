@@ -3,16 +3,7 @@
 from vehicle_sim.autopilot.arming import ArmingFault, ArmingReason
 from vehicle_sim.autopilot.mission import Mission, News, Progress
 from vehicle_sim.autopilot.mission_items import Command, Datum, MissionItem, Place, SpeedAxis
-from vehicle_sim.autopilot.modes import (
-    MODES,
-    Failsafe,
-    LandedState,
-    Mode,
-    ModeRule,
-    Outcome,
-    Severity,
-    StatusText,
-)
+from vehicle_sim.autopilot.modes import MODES, Failsafe, LandedState, Mode, ModeRule, Outcome, Severity, StatusText
 from vehicle_sim.autopilot.requests import Autopilot
 
 __all__ = [

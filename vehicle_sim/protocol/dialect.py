@@ -10,15 +10,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 
 from vehicle_sim.protocol.data_files import data_file
 
-__all__ = [
-    "AUTOPILOT_COMPONENT",
-    "LAST_V1_ID",
-    "MAGIC_V1",
-    "MAGIC_V2",
-    "V1_PAYLOAD_LENGTHS",
-    "Message",
-    "mavlink",
-]
+__all__ = ["AUTOPILOT_COMPONENT", "LAST_V1_ID", "MAGIC_V1", "MAGIC_V2", "V1_PAYLOAD_LENGTHS", "Message", "mavlink"]
 
 Message: TypeAlias = mavlink.MAVLink_message
 

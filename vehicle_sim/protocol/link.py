@@ -18,7 +18,7 @@ from vehicle_sim.protocol.dialect import (
     Message,
     mavlink,
 )
-from vehicle_sim.protocol.framing import frame_of
+from vehicle_sim.protocol.framing import frame_of, message_of
 from vehicle_sim.protocol.policy import SigningPolicy
 from vehicle_sim.protocol.signing import SIGNATURE_LENGTH, SIGNED_FLAG, Signer
 from vehicle_sim.protocol.streams import StreamSchedule
@@ -143,7 +143,7 @@ class Link:
         if self.checks_signatures and not is_signed and self.signing is SigningPolicy.REQUIRED:
             return None  # not even RADIO_STATUS, which may be excepted: nothing here makes use of it
         try:
-            message = self._reader.decode(frame)
+            message = message_of(frame, self._reader)
         except mavlink.MAVError:
             return None
         if is_signed and self.checks_signatures and not self._signer.accepts(frame):

@@ -1,4 +1,4 @@
-"""Frames packed here are those that pymavlink packs, byte for byte."""
+"""Frames packed here are those that pymavlink packs, byte for byte, and are read as it reads them."""
 
 import pytest
 from hypothesis import given
@@ -9,7 +9,7 @@ from tests.support.drawn_cases import tried
 from tests.support.station import Station, endpoint_of
 from vehicle_sim.parameters import Flavour
 from vehicle_sim.protocol.dialect import Message
-from vehicle_sim.protocol.framing import frame_of
+from vehicle_sim.protocol.framing import frame_of, message_of
 from vehicle_sim.protocol.telemetry import BUILDERS
 
 
@@ -52,7 +52,21 @@ _MESSAGES = st.one_of(
 @tried(300)
 @given(message=_MESSAGES, sequence=_BYTE)
 def test_any_values(message: Message, sequence: int) -> None:
-    assert frame_of(message, mav_of(sequence)) == message.pack(mav_of(sequence))
+    frame, reader = frame_of(message, mav_of(sequence)), mav_of()
+    assert frame == message.pack(mav_of(sequence))
+    read, expected = message_of(bytearray(frame), reader), reader.decode(bytearray(frame))
+    assert type(read) is type(expected)
+    assert vars(read.get_header()) == vars(expected.get_header())
+    assert bytes(read.get_msgbuf()) == frame == read.pack(mav_of(sequence))
+
+
+@tried(50)
+@given(message=_MESSAGES, at=st.integers(1, 300), change=st.integers(1, 255))
+def test_a_byte_that_was_changed_on_the_way(message: Message, at: int, change: int) -> None:
+    frame = bytearray(frame_of(message, mav_of()))
+    frame[10 + at % (len(frame) - 10)] ^= change  # behind its length and number
+    with pytest.raises(mavlink.MAVError):
+        message_of(frame, mav_of())
 
 
 def test_a_message_of_nothing_but_zeros_keeps_one_byte() -> None:
