@@ -15,11 +15,10 @@ from mission.plan import FlightPlan
 from mission.report.coverage import covered_again
 from mission.report.reading import GAP, Record, Visit
 from mission.report.replay import judged_again
-from mission.report.tracking import distances_m, flown_by_field, tracking_of
+from mission.report.tracking import flown_by_field, nearest_to, tracking_of
 from mission.spec.clearances import clearances_by_name
 from mission.spec.model import FIELD
 from mission.spec.moving import motions_by_name
-from mission.spec.restricted import restricted_as_drawn
 from mission.spec.tasks import task_text
 
 
@@ -119,7 +118,7 @@ def _flown(plan: FlightPlan, record: Record) -> dict[str, Any]:
         "largest_error_per_axis_m": _largest(np.abs(tracking.error_m).ravel()),
         "largest_velocity_error_per_axis_m_s": _largest(np.abs(tracking.velocity_error_m_s).ravel()),
         "rms_error_m": float(np.sqrt(np.mean(distance**2))) if tracked else None,
-        "distance_to_restricted_m": distances_m(record, restricted_as_drawn(plan.spec, plan.partition, plan.labelling)),
+        "distance_to_restricted_m": {name: metres for name, (_, metres) in nearest_to(plan, record).items()},
         "charge_percent": [each.percent for each in (*record.charges[:1], *record.charges[-1:])] or None,
         "judged": _judged(plan, record),
         "word": [

@@ -1,6 +1,5 @@
 """What follows from a record: how well the trajectory was tracked, and how close to restricted regions it came."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,7 +10,10 @@ from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.arrays import FloatArray
 from mission.monitor.stage import Stage
+from mission.plan import FlightPlan
+from mission.report.moving import clock_s, drifting, nearest
 from mission.report.reading import Record, Track
+from mission.spec.restricted import restricted_as_drawn
 
 _OF_NEITHER: Final = 0.5
 
@@ -148,14 +150,26 @@ def flown_line(record: Record) -> BaseGeometry | None:
     return shapely.LineString(positions) if len(positions) > 1 else shapely.Point(positions[0])
 
 
-def distances_m(record: Record, shapes: Mapping[str, BaseGeometry]) -> dict[str, float]:
-    """Smallest distance of the line through the reported positions to each shape; 0 where it meets it.
+def nearest_to(plan: FlightPlan, record: Record) -> dict[str, tuple[FloatArray, float]]:
+    """Where the line through the reported positions was nearest to each restricted region, and how near; 0 in it.
 
-    Empty where fewer than one position was reported.
+    What moves is where it was at the time. Empty where no position was reported.
+
+    Returns:
+        By the names of the regions the two ends of the shortest line, shape (2, 2), and its length.
     """
-    line = flown_line(record)
+    line, moves = flown_line(record), drifting(plan)
     if line is None:
         return {}
-    # Where the vehicle stood still, older versions of GEOS divide 0 by 0 in passing.
-    with np.errstate(invalid="ignore"):
-        return {name: float(shapely.distance(line, shape)) for name, shape in shapes.items()}
+    known = np.isfinite(record.track.position_m[:, :2]).all(axis=1) & np.isfinite(record.track.t_s)
+    clocks_s, points = clock_s(record, record.track.t_s[known]), record.track.position_m[known, :2]
+    found = {}
+    for name, shape in restricted_as_drawn(plan.spec, plan.partition, plan.labelling).items():
+        if name in moves and len(points):
+            found[name] = nearest(plan, name, shape, clocks_s, points)
+            continue
+        # Where the vehicle stood still, older versions of GEOS divide 0 by 0 in passing.
+        with np.errstate(invalid="ignore"):
+            ends = shapely.get_coordinates(shapely.shortest_line(line, shape))
+            found[name] = ends, float(shapely.distance(line, shape))
+    return found

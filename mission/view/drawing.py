@@ -8,21 +8,23 @@ from bokeh.document import Document
 from bokeh.models import Circle, ColumnDataSource, MultiLine, Range1d, Ray, Scatter, Segment, Text
 from bokeh.plotting import figure
 
-from mission.geometry.arrays import FloatArray
+from mission.geometry.arrays import FloatArray, IntArray
 from mission.plan import FlightPlan
 from mission.plan.definitions import fields_of_run
 from mission.printable import printable
 from mission.report.figures.automaton import ACCEPTING_FILL, shown_part
 from mission.report.figures.automaton_layout import DISC_PT, Arrangement, Part
 from mission.report.interactive.chart_map import FLOWN_LABEL, layer_colours, map_of
+from mission.report.interactive.embedding import moving_of
 from mission.report.interactive.of_flight import scene_of
-from mission.report.interactive.scene import Flown
+from mission.report.interactive.scene import Flown, Scene
 from mission.report.interactive.sources import cursor_source, flown_source
 from mission.report.palette import BLACK, BLUE, FLOWN, MESH, QUIET, VERMILLION, WHITE, YELLOW
 
 MAP_ID: Final = "map"
 AUTOMATON_ID: Final = "automaton"
-_MESH_LABEL, _FIELDS_LABEL, _MOVED_LABEL = "triangles", "fields of the run", "what moves, where it is"
+_MESH_LABEL, _FIELDS_LABEL = "triangles", "fields of the run"
+_MESH: Final = "mesh"
 _PX_A_PT: Final = 4.0 / 3.0
 _MARGIN_PT: Final = 10.0
 _RIM_PT: Final = 4.0
@@ -34,8 +36,8 @@ _ARROWS_ACROSS: Final = 36
 def figures(plan: FlightPlan) -> dict[str, Any]:
     """Both figures as JSON values, what can be switched on the map, and where the states of the automaton stand.
 
-    The sources ``flown`` (t, x, y), ``cursor`` (t, x, y, angle), ``present`` (x, y) and ``moved`` (xs, ys) are for the
-    page to fill. Where something moves, the map is that of the beginning, but for the outlines that ``moved`` has.
+    The sources ``flown`` (t, x, y), ``cursor`` (t, x, y, angle) and ``present`` (x, y) are for the page to fill; where
+    something moves, those that ``moving`` has the columns of are for it to change.
     """
     scene = scene_of(plan, None)
     nowhere = Flown(np.empty(0), np.empty((0, 2)), {})
@@ -44,10 +46,9 @@ def figures(plan: FlightPlan) -> dict[str, Any]:
     ground = map_of(scene, flown, cursor)
     paths = ground.renderers[1:]
     _draw_mesh(ground, plan)
-    _draw_fields(ground, plan)
+    if plan.moving is None:
+        _draw_fields(ground, plan)
     ground.renderers = [*ground.renderers[:1], *ground.renderers[1 + len(paths) :], *paths]  # between land and the rest
-    moved = ColumnDataSource({"xs": [], "ys": []}, name="moved")
-    ground.add_glyph(moved, MultiLine(line_color=VERMILLION, line_width=2.5), name=_MOVED_LABEL)
     nose = Ray(length=_NOSE_PX, length_units="screen", angle="angle", line_color=VERMILLION, line_width=5)
     ground.add_glyph(cursor, nose, level="overlay")
     part, arrangement = shown_part(plan)
@@ -60,8 +61,9 @@ def figures(plan: FlightPlan) -> dict[str, Any]:
         "documents": {"page": document.to_json(deferred=False)},
         "items": [{"docid": "page", "roots": roots, "root_ids": [*roots]}],
         "layers": layer_colours(scene)
-        | {FLOWN_LABEL: FLOWN, _MESH_LABEL: MESH, _FIELDS_LABEL: QUIET}
-        | ({} if plan.moving is None else {_MOVED_LABEL: VERMILLION}),
+        | {FLOWN_LABEL: FLOWN, _MESH_LABEL: MESH}
+        | ({_FIELDS_LABEL: QUIET} if plan.moving is None else {}),
+        **({"moving": moving} if (moving := _moving(plan, scene)) else {}),
         "states": dict(zip(map(str, part.states), arrangement.nodes.round(1).tolist(), strict=True)),
         "key": [printable(line) for line in (*part.key, *part.note.splitlines())],
     }
@@ -69,11 +71,28 @@ def figures(plan: FlightPlan) -> dict[str, Any]:
 
 def _draw_mesh(ground: figure, plan: FlightPlan) -> None:
     """Each edge once, as one broken line, behind all else."""
-    triangles = plan.partition.triangles
-    pairs = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    ends = plan.partition.vertices_m[np.unique(pairs, axis=0)]
+    ends = plan.partition.vertices_m[_edges(plan)]
     source = _segments(ends[:, 0], ends[:, 1])
+    source.name = _MESH
     ground.add_glyph(source, Segment(line_color=MESH, line_width=0.7), name=_MESH_LABEL)
+
+
+def _edges(plan: FlightPlan) -> IntArray:
+    """The ends of each edge of the mesh once, shape (E, 2)."""
+    pairs = np.sort(plan.partition.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    return np.unique(pairs, axis=0)
+
+
+def _moving(plan: FlightPlan, scene: Scene) -> dict[str, Any]:
+    """What moves, the mesh included; empty where nothing does."""
+    told = moving_of(scene)
+    if plan.moving is None:
+        return {}
+    edges, frames = _edges(plan), []
+    for time_s in scene.instants_s:
+        (x0, y0), (x1, y1) = plan.moving.vertices_at(time_s)[edges].round(3).transpose(1, 2, 0).tolist()
+        frames.append({"x0": x0, "y0": y0, "x1": x1, "y1": y1})
+    return {"times": [*scene.instants_s], "sources": {**told.get("sources", {}), _MESH: frames}}
 
 
 def _draw_fields(ground: figure, plan: FlightPlan) -> None:

@@ -5,16 +5,12 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any, Final
 
-import shapely
-
 from mission.fly.result import Progress
-from mission.geometry.regions import union_of
 from mission.logic.automata.automaton import BuchiAutomaton
 from mission.monitor.stage import Stage
 from mission.monitor.verdict import Verdict
 from mission.plan import FlightPlan
 from mission.printable import printable
-from mission.report.moving import drifting
 
 Moment = Mapping[str, Any]
 """As ``Narrator.moment`` makes it; what is not known is None."""
@@ -42,10 +38,10 @@ class Narrator:
     def moment(self, now: Progress) -> Moment:
         """The values of a moment, all of them for JSON.
 
-        ``t`` s of the vehicle, ``x`` and ``y`` m, ``heading`` degrees clockwise from north, ``height`` m, ``speed``
-        m/s, ``error`` m, ``battery`` per cent, ``near`` m from the restricted region ``nearest``, ``left`` s,
-        ``states`` of the shown automaton of the ``plan`` with this number; ``doing``, ``still``, ``ahead`` are words;
-        ``moved`` are the outlines of regions that move, where they are.
+        ``t`` s of the vehicle, ``clock`` s since the trajectory began, by which regions move, ``x`` and ``y`` m,
+        ``heading`` degrees clockwise from north, ``height`` m, ``speed`` m/s, ``error`` m, ``battery`` per cent,
+        ``near`` m from the restricted region ``nearest``, ``left`` s, ``states`` of the shown automaton of the ``plan``
+        with this number; ``doing``, ``still``, ``ahead`` are words.
         """
         if now.plan is not None and now.plan is not self.plan:
             self.plans.append(now.plan)
@@ -57,6 +53,7 @@ class Narrator:
         nearest, near_m = now.nearest or (None, None)
         return {
             "t": _rounded(now.t_s, 2),
+            "clock": _rounded(now.since_s, 2),
             "x": _rounded(east, 3),
             "y": _rounded(north, 3),
             "heading": _rounded(None if now.heading_rad is None else math.degrees(now.heading_rad) % 360.0, 1),
@@ -72,7 +69,6 @@ class Narrator:
             "still": printable(still(now, self.plan)),
             "ahead": printable(" → ".join(_ahead(now, self.plan)[:8])),
             "plan": len(self.plans),
-            "moved": _moved(self.plan, now.since_s),
         }
 
 
@@ -140,16 +136,3 @@ def _after(automaton: BuchiAutomaton, states: frozenset[int], letter: frozenset[
 def _rounded(value: float | None, digits: int) -> float | None:
     """A value for JSON, which knows no infinity."""
     return None if value is None or not math.isfinite(value) else round(float(value), digits)
-
-
-def _moved(plan: FlightPlan, since_s: float) -> dict[str, list[list[float]]]:
-    """The outlines of the regions that move, so long after the trajectory began, for a glyph of several lines."""
-    if plan.moving is None:
-        return {"xs": [], "ys": []}
-    then = plan.moving.at(since_s)
-    outlines = [
-        shapely.get_coordinates(ring).round(2)
-        for name in drifting(plan)
-        for ring in shapely.get_rings(union_of(then, plan.labelling.triangles_of(name)))
-    ]
-    return {"xs": [ring[:, 0].tolist() for ring in outlines], "ys": [ring[:, 1].tolist() for ring in outlines]}

@@ -38,9 +38,9 @@
     // A screen's angle runs counter-clockwise from the east.
     const angle = now.heading === null ? NaN : (90 - now.heading) * Math.PI / 180;
     drawn.cursor.data = known ? {t: [now.t], x: [now.x], y: [now.y], angle: [angle]} : {t: [], x: [], y: [], angle: []};
+    MissionMotion.show(drawn.told.moving, drawn.doc, now.clock);
     const places = now.states.map((each) => drawn.told.states[each]).filter((each) => each !== undefined);
     drawn.present.data = {x: places.map(([x]) => x), y: places.map(([, y]) => y)};
-    drawn.moved.data = now.moved;
   }
 
   function drawPath() {
@@ -120,7 +120,7 @@
     if (shownPlan !== plan) return;
     const [doc] = Bokeh.documents.slice(-1);
     const model = (name) => doc.get_model_by_name(name);
-    drawn = {told, flown: model("flown"), cursor: model("cursor"), present: model("present"), moved: model("moved")};
+    drawn = {told, doc, flown: model("flown"), cursor: model("cursor"), present: model("present")};
     addSwitches(told.layers, doc);
     byId("key").replaceChildren(...told.key.map((words) => {
       const line = document.createElement("li");

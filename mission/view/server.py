@@ -21,6 +21,7 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 from mission.fly.requests import Request
 from mission.fly.result import Progress
 from mission.plan import FlightPlan
+from mission.report.interactive.embedding import moving_script
 from mission.view.drawing import figures
 from mission.view.feed import Feed
 from mission.view.guard import Guard
@@ -125,12 +126,13 @@ class PageServer:
         about = {"guard": self._guard}
         texts: dict[str, Callable[[], str]] = {
             "": lambda: page(self._show.narrator.plans[0], self._shown, live=self._live),
+            "moving.js": moving_script,
             "page.js": lambda: asset("page.js"),
             "page.css": lambda: asset("page.css"),
             "bokeh.js": lambda: "\n".join(Resources(mode="inline", components=["bokeh"]).js_raw),
         }
         routes: list[Any] = [
-            (r"/([^/]+)/(|page\.js|page\.css|bokeh\.js)", _Text, about | {"texts": texts}),
+            (r"/([^/]+)/(|moving\.js|page\.js|page\.css|bokeh\.js)", _Text, about | {"texts": texts}),
             (r"/([^/]+)/figures", _Figures, about | {"drawn": self._figures}),
             (r"/([^/]+)/moments", _Moments, about | {"pages": self._pages, "all_so_far": lambda: self._show.all}),
         ]

@@ -47,7 +47,7 @@ from mission.report.palette import (
     WHITE,
 )
 from mission.spec.areas import Ground, boundary_ground, region_ground
-from mission.spec.model import BoundaryDomain, Region, RegionKind
+from mission.spec.model import BoundaryDomain, RegionKind
 from mission.spec.windows import window_text
 
 WIDTH_PT = 620.0
@@ -104,7 +104,10 @@ class Chart:
     @cached_property
     def titles(self) -> dict[str, str]:
         """The name of each region, and when it is there if that is for a time only, or how it moves."""
-        return {region.name: _title(region) for region in self.plan.spec.regions}
+        texts = {region.name: window_text(region) for region in self.plan.spec.regions}
+        moves = {region.name: region.motion.text for region in self.plan.spec.regions if region.motion is not None}
+        told = {name: f"{name} ({text})" if text else name for name, text in texts.items()}
+        return told | {name: f"{name}\n{in_width(text, _NARROW_EM)}" for name, text in moves.items()}
 
     @cached_property
     def shapes(self) -> dict[str, BaseGeometry]:
@@ -120,8 +123,11 @@ class Chart:
         return polygonal(shapely.intersection(drawn, self.land))
 
     @cached_property
-    def margins(self) -> list[tuple[str, BaseGeometry, BaseGeometry]]:
-        """Colour of each clearance, the ground between the outline and where it ends, and the line where it ends."""
+    def margins(self) -> list[tuple[str, str, BaseGeometry, BaseGeometry]]:
+        """Of each clearance whose it is, its colour, the ground up to where it ends, and the line where it ends.
+
+        That of the boundary has no name.
+        """
         of_regions = [(name, KIND_COLOUR[self.kinds[name]], ground) for name, ground in self.grounds.items()]
         bounds = [] if self.fence is None else [("", BLACK, self.fence)]
         found = []
@@ -129,7 +135,7 @@ class Chart:
             drawn, kept = (shape_at(self.plan, name, each, self.time_s or 0.0) for each in (ground.drawn, ground.kept))
             more = polygonal(shapely.intersection(shapely.symmetric_difference(drawn, kept), self.land))
             if ground.clearance_m > 0.0 and not more.is_empty:
-                found.append((colour, more, shapely.intersection(kept.boundary, self.land)))
+                found.append((name, colour, more, shapely.intersection(kept.boundary, self.land)))
         return found
 
     @cached_property
@@ -232,7 +238,7 @@ class Chart:
                 )
             )
         axes.add_patch(PathPatch(outline_of(self.land), facecolor="none", edgecolor=BLACK, linewidth=1.2, zorder=1.6))
-        for colour, ground, rim in self.margins:
+        for _, colour, ground, rim in self.margins:
             axes.add_patch(
                 PathPatch(
                     outline_of(ground), facecolor=colour, alpha=MARGIN_ALPHA, linewidth=0, zorder=0.6, gid="margin"
@@ -371,13 +377,6 @@ def _rows(handles: list[Artist], width_pt: float) -> list[list[Artist]]:
         rows[-1].append(handle)
         used += own
     return rows
-
-
-def _title(region: Region) -> str:
-    if region.motion is not None:
-        return f"{region.name}\n{in_width(region.motion.text, _NARROW_EM)}"
-    text = window_text(region)
-    return f"{region.name} ({text})" if text else region.name
 
 
 def outline_of(shape: BaseGeometry) -> Path:

@@ -14,6 +14,7 @@ from mission.plan import FlightPlan
 from mission.report.figures.canvas import SIDE_PT, about, drawing, head_pt, new_figure, titled
 from mission.report.figures.chart import LEGEND_ROW_PT, WIDTH_PT, Chart, chart_of, draw_names, name_sizes
 from mission.report.figures.fitting import place_names
+from mission.report.moving import begun
 from mission.report.palette import BLACK, FLOWN, QUIET, SMOOTHED, WHITE
 from mission.report.reading import Record
 from mission.simulate import Simulation
@@ -61,11 +62,6 @@ def true_moments(plan: FlightPlan, simulation: Simulation) -> Figure:
     step = max(1, len(simulation.t_s) // _SAMPLES)
     way = _Way(simulation.t_s[::step], simulation.position_m[::step], FLOWN, "true trajectory")
     return _moments(plan, "The simulated flight at several moments", way)
-
-
-def begun(record: Record) -> float:
-    """When the clock of a flight's trajectory began, by which regions move; infinite where it never did."""
-    return next((visit.t_s for visit in record.visits if math.isfinite(visit.t_s)), math.inf)
 
 
 def _moments(plan: FlightPlan, title: str, way: _Way) -> Figure:

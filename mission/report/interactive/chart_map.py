@@ -33,6 +33,8 @@ _FLATTEST, _TALLEST = 2.4, 0.8
 _FRAME_SHARE = 0.88  # of the width, where the numbers of the axis take the rest
 _LABEL_SHARE = 0.02
 _FONT = "13px"
+_DIGITS = 3
+_AREA, _MARGIN, _NAMES = "area {}", "margin {}", "names"
 
 
 def map_of(scene: Scene, flown: ColumnDataSource, cursor: ColumnDataSource) -> figure:
@@ -92,6 +94,17 @@ def map_of(scene: Scene, flown: ColumnDataSource, cursor: ColumnDataSource) -> f
     return plot
 
 
+def moving_columns(scene: Scene) -> dict[str, list[dict[str, Any]]]:
+    """Of each source of a map that moves, by its name, the columns that change, at each of the scene's instants."""
+    shapes = {_AREA.format(k): area.later for k, area in enumerate(scene.areas)}
+    shapes |= {_MARGIN.format(k): margin.later for k, margin in enumerate(scene.margins)}
+    found = {name: [_rings(shape) for shape in later] for name, later in shapes.items() if later}
+    for k, _ in enumerate(scene.instants_s if found else ()):
+        x, y = np.array([_middle_at(area, scene, k) for area in scene.areas]).round(_DIGITS).T.tolist()
+        found.setdefault(_NAMES, []).append({"x": x, "y": y})
+    return found
+
+
 def layer_colours(scene: Scene) -> dict[str, str]:
     """What can be switched on a map, and the colour of each."""
     covers = {cover.label: cover.colour for cover in scene.covers}
@@ -100,10 +113,10 @@ def layer_colours(scene: Scene) -> dict[str, str]:
 
 
 def _draw_areas(plot: figure, scene: Scene) -> None:
-    for area in scene.areas:
+    for number, area in enumerate(scene.areas):
         colour, hatched = KIND_COLOUR[area.kind], area.kind is RegionKind.RESTRICTED
         plot.add_glyph(
-            _polygons(area.shape),
+            _polygons(area.shape, _AREA.format(number)),
             MultiPolygons(
                 fill_color=colour,
                 fill_alpha=FILL_ALPHA[area.kind],
@@ -114,9 +127,9 @@ def _draw_areas(plot: figure, scene: Scene) -> None:
                 hatch_alpha=0.6,
             ),
         )
-    for margin in scene.margins:
+    for number, margin in enumerate(scene.margins):
         glyph = MultiPolygons(fill_color=BLACK, fill_alpha=0.5 * MARGIN_ALPHA, line_color=QUIET, line_dash="dashed")
-        plot.add_glyph(_polygons(margin), glyph)
+        plot.add_glyph(_polygons(margin.shape, _MARGIN.format(number)), glyph)
 
 
 def _draw_nearest(plot: figure, scene: Scene) -> None:
@@ -137,7 +150,19 @@ def _draw_nearest(plot: figure, scene: Scene) -> None:
 def _draw_names(plot: figure, scene: Scene) -> None:
     places = [_middle(area, scene) for area in scene.areas]
     names = [area.name for area in scene.areas]
-    _write(plot, [(place.x, place.y) for place in places], names, {}, text_color=BLACK, text_font_size=_FONT)
+    written = [(place.x, place.y) for place in places]
+    _write(plot, written, names, {}, source=_NAMES, text_color=BLACK, text_font_size=_FONT)
+
+
+def _middle_at(area: Area, scene: Scene, instant: int) -> tuple[float, float]:
+    """Where its name stands at an instant."""
+    first = _middle(area, scene)
+    if not area.later:
+        return first.x, first.y
+    (east, north), (x, y) = (
+        shapely.get_coordinates(shape.centroid)[0] for shape in (area.later[0], area.later[instant])
+    )
+    return float(first.x + x - east), float(first.y + y - north)
 
 
 def _middle(area: Area, scene: Scene) -> shapely.Point:
@@ -154,13 +179,14 @@ def _write(
     places_m: Sequence[Sequence[float]],
     texts: Sequence[str],
     columns: Mapping[str, Sequence[Any]],
+    source: str | None = None,
     **look: str,
 ) -> None:
     """Write names on the map; texts of a glyph are drawn as they are, those of a label would be read for formulas."""
     places = {"x": [x for x, _ in places_m], "y": [y for _, y in places_m], "text": list(map(printable, texts))}
     style = {"text_align": {"value": "center"}, **look, **{name: {"field": name} for name in columns}}
     glyph = Text(**style, text_baseline="middle", background_fill_color=WHITE, background_fill_alpha=0.75, padding=1)
-    plot.add_glyph(ColumnDataSource({**places, **columns}), glyph)
+    plot.add_glyph(ColumnDataSource({**places, **columns}, name=source), glyph)
 
 
 def _columns(points_m: FloatArray) -> dict[str, Any]:
@@ -168,10 +194,14 @@ def _columns(points_m: FloatArray) -> dict[str, Any]:
     return {"x": x, "y": y}
 
 
-def _polygons(shape: BaseGeometry) -> ColumnDataSource:
+def _polygons(shape: BaseGeometry, name: str | None = None) -> ColumnDataSource:
     """A shape as one row of polygons with holes."""
+    return ColumnDataSource(_rings(shape), name=name)
+
+
+def _rings(shape: BaseGeometry) -> dict[str, Any]:
     parts = [part for part in shapely.get_parts(polygonal(shape)) if not part.is_empty]
     rings = [[ring.coords[:-1] for ring in (part.exterior, *part.interiors)] for part in parts]
-    xs = [[[round(x, 3) for x, _ in ring] for ring in part] for part in rings]
-    ys = [[[round(y, 3) for _, y in ring] for ring in part] for part in rings]
-    return ColumnDataSource({"xs": [xs], "ys": [ys]})
+    xs = [[[round(x, _DIGITS) for x, _ in ring] for ring in part] for part in rings]
+    ys = [[[round(y, _DIGITS) for _, y in ring] for ring in part] for part in rings]
+    return {"xs": [xs], "ys": [ys]}

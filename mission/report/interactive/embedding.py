@@ -11,7 +11,7 @@ from bokeh.document import Document
 from bokeh.resources import Resources
 
 from mission.printable import printable
-from mission.report.interactive.chart_map import FLOWN_LABEL, layer_colours, map_of
+from mission.report.interactive.chart_map import FLOWN_LABEL, layer_colours, map_of, moving_columns
 from mission.report.interactive.histories import histories_of, history_names
 from mission.report.interactive.scene import Band, Flown, Scene, Timeline
 from mission.report.interactive.sources import cursor_source, flown_source
@@ -30,8 +30,16 @@ _NO_SCRIPT: Final = (
 def scripts() -> str:
     """What the page runs: the library, and what links the figures."""
     library = Resources(mode="inline", components=["bokeh"]).js_raw
-    linking = files(__package__).joinpath("linking.js").read_text(encoding="utf-8")
-    return "".join(f"<script>\n{script}\n</script>\n" for script in (*library, linking))
+    return "".join(f"<script>\n{script}\n</script>\n" for script in (*library, moving_script(), _script("linking.js")))
+
+
+def moving_script() -> str:
+    """What moves on maps is shown by this."""
+    return _script("moving.js")
+
+
+def _script(name: str) -> str:
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
 def figures(scene: Scene, flight: tuple[Flown, Timeline] | None) -> str:
@@ -60,6 +68,7 @@ def figures(scene: Scene, flight: tuple[Flown, Timeline] | None) -> str:
         ],
         **_told(timeline),
         "histories": [] if flight is None else history_names(timeline),
+        **({"moving": {**moving, "begun": timeline.begun_s}} if (moving := moving_of(scene)) else {}),
     }
     histories = "" if flight is None else _histories(flown, timeline)
     parts = [
@@ -72,6 +81,12 @@ def figures(scene: Scene, flight: tuple[Flown, Timeline] | None) -> str:
         "<script>MissionPage.open();</script>",
     ]
     return "\n".join(filter(None, parts))
+
+
+def moving_of(scene: Scene) -> dict[str, Any]:
+    """What the script that shows what moves is told; empty where nothing moves."""
+    sources = moving_columns(scene)
+    return {"times": [*scene.instants_s], "sources": sources} if sources else {}
 
 
 def _histories(flown: Flown, timeline: Timeline) -> str:

@@ -52,6 +52,7 @@ const MissionPage = (() => {
       const {t, x, y} = flown.data;
       if (!(row >= 0 && row < t.length)) return;
       cursor.data = {t: [t[row]], x: [x[row]], y: [y[row]]};
+      if (told.moving !== undefined && told.moving.begun !== null) MissionMotion.show(told.moving, doc, t[row] - told.moving.begun);
       slider.value = String(row);
       here.textContent = words(told, flown.data, row);
       slider.setAttribute("aria-valuetext", here.textContent);

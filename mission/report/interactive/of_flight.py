@@ -1,11 +1,13 @@
 """What the map and the histories show of a plan and of its flight's record."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Final
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from mission.geometry.arrays import FloatArray
 from mission.geometry.shapes import polygonal
@@ -25,15 +27,17 @@ from mission.report.interactive.scene import (
     Flown,
     History,
     Layer,
+    Margin,
     Nearest,
     Scene,
     Timeline,
     Trace,
 )
+from mission.report.moving import begun, clock_s, distances_at, drifting, in_order_at, instants_s
 from mission.report.palette import BLUE, GREEN, KIND_COLOUR, LOOP, MESH, ORANGE, PLANNED, QUIET, SKY_BLUE, TUBE
 from mission.report.reading import Record
 from mission.report.summary import condensed
-from mission.report.tracking import flown_line, led_by_field, tracking_of
+from mission.report.tracking import led_by_field, nearest_to, tracking_of
 from mission.spec.model import FIELD, RegionKind
 from mission.spec.restricted import restricted_as_drawn
 
@@ -59,15 +63,25 @@ def scene_of(plan: FlightPlan, record: Record | None) -> Scene:
     """The map of a plan, and of its flight where there is one."""
     chart = chart_of(plan)
     plans = [plan, *(later.plan for later in record.later)] if record else [plan]
+    instants = instants_s(plan).tolist()
+    moves = drifting(plan)
+
+    def later(name: str, shape: BaseGeometry) -> tuple[BaseGeometry, ...]:
+        return tuple(in_order_at(plan, name, shape, time_s) for time_s in instants if name in moves)
+
     fine_m = _SIMPLER * float(np.ptp(np.reshape(chart.land.bounds, (2, 2)), axis=0).max())
     return Scene(
         land=chart.land,
-        areas=tuple(Area(chart.titles[name], chart.kinds[name], shape) for name, shape in chart.shapes.items()),
-        margins=tuple(more for _, more, _ in chart.margins),
+        areas=tuple(
+            Area(name if name in moves else chart.titles[name], chart.kinds[name], shape, later(name, shape))
+            for name, shape in chart.shapes.items()
+        ),
+        margins=tuple(Margin(more, later(name, more)) for name, _, more, _ in chart.margins),
         covers=(*_tubes(plans, fine_m), *_left_out(plan, record)),
         layers=(*_lanes(plans), *_paths(plans, fine_m), *_truth(record)),
         dots=_images(record),
         nearest=() if record is None else _nearest(plan, record),
+        instants_s=tuple(instants),
     )
 
 
@@ -87,13 +101,18 @@ def flown_of(plan: FlightPlan, record: Record) -> tuple[Flown, Timeline]:
     columns |= {_low(name): _low_passed(t_s, columns[name], constant_s) for name in _NOISY}
     rows = _thinned(t_s, columns)
     flown = Flown(t_s[rows], position[rows, :2], {name: values[rows] for name, values in columns.items()})
-    restricted = list(restricted_as_drawn(plan.spec, plan.partition, plan.labelling).values())
+    restricted = restricted_as_drawn(plan.spec, plan.partition, plan.labelling)
     if restricted:
+        clocks_s = clock_s(record, flown.t_s)
         with np.errstate(invalid="ignore"):  # of a place that is not known
-            nearness = shapely.distance(shapely.points(flown.position_m), shapely.union_all(restricted))
+            each = [distances_at(plan, name, shape, clocks_s, flown.position_m) for name, shape in restricted.items()]
+        nearness = np.min(each, axis=0)
         flown = Flown(flown.t_s, flown.position_m, {**flown.columns, "nearness": nearness})
     histories = tuple(each for each in _histories(plan, constant_s) if _is_known(each, flown))
-    return flown, Timeline(_regions(plan, record, t_s), _phases(record, t_s), histories)
+    began_s = begun(record)
+    return flown, Timeline(
+        _regions(plan, record, t_s), _phases(record, t_s), histories, began_s if math.isfinite(began_s) else None
+    )
 
 
 def _low(name: str) -> str:
@@ -303,13 +322,8 @@ def _images(record: Record | None) -> tuple[Dots, ...]:
 
 
 def _nearest(plan: FlightPlan, record: Record) -> tuple[Nearest, ...]:
-    line = flown_line(record)
-    if line is None:
-        return ()
     found = []
-    for name, shape in restricted_as_drawn(plan.spec, plan.partition, plan.labelling).items():
-        with np.errstate(invalid="ignore"):  # where the vehicle stood still, older versions of GEOS divide 0 by 0
-            ends = shapely.get_coordinates(shapely.shortest_line(line, shape))
+    for name, (ends, distance_m) in nearest_to(plan, record).items():
         (x0, y0), (x1, y1) = ends.tolist()
-        found.append(Nearest(name, (x0, y0), (x1, y1), float(np.hypot(x1 - x0, y1 - y0))))
+        found.append(Nearest(name, (x0, y0), (x1, y1), distance_m))
     return tuple(found)

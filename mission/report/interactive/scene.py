@@ -14,11 +14,27 @@ from mission.spec.model import RegionKind
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """A region as it is drawn; ``shape`` is a polygon, with holes or in several parts."""
+    """A region as it is drawn; ``shape`` is a polygon, with holes or in several parts.
+
+    Attributes:
+        name: Its name.
+        kind: What it is for.
+        shape: Where it is; where it moves, at first.
+        later: Where it is at each of the instants of the scene, its corners in the same order; empty where it stands.
+    """
 
     name: str
     kind: RegionKind
     shape: BaseGeometry
+    later: tuple[BaseGeometry, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Margin:
+    """The ground between an outline and where its clearance ends; ``later`` as of ``Area``."""
+
+    shape: BaseGeometry
+    later: tuple[BaseGeometry, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +79,27 @@ class Nearest:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """All of a map but the path that is flown."""
+    """All of a map but the path that is flown.
+
+    Attributes:
+        land: The domain.
+        areas: Its regions.
+        margins: Their clearances, and that of the domain.
+        covers: Parts of the ground.
+        layers: Lines.
+        dots: Places.
+        nearest: Where a flight was nearest to what is restricted.
+        instants_s: On the clock of the trajectory, those between which all that moves goes straight.
+    """
 
     land: BaseGeometry
     areas: tuple[Area, ...]
-    margins: tuple[BaseGeometry, ...] = ()
+    margins: tuple[Margin, ...] = ()
     covers: tuple[Cover, ...] = ()
     layers: tuple[Layer, ...] = ()
     dots: tuple[Dots, ...] = ()
     nearest: tuple[Nearest, ...] = ()
+    instants_s: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,8 +163,10 @@ class Timeline:
         regions: When the vehicle was in which of them.
         phases: What it was doing.
         histories: From top to bottom.
+        begun_s: When the clock of the trajectory began, by which regions move; None where it never did.
     """
 
     regions: tuple[Band, ...] = ()
     phases: tuple[Band, ...] = ()
     histories: tuple[History, ...] = ()
+    begun_s: float | None = None

@@ -17,6 +17,7 @@ from mission.report.reading import parse_record
 from mission.report.report import write_report
 from tests.support.chromium import chromium, logged, sized, wait
 from tests.support.drawn_plans import PAPER_TOUR, flight_of, plan_of
+from tests.support.drifting_plans import drifting_plan, drifting_record
 
 EVIL = "</script><img src=x onerror=document.title='hacked'>"
 PLACE = """
@@ -27,6 +28,7 @@ const box = view.canvas_view.el.getBoundingClientRect();
 return [box.x + view.frame.x_scale.compute(x), box.y + view.frame.y_scale.compute(y)].map(Math.round);
 """
 """Where a point of a plot is in the window."""
+TOLD = "at.dispatchEvent(new Event('input'))"
 CURSOR = "const {t, x, y} = Bokeh.documents[0].get_model_by_name('cursor').data; return [t[0], x[0], y[0]];"
 
 
@@ -146,3 +148,16 @@ def test_it_fits_a_phone_and_paper(page: Chrome) -> None:
         assert page.find_element("id", "map").is_displayed()
     finally:
         page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+def test_what_moves_is_where_it_was_at_the_moment_that_is_pointed_at(browser: Chrome, tmp_path: Path) -> None:
+    plan = drifting_plan()
+    record = drifting_record(plan)
+    write_report(plan, record, tmp_path, pictures=False)
+    browser.get((tmp_path / "report.html").as_uri())
+    wait(browser, "return document.getElementById('flight').dataset.ready === 'yes'")
+    for row in (0, 60, 300):
+        browser.execute_script(f"const at = document.getElementById('moment'); at.value = {row}; {TOLD}")
+        north_m = max(browser.execute_script("return Bokeh.documents[0].get_model_by_name('area 2').data.ys[0][0][0]"))
+        clock_s = max(0.0, record.track.t_s[row] - 12.0)
+        assert north_m == pytest.approx(28.0 + min(10.0, 0.5 * clock_s), abs=1e-2)

@@ -19,7 +19,7 @@ from mission.report.page import page
 from mission.report.reading import Track, Visit, parse_record
 from mission.report.report import write_report
 from mission.report.summary import condensed, summary
-from mission.report.tracking import distances_m, tracking_of
+from mission.report.tracking import nearest_to, tracking_of
 from tests.support.drawn_plans import PAPER_TOUR, SURVEY_TOUR, Tour, flight_of, plan_of, record_of
 from tests.support.timed_missions import timed_plan
 
@@ -121,7 +121,7 @@ def test_a_line_through_a_restricted_region_between_two_reports_is_at_no_distanc
     flown = summary(plan, replace(record, track=track))["flown"]
     assert flown["distance_to_restricted_m"] == {"K1": 0.0}
     empty = replace(record, track=replace(record.track, position_m=np.full((2, 3), np.nan)))
-    assert distances_m(empty, {}) == {}
+    assert nearest_to(plan, empty) == {}
 
 
 def test_attitudes_accelerate_where_a_multicopter_goes() -> None:

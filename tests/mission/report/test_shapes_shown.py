@@ -54,7 +54,7 @@ def test_maps_show_outlines_as_they_are_drawn_and_where_clearances_end() -> None
     assert len(patches["region:rows"].get_path().to_polygons()) == 3
     assert to_hex(patches["region:lawn"].get_edgecolor()).upper() == KIND_COLOUR[RegionKind.AREA]
     assert len(set(KIND_COLOUR.values())) == len(RegionKind)
-    margins = {colour: (ground, rim) for colour, ground, rim in chart.margins}
+    margins = {colour: (ground, rim) for _, colour, ground, rim in chart.margins}
     assert set(margins) == {"#000000", KIND_COLOUR[RegionKind.HOME], KIND_COLOUR[RegionKind.RESTRICTED]}
     ground, rim = margins[KIND_COLOUR[RegionKind.RESTRICTED]]
     assert shapely.distance(rim, chart.shapes["pond"]) == pytest.approx(2.0, rel=1e-3)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from selenium.webdriver import Chrome
 from selenium.webdriver.common.by import By
@@ -12,12 +13,15 @@ from mission.view.replaying import planned
 from mission.view.server import PageServer
 from tests.support.chromium import chromium, logged, sized, wait
 from tests.support.drawn_plans import PAPER_TOUR, SURVEY_TOUR, plan_of
+from tests.support.drifting_plans import drifting_plan
 
 EVIL = "</script><img src=x onerror=document.title='hacked'>"
 PLAN = replace(plan_of(PAPER_TOUR), spec=replace(plan_of(PAPER_TOUR).spec, name=EVIL))
 MOMENTS = [*planned(PLAN)][::150]
 PRESENT = "return Bokeh.documents[0].get_model_by_name('present').data.x.length"
 CURSOR = "const {x, y} = Bokeh.documents[0].get_model_by_name('cursor').data; return [x[0], y[0]]"
+MODEL = "const {y0, ys} = Bokeh.documents[0].get_model_by_name"
+TOLD = "at.dispatchEvent(new Event('input'))"
 FLOWN = "return Bokeh.documents[0].get_model_by_name('flown').data.x.length"
 
 
@@ -117,3 +121,21 @@ def test_each_plan_of_a_flight_is_drawn_for_its_own_moments(browser: Chrome) -> 
             count = plan.shown_automaton.size
             wait(browser, f"return {states}?.some((data) => data.fill?.length === {count})")
             wait(browser, PRESENT)
+
+
+def test_what_moves_and_its_triangles_are_where_they_are_at_each_moment(browser: Chrome) -> None:
+    plan = drifting_plan()
+    assert plan.moving is not None
+    moments = [*planned(plan)][::150]
+    with PageServer(plan, "the flight of then", moments) as server:
+        opened(browser, server)
+        wait(browser, f"{FLOWN} === {len(moments)}")
+        for row in (0, 2, len(moments) - 1):
+            browser.execute_script(f"const at = document.getElementById('moment'); at.value = {row}; {TOLD}")
+            edges = browser.execute_script(f"{MODEL}('mesh').data; return y0.reduce((a, b) => a + b)")
+            clock_s = moments[row].since_s
+            vertices = plan.moving.vertices_at(clock_s)
+            pairs = np.unique(np.sort(plan.partition.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
+            assert edges == pytest.approx(vertices[pairs[:, 0], 1].sum(), abs=0.5)
+            top = browser.execute_script(f"{MODEL}('area 2').data; return Math.max(...ys[0][0][0])")
+            assert top == pytest.approx(28.0 + min(10.0, 0.5 * clock_s), abs=0.02)

@@ -19,7 +19,6 @@ from mission.view.moments import Narrator, doing, still
 from mission.view.replaying import planned, recorded
 from mission.view.show import Show
 from tests.support.drawn_plans import PAPER_TOUR, PATROL_TOUR, SURVEY_TOUR, flight_of, plan_of
-from tests.support.drifting_flights import k_at, planned_still
 
 PLAN = plan_of(PAPER_TOUR)
 
@@ -166,14 +165,3 @@ def test_a_plan_of_laps_is_shown_to_the_end_of_one() -> None:
     moments = [*planned(plan_of(PATROL_TOUR))]
     assert len(moments) == 1500
     assert moments[-1].word[-1] == {"base"}
-
-
-def test_what_moves_is_drawn_where_it_is() -> None:
-    plan = planned_still()
-    for since_s in (0.0, 5.0, 60.0):
-        moved = Narrator(plan).moment(at(plan=plan, since_s=since_s))["moved"]
-        ((east,), (north,)) = moved["xs"], moved["ys"]
-        assert k_at(plan.spec, since_s).bounds == (min(east), min(north), max(east), max(north))
-    assert Narrator(PLAN).moment(at())["moved"] == {"xs": [], "ys": []}
-    assert "what moves, where it is" in figures(plan)["layers"]
-    assert "what moves, where it is" not in figures(PLAN)["layers"]
