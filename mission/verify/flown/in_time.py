@@ -59,15 +59,16 @@ class Timing:
 
 
 def beginnings(began_s: tuple[float, float], fastest_m_s: float) -> tuple[float, ...]:
-    """Times at which a trajectory may have begun, the latest first; what moves does so little between them.
+    """Times at which a trajectory may have begun, the latest and the earliest first; little moves between them.
 
     Args:
         began_s: The earliest and the latest.
         fastest_m_s: How fast anything moves.
     """
     earliest_s, latest_s = began_s
-    more = min(_MOST_BEGINNINGS, math.ceil(fastest_m_s * (latest_s - earliest_s) / _BETWEEN_M))
-    return tuple(np.linspace(latest_s, earliest_s, 1 + more).tolist())
+    parts = min(_MOST_BEGINNINGS, math.ceil(fastest_m_s * (latest_s - earliest_s) / _BETWEEN_M))
+    latest, *between = np.linspace(latest_s, earliest_s, 1 + parts).tolist()
+    return (latest, *between[-1:], *between[:-1])
 
 
 def air_time(longest_s: float | None, aloft_s: tuple[float, float] | None) -> tuple[BoundFlown, ...]:

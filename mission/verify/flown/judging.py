@@ -130,9 +130,10 @@ def judged(
     judge, begins_s = _Judge(spec, track, plan, legs, fastest_m_s), (track.word_from_s, track.began_by_s)
     if judge.moving is None:
         return judge.judged(begins_s)
-    found = [judge.judged((t_s, t_s)) for t_s in beginnings(begins_s, judge.moving.fastest_m_s)]
-    agreed = len({each.achieved for each in found}) == 1
-    return found[0] if agreed else replace(found[0], achieved=None, reason=_UNTOLD, at_s=None, violations=())
+    latest_s, *others = beginnings(begins_s, judge.moving.fastest_m_s)
+    found = judge.judged((latest_s, latest_s))
+    agreed = all(judge.judged((t_s, t_s)).achieved is found.achieved for t_s in others)
+    return found if agreed else replace(found, achieved=None, reason=_UNTOLD, at_s=None, violations=())
 
 
 class _Judge:
