@@ -9,6 +9,7 @@ from mission.logic.formula.operators import Operator
 from mission.logic.formula.parser import parse_timed_formula
 from mission.logic.formula.syntax import postorder
 from mission.spec.finding import Finding, Path, is_clean, shortened
+from mission.spec.model import FIELD
 from mission.spec.motion import motion_fault
 
 _FORMULA: Final[Path] = ("mission", "formula")
@@ -77,6 +78,8 @@ def _of_what_is_asked(mission: Any, regions: Any) -> Iterator[Finding]:  # noqa:
 def _of_what_is_planned_in_flight(data: dict[str, Any]) -> Iterator[Finding]:
     """What asks for plans while the mission is flown."""
     flight, hint = data.get("flight"), "take `{}` away, or `motion`"
+    if isinstance(flight, dict) and flight.get("guidance") == FIELD:
+        return  # nothing ever is
     if isinstance(flight, dict) and flight.get("replan"):
         message = "nothing is planned anew in flight where something moves"
         yield Finding(("flight", "replan"), message, hint.format("replan"))

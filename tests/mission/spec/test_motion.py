@@ -115,3 +115,8 @@ def test_regions_that_touch_move_together_or_not_at_all() -> None:
         text.replace("mission:", "  " + touching % ", motion: {velocity_m_s: [0, 2], until_s: 20}").encode()
     )
     assert math.isclose(moving(together).last_s, 20.0)
+
+
+def test_by_the_field_a_battery_may_be_said_for_nothing_is_planned_in_flight() -> None:
+    text = drifting_text().replace("speed_m_s: 4", "guidance: field, speed_m_s: 4")
+    assert parse_mission(f"{text}battery: {{current_a: 14.5}}".encode()).battery is not None
