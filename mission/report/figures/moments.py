@@ -4,6 +4,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -28,6 +29,7 @@ _APART = 0.02
 _SAMPLES = 1200
 _TITLE_PT, _ABOVE_PT, _BETWEEN_PT, _BOTTOM_PT = 10.0, 22.0, 14.0, 30.0
 _TICKS_PT, _NAMES_PT = 9.0, (10.0, 9.0, 8.0)
+_CLEAR_PT = 6.0
 _TALL, _MOST_COLUMNS = 1.2, 3
 
 
@@ -143,7 +145,7 @@ def _draw(axes: Axes, chart: Chart, em_m: float, way: _Way) -> None:
         name_sizes(chart.shapes, {name: name for name in chart.shapes}),
         em_m=em_m,
         sizes_pt=_NAMES_PT,
-        obstacles=[],
+        obstacles=[*shapely.buffer(shapely.points(here), _CLEAR_PT * em_m)],
         frame=chart.frame,
     )
     draw_names(axes, placed)
