@@ -219,7 +219,7 @@ def _path(plan: Written) -> Verdict:
         return "the lap of `path` does not close", ""
     if len(points) > 1 and shapely.intersects(plan.ground.closed, shapely.linestrings(points)):
         return "`path` meets what must not be entered", ""
-    return None, f"{count(len(points), 'corner')}{'' if plan.moving is None else ', beside what moves'}"
+    return None, f"{count(len(points), 'corner')}{'' if plan.moving is None else ', clear of what stands'}"
 
 
 def _curve(plan: Written) -> Verdict:
