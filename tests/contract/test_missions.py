@@ -83,6 +83,9 @@ def check_run(plan: FlightPlan) -> None:
         # The tip of a way that turns back at a rest lies at a joint.
         times_s = [np.union1d(np.linspace(0.0, leg.duration_s, 20_001), JoinedCurve((leg,)).joints_s) for leg in flown]
         points = np.concatenate([leg.position(at_s) for leg, at_s in zip(flown, times_s, strict=True)])
+        if plan.moving is not None:
+            moments_s = np.arange(0.0, plan.trajectory.duration_s, 0.01)
+            points = plan.moving.pulled_back(moments_s, plan.trajectory.position(moments_s))
         assert shapely.distance(shapely.polygons(corners[states]), shapely.linestrings(points)).max() < 1e-3
         passed, read = iter(states), iter([plan.labelling.label(state) for state in states])
         assert all(triangle in passed for triangle, _ in groupby(plan.locator.triangle_at(points).tolist()))
@@ -98,7 +101,10 @@ def check_plan(plan: FlightPlan) -> None:
     assert not plan.restricted[list(plan.run.states)].any()
     speeds = np.linalg.norm(plan.trajectory.velocity(np.linspace(0.0, plan.trajectory.duration_s, 2000)), axis=1)
     assert speeds.max() <= plan.spec.limits.speed_m_s * (1.0 + 1e-9)
-    places = plan.curve.position([s for s, _ in plan.stops] or [0.0])
+    stopped = [s for s, _ in plan.stops] or [0.0]
+    places = plan.curve.position(stopped)
+    if plan.moving is not None:
+        places = plan.moving.pulled_back(plan.trajectory.time_at(stopped), places)
     loiters = {region.name: region.loiter_s for region in plan.spec.regions if region.loiter_s > 0.0}
     for triangle, (_, seconds) in zip(plan.locator.triangle_at(places).tolist(), plan.stops, strict=False):
         assert seconds in {loiters.get(name) for name in plan.labelling.label(triangle)}
