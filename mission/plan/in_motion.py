@@ -37,7 +37,9 @@ from mission.steering.trajectory import Trajectory
 
 _ROUNDS: Final = 16
 _MOST_WAITS: Final = 40
-_AROUND_S: Final = 0.5
+_LATE_S: Final = 1.0
+"""By how much a flight may be late, at any time, and still is proved to do what is asked for."""
+_AROUND_S: Final = 1.5
 """For how much longer, before and after, what is in the way is taken to be there, and what is gone to."""
 _SAMPLE_S: Final = 0.02
 _STANDS_STILL: Final = "is made for a map that stands still; take `motion` away, or"
@@ -178,7 +180,7 @@ class _Seeker:
         spec, partition, labelling = self.map.spec, self.partition, self.map.labelling
         restricted = restricted_triangles(spec, labelling)
         required = of_mission(spec, labelling.letters, [task.number for task in still.dropped])
-        touched = MovingTouched(self.map.moving, restricted, spec.flight.tube_m, followed(trajectory))
+        touched = MovingTouched(self.map.moving, restricted, spec.flight.tube_m, followed(trajectory, _LATE_S))
         refutation = compile_to_alphabet(required.refutation, labelling.letters)
         prover = prover_of(spec, partition, labelling, refutation, restricted, touched=touched)
         return replace(

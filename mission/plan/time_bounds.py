@@ -81,11 +81,16 @@ class TimeBound:
         return {"formula": str(self.formula), "margin_s": self.margin_s if math.isfinite(self.margin_s) else None}
 
 
-def followed(trajectory: Trajectory) -> Timing:
-    """From when to when a flight that keeps to the clock of its trajectory may be on a part of its curve."""
+def followed(trajectory: Trajectory, late_s: float = 0.0) -> Timing:
+    """From when to when a flight that keeps to the clock of its trajectory, or is late, may be on a part of its curve.
+
+    Args:
+        trajectory: What is flown.
+        late_s: By how much it may be late at any time.
+    """
 
     def between(begins: FloatArray, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
-        last_s = trajectory.time_at(ends, leaving=True) + FOLLOWED_S
+        last_s = trajectory.time_at(ends, leaving=True) + FOLLOWED_S + late_s
         return np.maximum(0.0, trajectory.time_at(begins) - FOLLOWED_S), last_s
 
     return between
