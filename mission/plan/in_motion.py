@@ -42,7 +42,10 @@ _LATE_S: Final = 1.0
 _AROUND_S: Final = 1.5
 """For how much longer, before and after, what is in the way is taken to be there, and what is gone to."""
 _SAMPLE_S: Final = 0.02
-_STANDS_STILL: Final = "is made for a map that stands still; take `motion` away, or"
+_NO_SERIES: Final = (
+    "the series of the path of the fields is made for a map that stands still: take `motion` away, or write "
+    f"`smoothing: {CORRIDOR}`"
+)
 _NO_LAPS: Final = (
     "laps are flown again and again, and what moves is somewhere else each time: ask for visits instead, or take "
     "`motion` away"
@@ -67,10 +70,8 @@ def planned_in_motion(spec: MissionSpec, planned: Planned) -> FlightPlan:
     moving = moving_of(spec, partition, labelling)
     if moving is None:
         raise ValueError("nothing moves")
-    if spec.flight.replan:
-        raise NoPlanError(f"a flight with `replan: true` {_STANDS_STILL} leave that out")
     if spec.smoothing != CORRIDOR:
-        raise NoPlanError(f"the path of the fields {_STANDS_STILL} write `smoothing: {CORRIDOR}`")
+        raise NoPlanError(_NO_SERIES)
     plan = _Seeker(MovingMap(spec, moving, labelling), partition, planned).plan()
     if is_carried(plan):
         carried_path(plan)  # raises where a triangle of it moves too fast

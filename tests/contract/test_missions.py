@@ -31,6 +31,7 @@ WHOLE_FILE = {"empty.yaml", "only_comments.yaml"}
 WORDS = {
     "closing": "home ferry corridor bridge weir corridor home",
     "delivery": "base depot clinic farm base",
+    "drifting": "S2 S1 R",
     "farm": "pad field field pad",
     "inspection": "pad roof tank pad",
     "orchard": "shed rows rows rows rows rows rows rows rows shed",
@@ -40,6 +41,7 @@ WORDS = {
     "patrol": "home east west north east",
     "power_line": "yard north south yard",
     "response": "lab well lab pond lab",
+    "ship": "quay deck pier",
     "survey": "home S1 S2 S3 home",
     "tasks_delivery": "base depot clinic farm base",
     "timed": "home road mast road barn home",

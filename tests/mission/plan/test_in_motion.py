@@ -156,8 +156,10 @@ def test_bounds_in_seconds_of_what_moves_are_those_of_its_visit() -> None:
     ("text", "message"),
     [
         (drifting_text("G F S1 & G F home"), "laps are flown again and again"),
-        (drifting_text() + "smoothing: {extension: odd, frequencies: auto}\n", "path of the fields is made for a map"),
-        (drifting_text().replace("{speed_m_s: 4,", "{speed_m_s: 4, replan: true,"), "`replan: true` is made for a map"),
+        (
+            drifting_text() + "smoothing: {extension: odd, frequencies: auto}\n",
+            "path of the fields is made for a map that stands still",
+        ),
     ],
 )
 def test_what_is_made_for_maps_that_stand_still_is_refused(text: str, message: str) -> None:
