@@ -1,10 +1,12 @@
 """What is said of regions and nodes that move: in the terminal, in reports, and on maps of other programs."""
 
 import json
+from argparse import Namespace
 
 import pytest
 
 from mission.cli.plan import print_plan, summary
+from mission.cli.screen import speak
 from mission.export.files import WRITERS
 from mission.export.placed_plan import placed_plan
 from mission.geometry.geodesy import LatLon
@@ -42,6 +44,7 @@ def test_nodes_that_move_are_named_by_their_numbers() -> None:
 
 def test_a_plan_says_what_moves_in_all_its_forms(capsys: pytest.CaptureFixture[str]) -> None:
     plan = drifting_plan()
+    speak(Namespace())  # as loud as commands are
     print_plan(plan)
     assert "Moves          K by [0, 10] m until 20 s" in capsys.readouterr().out
     assert summary(plan)["motions"] == {"K": {"waypoints": [[0.0, 0.0, 0.0], [20.0, 0.0, 10.0]]}}
