@@ -10,6 +10,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
+import shapely
 
 from mission.errors import GeometryError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray, frozen_floats
@@ -173,6 +174,12 @@ class MovingPartition:
         lasts = np.append(np.diff(self.times_s), 1.0)[k]
         share = np.where(k == len(self.times_s) - 1, 0.0, (times_s - self.times_s[k]) / lasts)
         return k, np.clip(share, 0.0, 1.0)
+
+
+def hulls_of(points_m: FloatArray) -> "np.ndarray[tuple[int], np.dtype[np.object_]]":
+    """The convex hulls of sets of points (N, K, 2), shape (N,): of a triangle at two times, all places between."""
+    numbers = np.repeat(np.arange(len(points_m)), points_m.shape[1])
+    return np.asarray(shapely.convex_hull(shapely.multipoints(points_m.reshape(-1, 2), indices=numbers)))
 
 
 def rim_of(partition: Partition) -> BoolArray:

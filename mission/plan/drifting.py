@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import FloatArray, IntArray
-from mission.geometry.moving import MovingPartition
+from mission.geometry.moving import MovingPartition, hulls_of
 from mission.plan.fence import drifts, shunned
 from mission.plan.flight_plan import FlightPlan
 from mission.plan.time_bounds import FOLLOWED_S
@@ -128,7 +128,7 @@ class Drifting:
         which, triangles, corners = which[close], triangles[close], corners[close]
         own = rows[which]
         squares = np.stack((here_m, there_m), axis=1)[own, :, None] + reach_m[own, None, None, None] * _SQUARE
-        meet = shapely.intersects(_hulls(squares.reshape(len(own), 8, 2)), _hulls(corners))
+        meet = shapely.intersects(hulls_of(squares.reshape(len(own), 8, 2)), hulls_of(corners))
         return own[meet], triangles[meet], low_s[which][meet]
 
     def _parted(self, begins_s: FloatArray, ends_s: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
@@ -142,9 +142,3 @@ class Drifting:
         low = np.where(number == 0, begins_s[rows], between[first[rows] + number - 1])
         high = np.where(number == counts[rows] - 1, ends_s[rows], between[first[rows] + number])
         return rows, low, high
-
-
-def _hulls(points_m: FloatArray) -> "np.ndarray[tuple[int], np.dtype[np.object_]]":
-    """Convex hulls of sets of points (N, K, 2), shape (N,)."""
-    numbers = np.repeat(np.arange(len(points_m)), points_m.shape[1])
-    return np.asarray(shapely.convex_hull(shapely.multipoints(points_m.reshape(-1, 2), indices=numbers)))

@@ -13,7 +13,7 @@ import shapely
 
 from mission.errors import NoPlanError
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.geometry.moving import MovingPartition
+from mission.geometry.moving import MovingPartition, hulls_of
 from mission.geometry.refinement import SMALLEST_ANGLE_DEG
 from mission.geometry.regions import Labelling, union_of
 from mission.logic.formula.conjuncts import conjuncts
@@ -78,9 +78,8 @@ class MovingMap:
         """All places where a region is at some time between two."""
         triangles = self.labelling.triangles_of(name)
         corners = [self._corners_at(time_s, triangles) for time_s in self._instants(*span_s)]
-        both = [np.concatenate(pair, axis=1).reshape(-1, 2) for pair in pairwise((*corners, corners[-1]))]
-        index = np.repeat(np.arange(len(both) * len(triangles)), 6)
-        return shapely.union_all(shapely.convex_hull(shapely.multipoints(np.concatenate(both), indices=index)))
+        both = [np.concatenate(pair, axis=1) for pair in pairwise((*corners, corners[-1]))]
+        return shapely.union_all(hulls_of(np.concatenate(both)))
 
     def kept(self, name: str, span_s: Span) -> shapely.Geometry:
         """The places that are in a region all of the time between two, and a little less."""

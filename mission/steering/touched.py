@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 
 from mission.geometry.arrays import BoolArray, FloatArray, IntArray
-from mission.geometry.moving import MovingPartition
+from mission.geometry.moving import MovingPartition, hulls_of
 from mission.geometry.simplices import Partition
 from mission.steering.enclosure import (
     ROUNDING,
@@ -177,7 +177,7 @@ class MovingTouched:
         for rows, low_s, high_s in self._parted(begins_s[which], ends_s[which]):
             own, triangles = np.repeat(rows, len(closed)), np.tile(closed, len(rows))
             corners = self._swept(np.repeat(low_s, len(closed)), np.repeat(high_s, len(closed)), triangles)
-            np.minimum.at(least, own, shapely.distance(chords[which[own]], _hulls(corners)))
+            np.minimum.at(least, own, shapely.distance(chords[which[own]], hulls_of(corners)))
         return least
 
     @cached_property
@@ -185,7 +185,7 @@ class MovingTouched:
         """All places at which something restricted is at some time."""
         corners = self._moving.places_m[:, self._moving.fixed.triangles[self._restricted]]
         both = np.concatenate((corners[:-1], corners[1:]), axis=2) if len(corners) > 1 else corners
-        return shapely.union_all(_hulls(both.reshape(-1, both.shape[2], 2)))
+        return shapely.union_all(hulls_of(both.reshape(-1, both.shape[2], 2)))
 
     def _contacts(
         self,
@@ -246,12 +246,6 @@ class MovingTouched:
         low = np.concatenate((np.minimum(low[:-1], low[1:]), low[-1:]))
         high = np.concatenate((np.maximum(high[:-1], high[1:]), high[-1:]))
         return [shapely.STRtree(shapely.box(*a.T, *b.T)) for a, b in zip(low, high, strict=True)]
-
-
-def _hulls(corners_m: FloatArray) -> np.ndarray:
-    """The convex hulls (C,) of points (C, P, 2)."""
-    index = np.repeat(np.arange(len(corners_m)), corners_m.shape[1])
-    return np.asarray(shapely.convex_hull(shapely.multipoints(corners_m.reshape(-1, 2), indices=index)))
 
 
 def _meet(p: FloatArray, q: FloatArray, width: FloatArray, corners_m: FloatArray) -> tuple[BoolArray, FloatArray]:

@@ -14,7 +14,7 @@ import shapely
 
 from mission.geometry.arrays import FloatArray, IntArray
 from mission.geometry.location import Locator
-from mission.geometry.moving import MovingPartition
+from mission.geometry.moving import MovingPartition, hulls_of
 from mission.verify.flown.reach import Reaches
 
 
@@ -100,9 +100,8 @@ class MovingOver(Over):
         lowest, highest = self._boxes
         near = np.flatnonzero(((lowest <= (east, north)) & (highest >= (west, south))).all(axis=1))
         corners = self.moving.corners_at(np.tile(times, len(near)), np.repeat(near, len(times)))
-        of = np.repeat(np.arange(len(near)), 3 * len(times))
-        hulls = shapely.convex_hull(shapely.multipoints(corners.reshape(-1, 2), indices=of))
-        return np.asarray(near[shapely.intersects(hulls, area)])
+        swept = hulls_of(corners.reshape(len(near), -1, 2))
+        return np.asarray(near[shapely.intersects(swept, area)])
 
     @cached_property
     def _boxes(self) -> tuple[FloatArray, FloatArray]:
